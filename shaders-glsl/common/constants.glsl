@@ -49,7 +49,8 @@ const int FACE_LEVEL = 4;         // Level of the cell that a walk over a face l
 const float GOLDEN_ANGLE = 2.399963229728653; // 2 pi (1 - 1 / golden ratio): a turn that spreads any number of points.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 
-const int TREE_LEVELS = 32;       // The most levels of a tree of triangles: a walk has room for so many.
+const float ROUNDING = 5.9604645e-8; // Half a unit in the last place of 1, in 32-bit floats.
+const int TREE_DEPTH = 32;        // The most levels of a tree of triangles: a walk has room for so many.
 const uint NO_TRIANGLE = 0xffffffffu; // The number of no triangle.
 const uint ASKS_MATERIAL = 0x80000000u; // The bit of a triangle's number whose material decides whether it is there.
 const uint MATERIAL_SKY = 1u;     // The bit of a material that shows the sky,

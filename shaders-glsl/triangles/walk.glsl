@@ -2,7 +2,7 @@
 // reference::triangles.
 //
 // The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
-// walk pushes at most one group of nodes for each level of the tree, and the host takes no tree with more than TREE_LEVELS
+// walk pushes at most one group of nodes for each level of the tree, and the host takes no tree with more than TREE_DEPTH
 // levels, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
 // not even one with NaN in it, which meets no box.
 
@@ -30,9 +30,6 @@ struct TreeRay {
 };
 
 const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
-
-// Half a unit in the last place of 1.
-const float ROUNDING = 5.9604645e-8;
 
 // A ray whose start is rounded by up to `error` metres.
 TreeRay RayFrom(vec3 origin, vec3 direction, uint own, float error) {
@@ -113,7 +110,7 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
 // The nearest triangle that the ray meets after `after`.
 Met WalkTree(TreeRay ray) {
     Met best = NOTHING;
-    uvec2 stack[TREE_LEVELS];
+    uvec2 stack[TREE_DEPTH];
     int height = 0;
     // A direction along a plane of an axis is tested as if it were a little beside it, which no box notices.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));

@@ -2,7 +2,7 @@
 
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
-use super::setup::{Beyond, CaptureCount, HistoryUse};
+use super::setup::{BeyondScreen, CaptureCount, HistoryUse};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -49,12 +49,12 @@ pub struct Effect {
     /// None where no image with the reflection in it is wanted.
     composite: Option<CompositePass>,
     captures: Option<Captured>,
-    triangles: Option<AmongTriangles>,
+    triangles: Option<PreparedTriangles>,
     prepared: Prepared,
 }
 
 /// The triangles of the scene, and the table of the materials that they show.
-struct AmongTriangles {
+struct PreparedTriangles {
     scene: Arc<TriangleScene>,
     table: Option<TriangleTable>,
 }
@@ -271,7 +271,7 @@ impl Effect {
             bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
-            triangles: triangles.map(|(scene, _)| AmongTriangles { scene, table: None }),
+            triangles: triangles.map(|(scene, _)| PreparedTriangles { scene, table: None }),
             prepared: Prepared::default(),
         };
         Ok(effect)
@@ -452,7 +452,7 @@ fn triangles_for(
 ) -> Result<Option<(Arc<TriangleScene>, TriangleReading)>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
-    if !is_all && !(info.takes_triangles && effect.beyond() == Beyond::Triangles) {
+    if !is_all && !(info.takes_triangles && effect.beyond() == BeyondScreen::Triangles) {
         return Ok(None);
     }
     let refused = || {

@@ -32,7 +32,7 @@ use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
-use crate::passes::triangle_scene::{TriangleReading, Triangles};
+use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output, Prepared};
@@ -54,7 +54,7 @@ pub struct Input<'a, 's> {
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
     /// The triangles of the scene, where rays are followed among them.
-    pub triangles: Option<Triangles<'a>>,
+    pub triangles: Option<TriangleBuffers<'a>>,
     /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). What
     /// lies behind no surface has the depth 0.
     pub behind: Option<GBuffer<'a>>,

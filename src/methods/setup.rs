@@ -35,7 +35,7 @@ choices! {
 
 choices! {
     /// Where rays go on that the screen loses.
-    pub enum Beyond {
+    pub enum BeyondScreen {
         /// In captures where some are asked for, else nowhere.
         Auto = "auto",
         /// Nowhere: the screen is all there is.
@@ -174,7 +174,7 @@ parameters! {
             .source("this project"),
         /// Where unified follows the rays that the screen loses. Where they go on, it hits what version 2 of the oracle says,
         /// and its reflections do not fade at the screen's border.
-        beyond: Beyond = Parameter::new(Beyond::Auto).source("this project"),
+        beyond: BeyondScreen = Parameter::new(BeyondScreen::Auto).source("this project"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
         /// screen's border.
@@ -195,10 +195,10 @@ parameters! {
 
 impl EffectParams {
     /// Where a method that can do either follows the rays that the screen loses.
-    pub fn beyond(&self) -> Beyond {
+    pub fn beyond(&self) -> BeyondScreen {
         match (self.beyond, self.captures) {
-            (Beyond::Auto, CaptureCount::None) => Beyond::None,
-            (Beyond::Auto, _) => Beyond::Captures,
+            (BeyondScreen::Auto, CaptureCount::None) => BeyondScreen::None,
+            (BeyondScreen::Auto, _) => BeyondScreen::Captures,
             (said, _) => said,
         }
     }
@@ -207,7 +207,7 @@ impl EffectParams {
     /// captures and nobody says in how many.
     pub fn captures_wanted(&self) -> CaptureCount {
         match (self.beyond, self.captures) {
-            (Beyond::Captures, CaptureCount::None) => CaptureCount::Auto,
+            (BeyondScreen::Captures, CaptureCount::None) => CaptureCount::Auto,
             (_, asked) => asked,
         }
     }

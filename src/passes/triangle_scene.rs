@@ -6,14 +6,13 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
-use crate::math::constants::{ALBEDO_SHIFT, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT};
+use crate::math::constants::{
+    ALBEDO_SHIFT, MAP_LEVELS, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT,
+};
 use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
 use crate::scene::{Camera, Encoding, Material, Surface};
 use ash::vk;
 use glam::{DVec3, Mat4};
-
-/// The most levels of an image that are looked into: enough for images of 32768 texels a side.
-const MAX_LEVELS: u32 = 16;
 
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
@@ -51,7 +50,7 @@ const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 /// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
-    /// Triangles of the scene.
+    /// TriangleBuffers of the scene.
     pub count: u32,
     /// Geometry and materials.
     pub geometry_texels: bool,
@@ -68,7 +67,7 @@ pub struct TriangleTable(TexelBuffer);
 
 /// What passes bind of a scene's triangles.
 #[derive(Clone, Copy)]
-pub struct Triangles<'a> {
+pub struct TriangleBuffers<'a> {
     /// Nodes, corners and attributes.
     pub geometry: &'a TexelBuffer,
     /// Texels of all images.
@@ -85,7 +84,7 @@ pub struct Triangles<'a> {
 #[derive(Clone, Copy)]
 pub struct AmongTriangles<'a> {
     /// The triangles.
-    pub triangles: Triangles<'a>,
+    pub triangles: TriangleBuffers<'a>,
     /// The camera.
     pub block: &'a TriangleBlock,
     /// The lights.
@@ -182,14 +181,14 @@ impl TriangleScene {
     }
 
     /// What passes bind, with a table of its own.
-    pub fn bound<'a>(&'a self, table: &'a TriangleTable) -> Triangles<'a> {
+    pub fn bound<'a>(&'a self, table: &'a TriangleTable) -> TriangleBuffers<'a> {
         let Self { origin, counts, extent_m, geometry, images, .. } = self;
         let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
-        Triangles { geometry, images, table: &table.0, origin, counts, extent_m }
+        TriangleBuffers { geometry, images, table: &table.0, origin, counts, extent_m }
     }
 }
 
-impl Triangles<'_> {
+impl TriangleBuffers<'_> {
     /// The block of a camera among the triangles.
     pub fn block(&self, camera: &Camera) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
@@ -227,7 +226,7 @@ fn copied(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<(
     // White's one level begins at its one texel.
     let mut words = vec![1, u32::MAX];
     let mut maps = Vec::with_capacity(images.len());
-    let levels = |image: &Image| image.levels().min(MAX_LEVELS);
+    let levels = |image: &Image| image.levels().min(MAP_LEVELS);
     let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
     for (image, encoding) in images {
         let [width, height] = image.extent();

@@ -9,7 +9,7 @@
 mod build;
 
 use super::{Material, Mesh, Scene, Vertex};
-use crate::math::constants::{ASKS_MATERIAL, NO_TRIANGLE, TREE_LEVELS};
+use crate::math::constants::{ASKS_MATERIAL, NO_TRIANGLE, TREE_DEPTH};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Words of a record as shaders load it.
@@ -32,14 +32,14 @@ pub struct Tree {
     pub nodes: Vec<Words>,
     /// The number of the triangle in each slot that nodes refer to: triangles are counted over all meshes in their order.
     pub slots: Vec<u32>,
-    /// Nodes on the longest way from the root to a leaf, at most `TREE_LEVELS`.
+    /// Nodes on the longest way from the root to a leaf, at most `TREE_DEPTH`.
     pub levels: u32,
 }
 
 impl Tree {
-    /// Whether a walk with room for `TREE_LEVELS` levels, which shaders have, can walk over the tree.
+    /// Whether a walk with room for `TREE_DEPTH` levels, which shaders have, can walk over the tree.
     pub fn is_walkable(&self) -> bool {
-        self.levels <= TREE_LEVELS as u32
+        self.levels <= TREE_DEPTH as u32
     }
 
     /// Bytes of nodes and slots.

@@ -50,7 +50,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
             aimed(&["--method", "magic"]),
             2,
             "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, dda, stochastic, \
-             local-map, pccm, billboard, ibr, planar, area-light, environment, captures, unified",
+             local-map, pccm, billboard, ibr, planar, area-light, environment, captures, traced, unified",
         ),
         (
             aimed(&["--method", "pccm", "--fallback", "pccm"]),

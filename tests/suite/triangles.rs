@@ -5,7 +5,7 @@ use crate::common::{check_validation, gpu};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::methods::setup::Beyond;
+use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{First, UnifiedParams};
 use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
 use ssct::passes::PathCode;
@@ -53,7 +53,7 @@ fn traced() -> &'static MethodInfo {
 
 fn beyond(first: First) -> Setup {
     Setup::new(EXTENT)
-        .with(|p: &mut EffectParams| p.beyond = Beyond::Triangles)
+        .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
         .with(|p: &mut UnifiedParams| p.first = first)
 }
 

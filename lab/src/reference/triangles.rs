@@ -1,7 +1,7 @@
 //! The CPU twin of `shaders-glsl/triangles/walk.glsl`: the walk of a ray through a tree of triangles, and the test of one
 //! triangle, operation for operation in 32-bit floats.
 
-use crate::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, TREE_LEVELS};
+use crate::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
 use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
 use glam::Vec3;
 
@@ -24,9 +24,6 @@ impl Met {
         (self.id != NO_TRIANGLE).then_some(self.id & !ASKS_MATERIAL)
     }
 }
-
-/// Half a unit in the last place of 1.
-const ROUNDING: f32 = 5.960_464_5e-8;
 
 /// A ray in the coordinates of a tree.
 #[derive(Debug, Clone, Copy)]
@@ -72,7 +69,7 @@ impl<'a> TriangleWalk<'a> {
     /// The nearest triangle that a ray meets, and the most groups of nodes that its walk had on its stack.
     pub fn walk(&self, ray: &TreeRay) -> (Met, usize) {
         let mut best = Met::NOTHING;
-        let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_LEVELS as usize);
+        let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_DEPTH as usize);
         let mut highest = 0;
         let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
         let inverse = 1.0 / direction;
@@ -163,7 +160,7 @@ impl<'a> TriangleWalk<'a> {
         let beyond = if area < 0.0 { -reach } else { reach };
         let inside = (u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0)
             && area != 0.0
-            && beyond > 12.0 * ROUNDING * self.extent * whole
+            && beyond > 12.0 * ROUNDING as f32 * self.extent * whole
             && id != ray.own;
         let nearer = t < best.t || (t == best.t && id < best.id);
         if inside && nearer && t > 0.0 {

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
-use crate::methods::setup::Beyond;
+use crate::methods::setup::BeyondScreen;
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
@@ -260,7 +260,7 @@ pub fn measure(
         // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
         let among_triangles = variant.method.takes_triangles
-            && (!variant.method.is_screen_space() || variant.setup.effect().beyond() == Beyond::Triangles);
+            && (!variant.method.is_screen_space() || variant.setup.effect().beyond() == BeyondScreen::Triangles);
         if variant.method.is_screen_space() || among_triangles {
             let setup = alone(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;

@@ -20,15 +20,13 @@ fn needed<'a>(
 }
 
 /// Turns on what a device must have on, beside whatever else is on. No extension is needed: this is core Vulkan 1.3.
-/// `largePoints` is among it, which a device may lack: then leave it off, and only `unified` cannot be made. So is
-/// `geometryShader`, without which no G-buffer knows the triangle of each pixel.
+/// `largePoints` is among it, which a device may lack: then leave it off, and only `unified` cannot be made.
 pub fn enable_features(
     core: &mut vk::PhysicalDeviceFeatures,
     vulkan12: &mut vk::PhysicalDeviceVulkan12Features<'_>,
     vulkan13: &mut vk::PhysicalDeviceVulkan13Features<'_>,
 ) {
     core.large_points = vk::TRUE;
-    core.geometry_shader = vk::TRUE;
     for (_, feature) in needed(core, vulkan12, vulkan13) {
         *feature = vk::TRUE;
     }

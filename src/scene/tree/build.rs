@@ -6,7 +6,7 @@
 
 use super::{MAX_TRIANGLES, NODE_WORDS, Tree, Words, triangles};
 use crate::error::{Error, Result};
-use crate::math::constants::TREE_LEVELS;
+use crate::math::constants::TREE_DEPTH;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -70,7 +70,7 @@ impl Tree {
             })
             .collect();
         let mut wide = bvh2_to_cwbvh(&by_neighbours(&padded), LEAF, true, false);
-        if levels(&wide) > TREE_LEVELS as u32 {
+        if levels(&wide) > TREE_DEPTH as u32 {
             wide = bvh2_to_cwbvh(&by_halves(&padded), LEAF, true, false);
         }
         let words: &[Words] = bytemuck::cast_slice(&wide.nodes);

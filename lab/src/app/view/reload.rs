@@ -179,7 +179,7 @@ mod tests {
         let [(_, Ok(mip)), (_, Ok(volume))] = &changes[..] else { panic!("{changes:?}") };
         assert_ne!(mip, volume, "each with what is defined for it");
 
-        edit("common/composite.frag", "color += reflectivity", "color += reflectivity * nonsense");
+        edit("common/composite.frag", "color + reflectivity", "color + reflectivity * nonsense");
         let changes = watch.look();
         let [(shader, Err(message))] = &changes[..] else { panic!("{changes:?}") };
         let text = std::fs::read_to_string(root.join("common/composite.frag")).unwrap();
