@@ -140,7 +140,8 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
         match (expected, met.triangle()) {
             (None, None) => {}
             (Some(e), Some(triangle)) if e.triangle == triangle => {
-                assert!((e.t - f64::from(met.t)).abs() < 1e-4, "{e:?} {met:?}");
+                // The error of a distance grows as the ray grazes the triangle.
+                assert!((e.t - f64::from(met.t)).abs() < 1e-3 * e.t + 1e-4, "{e:?} {met:?}");
             }
             // A ray at an edge, within rounding.
             _ => other += 1,
