@@ -29,15 +29,11 @@ void PushFromPixel(uvec2 pixel, Ray ray, float spread) {
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     if (!FOLLOWED || hit.code == PATH_HI_Z)
         return;
-#ifdef CONFIRMED
-    PushFromPixel(pixel, ray, spread);
-#else
     precise float depth = ray.depth + hit.s * ray.rate.z;
     precise vec2 at = ray.start + hit.s * ray.rate.xy;
     precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
     precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
     Push(pixel, start, ray.direction, before + distance(begin, start), spread, NO_TRIANGLE);
-#endif
 }
 
 #endif

@@ -21,12 +21,9 @@ Among SeeMet(TreeRay ray, Met met, bool leaves, float width) {
     return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY);
 }
 
-// From a pixel's point along a unit direction, both in world axes, the point relative to the eye; `triangle` is the one that
-// the pixel shows. The footprint measures `spread` for each metre from where the ray begins: as in the references, all rays
-// of a pixel leave from its one point.
-Among See(vec3 start, vec3 direction, uint triangle, float spread) {
-    bool leaves;
-    TreeRay ray = BeginRay(start, direction, triangle, leaves);
+// What a ray sees that begins on a pixel's triangle; `leaves` is that of BeginRay. The footprint measures `spread` for each
+// metre from where the ray begins: as in the references, all rays of a pixel leave from its one point.
+Among See(TreeRay ray, bool leaves, float spread) {
     Met met = Closest(ray);
     return SeeMet(ray, met, leaves, spread * met.t);
 }

@@ -6,10 +6,19 @@
 
 #include "triangles/color.glsl"
 
-// The point of the triangle in a slot in the direction of a point that may lie beside it, from the eye: a + u (b - a) + v (c - a), whose
-// three additions and products err by at most half a unit in the last place of the result, and by 5 half units of each
-// edge's part (Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1). `error` bounds that along
-// each axis.
+// Whether a number is that of a triangle with an area, and the slot of its corners; else slot 0.
+bool FindSlot(uint triangle, out uint slot) {
+    bool is_known = triangle < uint(triangles.count);
+    slot = Attribute(is_known ? triangle : 0u, 2).w;
+    is_known = is_known && slot != NO_TRIANGLE;
+    slot = is_known ? slot : 0u;
+    return is_known;
+}
+
+// The point of a triangle, by its slot, that is seen from the eye in the direction `towards`: a + u (b - a) + v (c - a).
+// Rounding moves it along each axis by no more than `error`: the last addition by half a unit in the last place of the point,
+// and the differences, products and the other addition by 5 half units of each edge's part (Higham, "Accuracy and Stability of
+// Numerical Algorithms", 2002, section 3.1).
 vec3 PointOfTriangle(uint slot, vec3 towards, out vec3 flat_normal, out vec3 error) {
     int at = triangles.corners + 3 * int(slot);
     vec3 a = uintBitsToFloat(Geometry(at).xyz);
@@ -33,18 +42,16 @@ vec3 PointOfTriangle(uint slot, vec3 towards, out vec3 flat_normal, out vec3 err
 // the triangle that it begins on, where there is nothing to see (docs/definitions.md, "Surfaces").
 TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
     vec3 flat_normal, error;
-    bool is_known = triangle < uint(triangles.count);
-    uint slot = Attribute(is_known ? triangle : 0u, 2).w;
-    is_known = is_known && slot != NO_TRIANGLE;
-    slot = is_known ? slot : 0u;
+    uint slot;
+    bool is_known = FindSlot(triangle, slot);
     vec3 point = PointOfTriangle(slot, start, flat_normal, error);
     float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
     leaves = !is_known || side * dot(flat_normal, start) < 0.0;
-    // The point's error and that of the corners of the planes beside it, which round alike.
+    // Once for the point, and once for the corners of what lies beside it in the same plane.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
-    // Depth is interpolated between corners that may be as near as the near plane, where it is 1: it errs by some half units in
-    // the last place of 1, and a metre of the point's depth is the smaller a part of it the farther away the point is.
+    // A rasteriser interpolates depth between corners that may lie at the near plane, where it is 1. So depth errs by a few
+    // half units in the last place of 1; and since depth is unit / z, each of these is z z / unit of one in metres.
     float depth_error = 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
     return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
                    is_known ? 0.0 : depth_error);

@@ -10,16 +10,12 @@
 
 // Whether a ray that hits a pixel meets its triangle, and what it then sees.
 bool Confirm(Ray ray, ivec2 pixel, float spread, out Among seen) {
-    vec3 start = ToWorld(ViewPoint(ray.start, ray.depth) * captures.view_unit);
-    vec3 along = ToWorld(ray.direction);
     bool leaves;
-    TreeRay tree_ray = BeginRay(start, along * inversesqrt(dot(along, along)), TriangleAt(ray.pixel), leaves);
-    uint proposed = TriangleAt(pixel);
-    bool is_known = proposed < uint(triangles.count);
-    uint slot = Attribute(is_known ? proposed : 0u, 2).w;
-    is_known = is_known && slot != NO_TRIANGLE;
+    TreeRay tree_ray = TreeRayOf(ray, leaves);
+    uint slot;
+    bool is_known = FindSlot(TriangleAt(pixel), slot);
     Met met = NOTHING;
-    Meet(tree_ray, int(is_known ? slot : 0u), met);
+    Meet(tree_ray, int(slot), met);
     bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
     bool is_met = is_known && met.id != NO_TRIANGLE && (!asks || StopsRay(met));
     met.id = is_met ? met.id : NO_TRIANGLE;

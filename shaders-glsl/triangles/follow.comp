@@ -18,6 +18,8 @@ void main() {
     if (index >= lost_counts.count)
         return;
     LostRay ray = lost.rays[index];
-    Among seen = See(ray.start, ray.direction, ray.pixel.z, ray.spread);
+    bool leaves;
+    TreeRay tree_ray = BeginRay(ray.start, ray.direction, ray.pixel.z, leaves);
+    Among seen = See(tree_ray, leaves, ray.spread);
     Finish(ray, Saw(seen.color, true, seen.place, seen.code));
 }

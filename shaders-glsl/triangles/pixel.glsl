@@ -1,12 +1,22 @@
-// The triangle that a pixel shows.
+// The triangle that a pixel shows, and the ray of a pixel among the scene's triangles.
 
 #ifndef TRIANGLES_PIXEL_GLSL
 #define TRIANGLES_PIXEL_GLSL
+
+#include "unified/ray.glsl"
+#include "triangles/begin.glsl"
 
 layout(binding = 29, r32ui) uniform readonly uimage2D triangle_buffer; // of each pixel; one texel where none is known
 
 uint TriangleAt(ivec2 pixel) {
     return imageLoad(triangle_buffer, min(pixel, imageSize(triangle_buffer) - 1)).x;
+}
+
+// `leaves` is that of BeginRay.
+TreeRay TreeRayOf(Ray ray, out bool leaves) {
+    vec3 start = ToWorld(ViewPoint(ray.start, ray.depth) * captures.view_unit);
+    vec3 along = ToWorld(ray.direction);
+    return BeginRay(start, along * inversesqrt(dot(along, along)), TriangleAt(ray.pixel), leaves);
 }
 
 #endif

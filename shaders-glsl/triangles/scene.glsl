@@ -2,8 +2,8 @@
 // materials and tables of images in another, and the texels of all images in a third. Filled in by
 // src/passes/triangle_scene.rs, from the records of src/scene/tree.rs.
 //
-// Each buffer is bound twice, as texels and as a storage block, and TEXELS says how it is read: as texels wherever the
-// device can tell so many apart, since some devices read them faster.
+// Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how they are read: as
+// texels wherever the device can tell so many apart, since some devices read them faster.
 
 #ifndef TRIANGLES_SCENE_GLSL
 #define TRIANGLES_SCENE_GLSL

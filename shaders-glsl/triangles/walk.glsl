@@ -133,7 +133,8 @@ Met WalkTree(TreeRay ray) {
             uvec4 x = Geometry(node + 2), y = Geometry(node + 3), z = Geometry(node + 4);
             vec3 scale = uintBitsToFloat(uvec3(Byte(head.w, 0), Byte(head.w, 1), Byte(head.w, 2)) << 23);
             vec3 step = scale * inverse, base = (uintBitsToFloat(head.xyz) - ray.origin) * inverse;
-            // Each axis: low sides of children 0 to 3 and 4 to 7, then high sides. The side that the ray meets first comes first.
+            // Each axis has low sides of children 0 to 3 and 4 to 7, then high sides. The side that the ray meets first comes
+            // first.
             x = back.x ? x.zwxy : x;
             y = back.y ? y.zwxy : y;
             z = back.z ? z.zwxy : z;

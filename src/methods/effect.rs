@@ -11,15 +11,15 @@ use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
+use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
-use crate::passes::triangle_scene::{TriangleReading, TriangleScene, TriangleTable};
+use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading, TriangleTable};
 use crate::passes::{Captures, GBuffer};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Faces of the capture at the camera, all of which each frame draws.
@@ -53,10 +53,31 @@ pub struct Effect {
     prepared: Prepared,
 }
 
-/// The triangles of the scene, and the table of the materials that they show.
+/// How the triangles of the scene are read, and the table of the materials that they show.
 struct PreparedTriangles {
-    scene: Arc<TriangleScene>,
+    reading: TriangleReading,
     table: Option<TriangleTable>,
+}
+
+impl PreparedTriangles {
+    /// The triangles of a scene as they are now.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if they are not ready, and for more lights than the effect was made for.
+    fn bound<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
+        let (lights, most) = (data.light_count(), self.reading.lights);
+        if lights > most {
+            let message =
+                format!("the scene has {lights} lights now, and this effect was made for {most}: make it anew");
+            return Err(Error::Usage(message));
+        }
+        let ready = data.triangles().zip(self.table.as_ref());
+        let ((geometry, images), table) = ready.ok_or_else(|| {
+            let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
+            Error::Usage(message.into())
+        })?;
+        Ok(geometry.bound(images, table))
+    }
 }
 
 /// What a method made of its scene once, and is counted in no frame: captures and their pyramids, cube maps, filtered skies.
@@ -172,7 +193,7 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured, triangles): (bool, Option<Captured>, Option<(Arc<TriangleScene>, TriangleReading)>),
+        (has_scene, captured, triangles): (bool, Option<Captured>, Option<TriangleReading>),
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
@@ -199,6 +220,11 @@ impl Effect {
             let message = format!("several bounces are for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
         }
+        if effect.bounces != 1 && triangles.is_some() {
+            let message = "several bounces are for rays that end on the screen or in captures: what rays meet among \
+                           triangles does not reflect";
+            return Err(Error::Usage(message.into()));
+        }
         let is_bumped = effect.bump_after > 0.0;
         if is_bumped && !other_normals {
             let message = "bumps after the tracing need rays that were reflected at normals without them: \
@@ -207,7 +233,6 @@ impl Effect {
         }
         let gpu: Gpu = context.gpu().clone();
         let face = captured.as_ref().map(|c| c.face);
-        let reading = triangles.as_ref().map(|(_, reading)| *reading);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -245,7 +270,7 @@ impl Effect {
             reflection: wants.reflection || !composite,
             composite,
             captures: face,
-            triangles: reading,
+            triangles,
             behind: false,
         };
         if divisor != 1 {
@@ -271,7 +296,7 @@ impl Effect {
             bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
-            triangles: triangles.map(|(scene, _)| PreparedTriangles { scene, table: None }),
+            triangles: triangles.map(|reading| PreparedTriangles { reading, table: None }),
             prepared: Prepared::default(),
         };
         Ok(effect)
@@ -291,7 +316,9 @@ impl Effect {
             }
         }
         if let Some(triangles) = &mut self.triangles {
-            triangles.table = Some(triangles.scene.table(context, scene.materials)?);
+            scene.data.prepare_triangles(context)?;
+            let images = scene.data.triangles().map(|(_, images)| images);
+            triangles.table = images.map(|images| images.table(context, scene.materials)).transpose()?;
         }
         if let Some((behind, _)) = &mut self.fallback {
             behind.prepare(context, scene)?;
@@ -385,7 +412,7 @@ impl Effect {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
         };
-        let triangles = self.triangles.as_ref().and_then(|t| Some(t.scene.bound(t.table.as_ref()?)));
+        let triangles = self.triangles.as_ref().map(|t| t.bound(input.scene()?.data)).transpose()?;
         let mut input = Input { captures, triangles, gbuffer, behind, frame: frames, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
@@ -449,7 +476,7 @@ fn triangles_for(
     info: &MethodInfo,
     effect: &EffectParams,
     scene: Option<&SceneInput>,
-) -> Result<Option<(Arc<TriangleScene>, TriangleReading)>> {
+) -> Result<Option<TriangleReading>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
     if !is_all && !(info.takes_triangles && effect.beyond() == BeyondScreen::Triangles) {
@@ -462,10 +489,8 @@ fn triangles_for(
             info.name
         ))
     };
-    let data = scene.ok_or_else(refused)?.data;
-    let triangles = data.triangles(context)?.ok_or_else(refused)?;
-    let reading = data.triangle_reading(&triangles);
-    Ok(Some((triangles, reading)))
+    let reading = scene.ok_or_else(refused)?.data.prepare_triangles(context)?;
+    Ok(Some(reading.ok_or_else(refused)?))
 }
 
 /// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place

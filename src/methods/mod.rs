@@ -54,7 +54,7 @@ pub struct Input<'a, 's> {
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
     /// The triangles of the scene, where rays are followed among them.
-    pub triangles: Option<TriangleBuffers<'a>>,
+    pub triangles: Option<TriangleBuffers<'s>>,
     /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). What
     /// lies behind no surface has the depth 0.
     pub behind: Option<GBuffer<'a>>,

@@ -1,6 +1,6 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
-use super::triangle_scene::{TriangleReading, TriangleScene};
+use super::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
@@ -13,9 +13,9 @@ use crate::scene::tree::{Tree, TriangleRecords};
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::{Mat4, Vec3};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
@@ -39,7 +39,9 @@ pub struct SceneData {
     captures: Vec<Capture>,
     find_captures: Option<FindCaptures>,
     build_tree: Option<BuildTree>,
-    triangle_scene: RefCell<Option<Arc<TriangleScene>>>,
+    /// Built when rays are first followed among them, and again after a mesh has moved.
+    triangle_geometry: OnceCell<TriangleGeometry>,
+    triangle_images: OnceCell<TriangleImages>,
     triangles_as_blocks: bool,
     placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
@@ -47,8 +49,9 @@ pub struct SceneData {
     planes: Vec<CoplanarGroup>,
 }
 
-/// Builds the tree over a scene's triangles, with their records.
-pub type BuildTree = Box<dyn Fn() -> Result<(Tree, TriangleRecords)>>;
+/// Builds the tree over a scene's triangles, with their records, where some of its meshes stand off by an offset in metres:
+/// their names, and how far.
+pub type BuildTree = Box<dyn Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)>>;
 
 /// Finds the captures of a scene that are wanted, given those that it names itself.
 pub type FindCaptures = Box<dyn Fn(&[Capture], Wanted) -> Vec<Capture>>;
@@ -126,7 +129,8 @@ impl SceneData {
             captures: scene.captures.clone(),
             find_captures: None,
             build_tree: None,
-            triangle_scene: RefCell::default(),
+            triangle_geometry: OnceCell::new(),
+            triangle_images: OnceCell::new(),
             triangles_as_blocks: false,
             placed: RefCell::default(),
             impostors: scene.impostors.clone(),
@@ -205,6 +209,7 @@ impl SceneData {
             mesh.offset = offset;
             placed += 1;
         }
+        self.triangle_geometry.take();
         if placed == 0 {
             return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
         }
@@ -224,11 +229,11 @@ impl SceneData {
         self.placed.get_mut().clear();
     }
 
-    /// Says how the tree over the scene's triangles is built. It is asked once, when an effect first follows rays among
-    /// them; without it no effect can.
-    pub fn build_tree_by(&mut self, build: impl Fn() -> Result<(Tree, TriangleRecords)> + 'static) {
+    /// Says how the tree over the scene's triangles is built. It is asked when an effect first follows rays among them, and
+    /// again after a mesh has moved; without it no effect can.
+    pub fn build_tree_by(&mut self, build: impl Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)> + 'static) {
         self.build_tree = Some(Box::new(build));
-        self.triangle_scene.get_mut().take();
+        self.triangle_geometry.take();
     }
 
     /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
@@ -236,35 +241,45 @@ impl SceneData {
         self.triangles_as_blocks = as_blocks;
     }
 
-    /// How the triangles are read that [`Self::triangles`] gives.
-    pub fn triangle_reading(&self, triangles: &TriangleScene) -> TriangleReading {
-        let reading = triangles.reading(self.lights.len() as u32);
-        let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
-        TriangleReading {
-            geometry_texels: as_texels(reading.geometry_texels),
-            image_texels: as_texels(reading.image_texels),
-            ..reading
-        }
-    }
-
-    /// Whether rays can be followed among the scene's triangles.
-    pub fn has_triangles(&self) -> bool {
-        self.build_tree.is_some()
-    }
-
-    /// The scene's triangles for rays that are followed among them; `None` if nobody said how their tree is built.
+    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
+    /// their tree is built. To be asked before each frame that follows rays among them, which costs nothing unless a mesh has
+    /// moved.
     ///
     /// # Errors
     /// What building the tree returns, and [`Error::Memory`] without memory.
-    pub fn triangles(&self, context: &mut FrameContext) -> Result<Option<Arc<TriangleScene>>> {
+    pub fn prepare_triangles(&self, context: &mut FrameContext) -> Result<Option<TriangleReading>> {
         let Some(build) = &self.build_tree else { return Ok(None) };
-        let mut known = self.triangle_scene.borrow_mut();
-        if known.is_none() {
-            let (tree, records) = build()?;
-            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
-            *known = Some(Arc::new(TriangleScene::new(context, &tree, &records, &images)?));
+        if self.triangle_geometry.get().is_none() {
+            let moved: Vec<(&str, Vec3)> = self.meshes.iter().map(|m| (m.name.as_str(), m.offset)).collect();
+            let moved: Vec<_> = moved.into_iter().filter(|(_, offset)| *offset != Vec3::ZERO).collect();
+            let (tree, records) = build(&moved)?;
+            let made = TriangleGeometry::new(context, &tree, &records)?;
+            self.triangle_geometry.get_or_init(|| made);
         }
-        Ok(known.clone())
+        if self.triangle_images.get().is_none() {
+            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
+            let made = TriangleImages::new(context, &images)?;
+            self.triangle_images.get_or_init(|| made);
+        }
+        Ok(self.triangles().map(|(geometry, images)| {
+            let reading = geometry.reading(images, self.lights.len() as u32);
+            let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
+            TriangleReading {
+                geometry_texels: as_texels(reading.geometry_texels),
+                image_texels: as_texels(reading.image_texels),
+                ..reading
+            }
+        }))
+    }
+
+    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before it, and after a mesh has moved.
+    pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
+        self.triangle_geometry.get().zip(self.triangle_images.get())
+    }
+
+    /// How many lights there are.
+    pub fn light_count(&self) -> u32 {
+        self.lights.len() as u32
     }
 
     /// The rectangles that stand for things in reflections.

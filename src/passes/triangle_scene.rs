@@ -17,20 +17,23 @@ use glam::{DVec3, Mat4};
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
 
-/// The tree, the records of the triangles and the images of a scene.
-pub struct TriangleScene {
+/// The tree and the records of a scene's triangles, where its meshes stand.
+pub struct TriangleGeometry {
     origin: DVec3,
-    /// Where corners and attributes begin among the vectors of `geometry`, the number of triangles and that of nodes.
+    /// Where corners and attributes begin among the vectors of `buffer`, the number of triangles and that of nodes.
     counts: [i32; 4],
     /// The greatest coordinate of a corner, in metres.
     extent_m: f32,
-    geometry: TexelBuffer,
-    images: TexelBuffer,
-    /// The images of materials, in their order.
-    maps: Vec<Map>,
     /// Whether a material decides at each hit whether its surface is there.
     asks: bool,
-    bytes: u64,
+    buffer: TexelBuffer,
+}
+
+/// The images of a scene's materials.
+pub struct TriangleImages {
+    /// In the order of the scene's images.
+    maps: Vec<Map>,
+    buffer: TexelBuffer,
 }
 
 /// An image among the words of all images.
@@ -50,7 +53,7 @@ const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 /// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
-    /// TriangleBuffers of the scene.
+    /// Triangles of the scene.
     pub count: u32,
     /// Geometry and materials.
     pub geometry_texels: bool,
@@ -110,50 +113,82 @@ macro_rules! with_triangles {
 }
 pub(super) use with_triangles;
 
-impl TriangleScene {
-    /// Uploads a tree with its records, and copies the images of a scene.
+impl TriangleGeometry {
+    /// Uploads a tree with its records.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
-    pub fn new(
-        context: &mut FrameContext,
-        tree: &Tree,
-        records: &TriangleRecords,
-        images: &[(&Image, Encoding)],
-    ) -> Result<Self> {
+    pub fn new(context: &mut FrameContext, tree: &Tree, records: &TriangleRecords) -> Result<Self> {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
         let vectors: Vec<Words> = [&tree.nodes[..], &records.corners, &records.attributes].concat();
         let attributes = tree.nodes.len() + records.corners.len();
         let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];
-        let geometry = uploaded(context, "triangles", bytemuck::cast_slice(&vectors))?;
-        let (texels, maps) = copied(context, images)?;
         Ok(Self {
             origin: tree.origin,
             counts: counts.map(|count| count as i32),
             extent_m: records.extent_m(),
-            bytes: geometry.buffer().size() + texels.buffer().size(),
-            geometry,
-            images: texels,
-            maps,
             asks: records.asks(),
+            buffer: uploaded(context, "triangles", bytemuck::cast_slice(&vectors))?,
         })
     }
 
-    /// Bytes of device memory.
-    pub fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// How the device reads it, with so many lights.
-    pub fn reading(&self, lights: u32) -> TriangleReading {
+    /// How the device reads it together with some images, with so many lights.
+    pub fn reading(&self, images: &TriangleImages, lights: u32) -> TriangleReading {
         let [_, _, count, _] = self.counts;
         TriangleReading {
             count: count.cast_unsigned(),
-            geometry_texels: self.geometry.is_whole(),
-            image_texels: self.images.is_whole(),
+            geometry_texels: self.buffer.is_whole(),
+            image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
         }
+    }
+
+    /// What passes bind, with images and a table of materials.
+    pub fn bound<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
+        let Self { origin, counts, extent_m, buffer, .. } = self;
+        let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
+        TriangleBuffers { geometry: buffer, images: &images.buffer, table: &table.0, origin, counts, extent_m }
+    }
+}
+
+impl TriangleImages {
+    /// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Memory`] without memory.
+    pub fn new(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<Self> {
+        let gpu: Gpu = context.gpu().clone();
+        // White's one level begins at its one texel.
+        let mut words = vec![1, u32::MAX];
+        let mut maps = Vec::with_capacity(images.len());
+        let levels = |image: &Image| image.levels().min(MAP_LEVELS);
+        let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
+        for (image, encoding) in images {
+            let [width, height] = image.extent();
+            let srgb = if *encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
+            maps.push(Map { place: words.len() as u32, size: width | height << 16, described: levels(image) | srgb });
+            for level in 0..levels(image) {
+                words.push(next);
+                let [width, height] = image.level(level).extent();
+                next += width * height;
+            }
+        }
+        let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(next))?;
+        let bytes = bytemuck::cast_slice(&words);
+        let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
+        for ((image, _), map) in images.iter().zip(&maps) {
+            context.once(|frame| {
+                for level in 0..levels(image) {
+                    let first = u64::from(words[(map.place + level) as usize]);
+                    frame.copy_to_buffer("texels", image.level(level), &buffer, TEXEL_BYTES * first)?;
+                }
+                frame.make_ready(image.all(), Access::FragmentSampled);
+                Ok(())
+            })?;
+        }
+        Ok(Self { maps, buffer: TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)? })
     }
 
     /// The table of a view's materials.
@@ -178,13 +213,6 @@ impl TriangleScene {
         };
         let vectors: Vec<Words> = materials.iter().flat_map(of_material).collect();
         Ok(TriangleTable(uploaded(context, "materials", bytemuck::cast_slice(&vectors))?))
-    }
-
-    /// What passes bind, with a table of its own.
-    pub fn bound<'a>(&'a self, table: &'a TriangleTable) -> TriangleBuffers<'a> {
-        let Self { origin, counts, extent_m, geometry, images, .. } = self;
-        let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
-        TriangleBuffers { geometry, images, table: &table.0, origin, counts, extent_m }
     }
 }
 
@@ -218,38 +246,4 @@ fn uploaded(context: &mut FrameContext, name: &str, bytes: &[u8]) -> Result<Texe
 
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
     Buffer::new(gpu, name, bytes, TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)
-}
-
-/// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
-fn copied(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<(TexelBuffer, Vec<Map>)> {
-    let gpu: Gpu = context.gpu().clone();
-    // White's one level begins at its one texel.
-    let mut words = vec![1, u32::MAX];
-    let mut maps = Vec::with_capacity(images.len());
-    let levels = |image: &Image| image.levels().min(MAP_LEVELS);
-    let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
-    for (image, encoding) in images {
-        let [width, height] = image.extent();
-        let srgb = if *encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
-        maps.push(Map { place: words.len() as u32, size: width | height << 16, described: levels(image) | srgb });
-        for level in 0..levels(image) {
-            words.push(next);
-            let [width, height] = image.level(level).extent();
-            next += width * height;
-        }
-    }
-    let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(next))?;
-    let staging = Buffer::upload(&gpu, "staging", bytemuck::cast_slice(&words), vk::BufferUsageFlags::TRANSFER_SRC)?;
-    context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
-    for ((image, _), map) in images.iter().zip(&maps) {
-        context.once(|frame| {
-            for level in 0..levels(image) {
-                let first = u64::from(words[(map.place + level) as usize]);
-                frame.copy_to_buffer("texels", image.level(level), &buffer, TEXEL_BYTES * first)?;
-            }
-            frame.make_ready(image.all(), Access::FragmentSampled);
-            Ok(())
-        })?;
-    }
-    Ok((TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)?, maps))
 }

@@ -6,6 +6,8 @@
 //! Through Compressed Wide BVHs", HPG 2017): eight children in 80 bytes.
 
 #[cfg(feature = "tree")]
+pub mod boxes;
+#[cfg(feature = "tree")]
 mod build;
 
 use super::{Material, Mesh, Scene, Vertex};

@@ -4,20 +4,14 @@
 //!
 //! The edge functions of that test depend only on an edge's two vertices, and swapping these only changes the
 //! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The
-//! boxes are enlarged by more than the rounding error of f32 (`PADDING`), so that no box hides a triangle that
+//! boxes are enlarged by more than the rounding error of f32 ([`PaddedTriangles`]), so that no box hides a triangle that
 //! the test in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
-use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray as BoxRay, RayHit};
-use obvhs::{Boundable, BvhBuildParams};
-
-/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab
-/// test in f32 errs by a few units of 6e-8 for origins about that far from it.
-const PADDING: f32 = 4e-6;
+use ssct::scene::tree::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,25 +75,12 @@ enum Boxes {
 
 /// How many levels of a [`CwBvh`] its traversal holds; beyond them obvhs 0.4 forgets boxes without a word. Boxes that are
 /// alike, as those of a scene far from the origin whose corners round to few places, make deeper hierarchies.
-const WIDE_LEVELS: usize = 32;
+const WIDE_LEVELS: u32 = 32;
 
 impl Boxes {
     fn new(padded: &[Padded]) -> Self {
-        let params = BvhBuildParams::medium_build();
-        let indices = (0..padded.len() as u32).collect();
-        let (precision, threshold) = (params.sort_precision, params.search_depth_threshold);
-        let mut binary = PlocBuilder::with_capacity(padded.len()).build(
-            params.ploc_search_distance,
-            padded,
-            indices,
-            precision,
-            threshold,
-        );
-        // The optimizer's stack has as many places as the default depth: a deeper hierarchy stays as it is.
-        if binary.depth(0) < binary.max_depth {
-            ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
-        }
-        let wide = bvh2_to_cwbvh(&binary, params.max_prims_per_leaf.clamp(1, 3), true, false);
+        let mut binary = by_neighbours(padded);
+        let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);
         }
@@ -116,52 +97,11 @@ impl Boxes {
     }
 }
 
-/// How many nodes lie on the longest way from the root of a hierarchy to a leaf.
-fn levels(boxes: &CwBvh) -> usize {
-    let (mut level, mut levels) = (vec![0], 0);
-    while !level.is_empty() {
-        levels += 1;
-        let children = |&node: &u32| {
-            let node = &boxes.nodes[node as usize];
-            let inner = |child: &usize| !node.is_child_empty(*child) && !node.is_leaf(*child);
-            (0..8).filter(inner).map(|child| node.child_node_index(child)).collect::<Vec<_>>()
-        };
-        level = level.iter().flat_map(children).collect();
-    }
-    levels
-}
-
-/// A triangle's enlarged box.
-struct Padded(Aabb);
-
-impl Boundable for Padded {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
-}
-
 impl TriangleBvh {
     /// Builds the hierarchy over triangles in metres. Hits refer to them by index.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
-        let corners = || triangles.iter().flatten().map(|v| v.as_dvec3());
-        let [low, high] = [corners().reduce(DVec3::min), corners().reduce(DVec3::max)].map(Option::unwrap_or_default);
-        let middle = 0.5 * (low + high);
-        let greatest = (high - middle).max_element() as f32;
-        let padding = Vec3A::splat(PADDING * greatest);
-        // What has no area is never hit, and many points in one place would make a deep hierarchy of boxes that are alike.
-        let area = |corners: &[Vec3; 3]| {
-            let [a, b, c] = corners.map(|v| v.as_dvec3());
-            (b - a).cross(c - a) != DVec3::ZERO
-        };
-        let with_area: Vec<u32> = (0..triangles.len() as u32).filter(|&i| area(&triangles[i as usize])).collect();
-        let padded: Vec<Padded> = with_area
-            .iter()
-            .map(|&i| {
-                let corners = triangles[i as usize].map(|v| (v.as_dvec3() - middle).as_vec3a());
-                let [min, max] = [Vec3A::min, Vec3A::max].map(|f| f(f(corners[0], corners[1]), corners[2]));
-                Padded(Aabb::new(min - padding, max + padding))
-            })
-            .collect();
+        let PaddedTriangles { middle, with_area, boxes: padded } =
+            PaddedTriangles::new(triangles.len(), |i| triangles[i].map(|v| v.as_dvec3()));
         let boxes = (!padded.is_empty()).then(|| {
             let mut boxes = Boxes::new(&padded);
             boxes.primitive_indices_mut().iter_mut().for_each(|i| *i = with_area[*i as usize]);

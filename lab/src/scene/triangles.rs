@@ -7,6 +7,7 @@ use super::{Material, Scene, Vertex};
 use crate::error::Result;
 use glam::{DVec2, Vec3};
 use ssct::scene::tree::{Tree, TriangleRecords};
+use std::borrow::Cow;
 
 /// The triangles of a scene with the materials of a view.
 pub struct Triangles<'a> {
@@ -89,17 +90,26 @@ impl<'a> Triangles<'a> {
     }
 }
 
-/// Builds the tree over a scene's triangles, with their records, when it is asked for.
-pub fn tree_builder(scene: &Scene) -> impl Fn() -> Result<(Tree, TriangleRecords)> + use<> {
+/// Builds the tree over a scene's triangles, with their records, when it is asked for, where some meshes stand off by an
+/// offset.
+pub fn tree_builder(scene: &Scene) -> impl Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)> + use<> {
     let bare = Scene {
         name: scene.name.clone(),
         meshes: scene.meshes.clone(),
         materials: scene.materials.clone(),
         ..Scene::default()
     };
-    move || {
-        let tree = Tree::build(&bare)?;
-        let records = TriangleRecords::new(&bare, &tree);
+    move |moved| {
+        let mut placed = Cow::Borrowed(&bare);
+        if !moved.is_empty() {
+            for mesh in &mut placed.to_mut().meshes {
+                if let Some((_, offset)) = moved.iter().find(|(name, _)| *name == mesh.name) {
+                    mesh.translate(*offset);
+                }
+            }
+        }
+        let tree = Tree::build(&placed)?;
+        let records = TriangleRecords::new(&placed, &tree);
         Ok((tree, records))
     }
 }

@@ -79,10 +79,19 @@ impl Stage {
         (&mut self.context, &self.data)
     }
 
+    /// Begins a frame of a shot, with the scene's triangles where its meshes stand now if the shot's method asks for them.
+    fn begin(&mut self, shot: &Shot, mode: Mode) -> Result<(Frame<'_>, &SceneData)> {
+        let Self { context, data } = self;
+        if shot.effect.wants_triangles() {
+            data.prepare_triangles(context)?;
+        }
+        Ok((context.begin(mode)?, data))
+    }
+
     /// Runs one frame of a shot.
     pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, Drawn)> {
-        let mut frame = self.context.begin(mode)?;
-        let (drawn, _) = shot.record(&mut frame, &self.data)?;
+        let (mut frame, data) = self.begin(shot, mode)?;
+        let (drawn, _) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn))
     }
 
@@ -101,8 +110,8 @@ impl Stage {
 
     /// Runs one frame of a shot in a mode and hands over what it made.
     pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
-        let mut frame = self.context.begin(mode)?;
-        let (drawn, output) = shot.record(&mut frame, &self.data)?;
+        let (mut frame, data) = self.begin(shot, mode)?;
+        let (drawn, output) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn, output))
     }
 
@@ -129,9 +138,9 @@ impl Stage {
         shot: &'s Shot,
         (other, drawn): (&'s Shot, &Drawn),
     ) -> Result<(FrameReport, Output<'s>)> {
-        let mut frame = self.context.begin(mode)?;
+        let (mut frame, data) = self.begin(shot, mode)?;
         frame.begin_effect();
-        let output = shot.reflect(&mut frame, &self.data, (other, drawn))?;
+        let output = shot.reflect(&mut frame, data, (other, drawn))?;
         Ok((frame.finish()?, output))
     }
 }

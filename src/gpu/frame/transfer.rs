@@ -155,28 +155,15 @@ impl Frame<'_> {
 
     /// Copies a level into a readback buffer, tightly packed, for the host.
     pub fn download(&mut self, name: &str, from: ImageSlice, to: &Buffer) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_buffer(to, Access::TransferWrite);
-            frame.flush();
-            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
-            unsafe {
-                frame.device().cmd_copy_image_to_buffer(
-                    frame.context.commands,
-                    from.image().handle(),
-                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                    to.handle(),
-                    &[whole(&from)],
-                );
-            }
-            frame.use_buffer(to, Access::HostRead);
-            frame.flush();
-            Ok(())
-        })
+        self.copy_texels(name, from, (to, 0), Access::HostRead)
     }
 
     /// Copies all layers of a level into a buffer from byte `first` on, tightly packed, for compute shaders to read.
     pub fn copy_to_buffer(&mut self, name: &str, from: ImageSlice, to: &Buffer, first: u64) -> Result<()> {
+        self.copy_texels(name, from, (to, first), Access::ComputeStorageRead)
+    }
+
+    fn copy_texels(&mut self, name: &str, from: ImageSlice, (to, first): (&Buffer, u64), access: Access) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_image(from, Access::TransferRead);
             frame.use_buffer(to, Access::TransferWrite);
@@ -191,7 +178,7 @@ impl Frame<'_> {
                     &[whole(&from).buffer_offset(first)],
                 );
             }
-            frame.use_buffer(to, Access::ComputeStorageRead);
+            frame.use_buffer(to, access);
             frame.flush();
             Ok(())
         })

@@ -435,7 +435,8 @@ impl Inspection {
         let g = &self.gbuffer;
         let texel = self.hits.as_ref()?.at(x, y);
         let code = PathCode::from_channel(texel[3])?;
-        if !code.is_hit() && !matches!(code, PathCode::Capture | PathCode::Sky | PathCode::Unknown) {
+        if !code.is_hit() && !matches!(code, PathCode::Capture | PathCode::Triangle | PathCode::Sky | PathCode::Unknown)
+        {
             return None;
         }
         let view_to_world = g.camera.world_to_view.as_dmat4().inverse();
@@ -458,7 +459,7 @@ impl Inspection {
             begin
         };
         let end = match code {
-            PathCode::Capture => g.camera.eye() + Vec3::from_slice(texel),
+            PathCode::Capture | PathCode::Triangle => g.camera.eye() + Vec3::from_slice(texel),
             PathCode::Sky => lost + RayInWorld::SKY_M * direction,
             _ => lost,
         };

@@ -128,7 +128,7 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
     let tree = Tree::build(&scene).expect("a tree");
     let records = TriangleRecords::new(&scene, &tree);
     let walk = TriangleWalk::new(&tree, &records);
-    let truth = TriangleBvh::new(triangles);
+    let truth = TriangleBvh::new(triangles.clone());
     let (mut hits, mut other) = (0, 0);
     for (origin, direction) in rays(Vec3::ZERO, 5.0, 20_000) {
         let direction = direction.normalize();
@@ -140,8 +140,12 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
         match (expected, met.triangle()) {
             (None, None) => {}
             (Some(e), Some(triangle)) if e.triangle == triangle => {
-                // The error of a distance grows as the ray grazes the triangle.
-                assert!((e.t - f64::from(met.t)).abs() < 1e-3 * e.t + 1e-4, "{e:?} {met:?}");
+                // The walk's test errs by a dozen half units of the extent in the distance to a plane; start and corners are
+                // rounded by half a unit along each axis. Along the ray that is more, the flatter it meets the plane.
+                let [a, b, c] = triangles[triangle as usize].map(|v| v.as_dvec3());
+                let cosine = (b - a).cross(c - a).normalize().dot(direction.into()).abs();
+                let lengths = 14.0 * f64::from(records.extent_m()) + 2.0 * origin.as_dvec3().length();
+                assert!((e.t - f64::from(met.t)).abs() * cosine <= ROUNDING * lengths, "{e:?} {met:?}");
             }
             // A ray at an edge, within rounding.
             _ => other += 1,

@@ -110,17 +110,14 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
 /// In words, where a ray ends that the screen lost.
 fn beyond_the_screen(ray: &RayInWorld) -> String {
     let (code, end) = (ray.code, ray.end);
-    match ray.capture {
-        Some(k) => format!(
-            "{code:?} {}: hit at {:.2}, {:.2}, {:.2}, {:.2} m away",
-            k + 1,
-            end.x,
-            end.y,
-            end.z,
-            ray.begin.distance(end)
-        ),
-        None if code == PathCode::Sky => format!("{code:?}: the captures see it to its end"),
-        None => format!("{code:?}: no image sees where it goes"),
+    let number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
+    match code {
+        PathCode::Capture | PathCode::Triangle => {
+            let away = ray.begin.distance(end);
+            format!("{code:?}{number}: hit at {:.2}, {:.2}, {:.2}, {away:.2} m away", end.x, end.y, end.z)
+        }
+        PathCode::Sky => format!("{code:?}: nothing stands in its way"),
+        _ => format!("{code:?}: no image sees where it goes"),
     }
 }
 

@@ -1,0 +1,87 @@
+//! Boxes of triangles and hierarchies over them, as the crate obvhs builds them: for trees that shaders walk, and for whoever
+//! holds such a walk against one of his own.
+
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::cwbvh::CwBvh;
+use obvhs::ploc::PlocBuilder;
+use obvhs::{Boundable, BvhBuildParams};
+
+/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab
+/// test in f32 errs by a few units of 6e-8 for origins about that far from it.
+const PADDING: f32 = 4e-6;
+
+/// The most triangles to a leaf: what the compressed nodes have room for.
+pub const LEAF: u32 = 3;
+
+/// A triangle's enlarged box.
+pub struct Padded(pub Aabb);
+
+impl Boundable for Padded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+/// Triangles that have an area, from the middle of the bounds of all.
+pub struct PaddedTriangles {
+    /// The middle, from which boxes are measured: a scene far from the origin is not coarser for it.
+    pub middle: DVec3,
+    /// The numbers of the triangles that have an area. What has none is never hit, and many points in one place would make
+    /// a deep hierarchy of boxes that are alike.
+    pub with_area: Vec<u32>,
+    /// Their boxes, in the same order.
+    pub boxes: Vec<Padded>,
+}
+
+impl PaddedTriangles {
+    /// The boxes of triangles, whose corners are in metres.
+    pub fn new(count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
+        let all = || (0..count).flat_map(&corners);
+        let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
+        let middle = 0.5 * (low + high);
+        let padding = Vec3A::splat(PADDING * (high - middle).max_element() as f32);
+        let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
+        let with_area: Vec<u32> = (0..count as u32).filter(|i| has_area(corners(*i as usize))).collect();
+        let padded = |&i: &u32| {
+            let [a, b, c] = corners(i as usize).map(|v| (v - middle).as_vec3a());
+            Padded(Aabb::new(a.min(b).min(c) - padding, a.max(b).max(c) + padding))
+        };
+        let boxes = with_area.iter().map(padded).collect();
+        Self { middle, with_area, boxes }
+    }
+}
+
+/// A binary hierarchy of good quality and of any number of levels.
+pub fn by_neighbours(padded: &[Padded]) -> Bvh2 {
+    let params = BvhBuildParams::medium_build();
+    let indices = (0..padded.len() as u32).collect();
+    let mut binary = PlocBuilder::with_capacity(padded.len()).build(
+        params.ploc_search_distance,
+        padded,
+        indices,
+        params.sort_precision,
+        params.search_depth_threshold,
+    );
+    // The optimizer's stack has as many places as the default depth: a deeper hierarchy stays as it is.
+    if binary.depth(0) < binary.max_depth {
+        ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
+    }
+    binary
+}
+
+/// How many nodes lie on the longest way from the root of a hierarchy to a leaf.
+pub fn levels(boxes: &CwBvh) -> u32 {
+    let (mut level, mut levels) = (vec![0], 0);
+    while !level.is_empty() {
+        levels += 1;
+        let children = |&node: &u32| {
+            let node = &boxes.nodes[node as usize];
+            let inner = |child: &usize| !node.is_child_empty(*child) && !node.is_leaf(*child);
+            (0..8).filter(inner).map(|child| node.child_node_index(child)).collect::<Vec<_>>()
+        };
+        level = level.iter().flat_map(children).collect();
+    }
+    levels
+}
