@@ -40,6 +40,9 @@ fn greatest_flip(method: &str) -> [f64; 2] {
         "ssct" | "hzct" | "sslr" | "poster" => [0.01, 0.04],
         // They draw the scene into maps or a mirror's image with the device itself, whose filters differ (`drawn`).
         "local-map" | "pccm" | "captures" | "planar" => [0.04, 0.04],
+        // It looks into levels of material maps that the device makes by its own filter: with the finest level alone, the
+        // images are as near as those of the methods below.
+        "traced" => [0.04, 0.04],
         _ => [0.01, 0.02],
     }
 }
@@ -141,10 +144,14 @@ fn both_drivers_record_and_time_the_same_passes() {
         serde_json::from_str(&said).unwrap()
     };
     let [ours, theirs] = [LAVAPIPE, SWIFTSHADER].map(timed);
+    // SwiftShader has no geometry shaders, so that its G-buffer does not number triangles. One pass says so to shaders.
+    let recorded = |r: &Value| -> Vec<Value> {
+        r["recorded"].as_array().unwrap().iter().filter(|pass| *pass != "no triangle").cloned().collect()
+    };
     assert_eq!((ours.len(), theirs.len()), (2 * METHODS.len(), 2 * METHODS.len()));
     for (a, b) in ours.iter().zip(&theirs) {
         assert_eq!(a["method"], b["method"]);
-        assert_eq!((&a["recorded"], &a["skipped"]), (&b["recorded"], &b["skipped"]), "{}", a["method"]);
+        assert_eq!((recorded(a), &a["skipped"]), (recorded(b), &b["skipped"]), "{}", a["method"]);
         for r in [a, b] {
             assert!(r["total"]["median_ms"].as_f64().unwrap() > 0.0, "{r}");
         }
