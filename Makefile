@@ -15,8 +15,10 @@ all: build
 setup:
 	@scripts/setup.sh
 
+# The command, and what it needs: the window is a program of its own (`make view`). A binary of the whole workspace, and not
+# the one of a package, so that crates have the features here that they have in `make test`, and are compiled once.
 build: setup
-	$(CARGO) build --profile $(PROFILE)
+	$(CARGO) build --profile $(PROFILE) --bin ssct
 
 # The crate that others embed, with its shaders compiled: target/package/ssct-VERSION.crate.
 package: setup
@@ -119,14 +121,15 @@ lint: setup
 	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
-	cd lab && $(CARGO) clippy --no-default-features -- -D warnings
-	cd lab && $(CARGO) clippy --no-default-features --features tracy -- -D warnings
+	$(CARGO) clippy --package ssct-lab --features tracy -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 
 bench: setup
 	$(CARGO) bench
 
+# The window, which `ssct view` starts.
 view: build
+	$(CARGO) build --profile $(PROFILE) --bin ssct-view
 	"$(BIN)" view
 
 # The tables and numbers in README.md and docs/, from the records under benches/runs.

@@ -2,12 +2,9 @@
 
 pub mod app;
 pub mod custom;
-pub mod metrics;
-pub mod reference;
 pub mod report;
-pub mod scene;
 pub mod study;
-#[cfg(feature = "window")]
-pub mod window;
+
+pub use ssct_truth::{metrics, reference, scene};
 
 use ssct::{error, gpu, math, methods, parameter, passes};

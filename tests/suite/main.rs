@@ -62,6 +62,5 @@ mod unified;
 mod unified_stages;
 mod validation;
 mod video;
-mod window;
 mod world_shared_scenes;
 mod world_vs_gbuffer;

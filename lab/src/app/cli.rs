@@ -19,10 +19,13 @@ pub struct DevicesOptions {
 /// Options that mean the same everywhere.
 #[derive(Debug, Args)]
 pub struct CommonOptions {
+    /// Scene and camera.
     #[command(flatten)]
     pub place: SceneOptions,
+    /// Parameters of methods.
     #[command(flatten)]
     pub method_options: MethodOptions,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
 }
@@ -119,6 +122,7 @@ pub struct ShardOptions {
 /// Options of `ssct render`.
 #[derive(Debug, Args)]
 pub struct RenderOptions {
+    /// Scene, methods and device.
     #[command(flatten)]
     pub common: CommonOptions,
     /// Method, or `reference` for the ground truth
@@ -168,6 +172,7 @@ pub struct RenderOptions {
 /// Options of `ssct time`.
 #[derive(Debug, Args)]
 pub struct TimeOptions {
+    /// Scene, methods and device.
     #[command(flatten)]
     pub common: CommonOptions,
     /// Methods, such as ssct,hzct; by default all of them
@@ -200,6 +205,7 @@ pub struct TimeOptions {
     /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// Part of a divided study.
     #[command(flatten)]
     pub shard: ShardOptions,
     /// Folder for records, samples, a plot and a table
@@ -207,6 +213,7 @@ pub struct TimeOptions {
     /// Its files are time.json, time-samples.csv, time.svg and time.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Folder of the run.
     #[command(flatten)]
     pub run: RunOptions,
 }
@@ -244,6 +251,7 @@ pub struct StressOptions {
     /// Only cases whose name contains these words
     #[arg(long, value_name = "WORDS")]
     pub case: Option<String>,
+    /// Part of a divided study.
     #[command(flatten)]
     pub shard: ShardOptions,
     /// Folder for records, a table and a page
@@ -251,8 +259,10 @@ pub struct StressOptions {
     /// Its files are stress.json, stress.txt and index.html.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Folder of the run.
     #[command(flatten)]
     pub run: RunOptions,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
 }
@@ -260,6 +270,7 @@ pub struct StressOptions {
 /// Options of `ssct motion`.
 #[derive(Debug, Args)]
 pub struct MotionOptions {
+    /// Scene, methods and device.
     #[command(flatten)]
     pub common: CommonOptions,
     /// Methods, such as ssct,hzct; by default all of them
@@ -281,6 +292,7 @@ pub struct MotionOptions {
     /// Its files are motion.json and motion.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Folder of the run.
     #[command(flatten)]
     pub run: RunOptions,
 }
@@ -304,8 +316,10 @@ pub struct GBufferExportOptions {
     /// File to write
     #[arg(value_name = "FILE.exr")]
     pub file: PathBuf,
+    /// Scene and camera.
     #[command(flatten)]
     pub place: SceneOptions,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
     /// Width and height in pixels
@@ -336,8 +350,10 @@ pub struct GBufferReflectOptions {
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long)]
     pub reflection_only: bool,
+    /// Scene beside the G-buffer.
     #[command(flatten)]
     pub beside: BesideGBufferOptions,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
 }
@@ -396,6 +412,7 @@ pub struct StudyOptions {
     /// Nothing that was measured with the same settings is measured again.
     #[arg(long)]
     pub resume: bool,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
 }
@@ -422,6 +439,7 @@ pub struct FiguresOptions {
     /// Nothing that was made with the same settings is made again.
     #[arg(long)]
     pub resume: bool,
+    /// Device.
     #[command(flatten)]
     pub device: DeviceOptions,
 }

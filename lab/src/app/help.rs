@@ -37,7 +37,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "texture_size",
         ],
     ),
-    (METHOD, &["method", "variant", "against", "compare", "preset"]),
+    (METHOD, &["method", "variant", "preset"]),
     (
         MEASUREMENT,
         &[
@@ -81,7 +81,8 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "costs",
         ],
     ),
-    (WINDOW, &["panel", "inside", "pick", "stay", "shaders", "present_mode"]),
+    // The window names the headings of its own options.
+    (WINDOW, &[]),
     (
         OUTPUT,
         &[
@@ -94,8 +95,6 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "trace",
             "write",
             "map",
-            "screenshot",
-            "animation",
             "gbuffer_map",
             "resume",
         ],
@@ -105,7 +104,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
 
 /// The options that the short help of a command with many options shows, in their order: what most people look for, then
 /// what commands are about. Options that must be given are shown in any case, behind these.
-const SHORT: [&str; 24] = [
+const SHORT: [&str; 23] = [
     "scene",
     "view",
     "method",
@@ -128,7 +127,6 @@ const SHORT: [&str; 24] = [
     "faces",
     "table",
     "figure",
-    "against",
     "explain",
 ];
 
@@ -144,12 +142,25 @@ const SHORT_WIDTH: usize = 16;
 
 /// The command line, arranged for the help that the arguments ask for.
 pub fn command(arguments: &[OsString]) -> Command {
-    arranged(arguments.iter().any(|argument| argument == "-h"))
+    arranged(asks_for_summary(arguments))
+}
+
+/// The command line of a program that is a command by itself, arranged as a command of `ssct` is.
+pub fn of_one_command<P: CommandFactory>(arguments: &[OsString]) -> Command {
+    let command = P::command();
+    let name = command.get_name().to_owned();
+    arrange(command, &name, asks_for_summary(arguments))
+}
+
+fn asks_for_summary(arguments: &[OsString]) -> bool {
+    arguments.iter().any(|argument| argument == "-h")
 }
 
 fn arranged(is_short: bool) -> Command {
     let command = Cli::command();
-    let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    // What hands its arguments on to another program leaves the help to it, too.
+    let has_help = |c: &&Command| !c.is_disable_help_flag_set();
+    let names: Vec<String> = command.get_subcommands().filter(has_help).map(|c| c.get_name().to_owned()).collect();
     let of = |name: &String| format!("ssct {name}");
     let paths = names.iter().map(of).collect::<Vec<_>>();
     let overview = overview(&command);

@@ -2,7 +2,7 @@
 
 mod age;
 mod captures;
-mod cli;
+pub mod cli;
 mod command;
 mod compare;
 mod custom_methods;
@@ -14,20 +14,20 @@ mod error_options;
 mod figures;
 mod gbuffer;
 mod gpu_study;
-mod headings;
-mod help;
+pub mod headings;
+pub mod help;
 mod index;
 mod merge;
 mod motion;
-mod parameters;
+pub mod parameters;
 mod path;
 mod plan;
 mod precision;
 mod progress;
-mod reference;
+pub mod reference;
 mod reference_part;
 mod render;
-mod resolve;
+pub mod resolve;
 mod run;
 mod stress;
 mod study;
@@ -36,45 +36,23 @@ mod time_captions;
 mod time_output;
 mod truth;
 mod video;
-#[cfg(feature = "window")]
-mod view;
-#[cfg(not(feature = "window"))]
-#[path = "no_view.rs"]
 mod view;
 
 use crate::error::Error;
 use clap::FromArgMatches;
 use command::{Cli, Command};
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::{LevelFilter, ParseError, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
-/// Runs the command line; returns the exit status: 0 done, 1 the run failed or a bar was missed,
+/// Runs the command line of `ssct`; returns the exit status: 0 done, 1 the run failed or a bar was missed,
 /// 2 the arguments are wrong.
 pub fn run() -> ExitCode {
-    // Methods from folders have flags of their own, so that they are known before the command line is read.
-    let arguments = match custom_methods::added(std::env::args_os()) {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            eprintln!("ssct: {}", printable(&error.to_string()));
-            return ExitCode::from(exit_status(&error));
-        }
-    };
-    let mut command = help::command(&arguments);
-    let matches = command.try_get_matches_from_mut(arguments);
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))) {
-        Ok(cli) => cli,
-        Err(e) => {
-            let status = u8::try_from(e.exit_code()).unwrap_or(2);
-            // Printing to a closed pipe may fail, and there is nobody left to tell.
-            let _ = e.print();
-            return ExitCode::from(status);
-        }
-    };
-    tracing_subscriber::fmt()
-        .with_env_filter(tracing_subscriber::EnvFilter::from_env("SSCT_LOG"))
-        .with_writer(std::io::stderr)
-        .init();
-    let done = match &cli.command {
+    program(help::command, |cli: &Cli| match &cli.command {
         Command::Render(options) => render::run(options),
         Command::Study(options) => study::run(options),
         Command::View(options) => view::run(options),
@@ -96,9 +74,53 @@ pub fn run() -> ExitCode {
         Command::Drivers(options) => drivers::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Truth(options) => truth::run(options),
+    })
+}
+
+/// Runs a program of the laboratory by its command line, and prints how it ended; returns the exit status of [`run`].
+/// `command` arranges the command line for the help that the arguments ask for, and `run` does what they say.
+pub fn program<P: FromArgMatches>(
+    command: impl FnOnce(&[OsString]) -> clap::Command,
+    run: impl FnOnce(&P) -> anyhow::Result<()>,
+) -> ExitCode {
+    // Methods from folders have flags of their own, so that they are known before the command line is read.
+    let arguments = match custom_methods::added(std::env::args_os()) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            eprintln!("ssct: {}", printable(&error.to_string()));
+            return ExitCode::from(exit_status(&error));
+        }
+    };
+    let mut command = command(&arguments);
+    let matches = command.try_get_matches_from_mut(arguments);
+    let options = match matches.and_then(|matches| P::from_arg_matches(&matches).map_err(|e| e.format(&mut command))) {
+        Ok(options) => options,
+        Err(e) => {
+            let status = u8::try_from(e.exit_code()).unwrap_or(2);
+            // Printing to a closed pipe may fail, and there is nobody left to tell.
+            let _ = e.print();
+            return ExitCode::from(status);
+        }
     };
     // What is still to be printed may find no room, as what is printed.
-    let done = done.and_then(|()| Ok(std::io::stdout().flush()?));
+    let flushed = || Ok(std::io::stdout().flush()?);
+    ended(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
+}
+
+/// Prints from now on what the variable SSCT_LOG asks for, as `vulkan=warn`; errors alone without it.
+fn log() -> Result<(), Error> {
+    let wrong = |text: &str, e: ParseError| Error::Usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
+    let asked = match std::env::var("SSCT_LOG") {
+        Ok(text) if !text.is_empty() => text.parse().map_err(|e| wrong(&text, e))?,
+        _ => Targets::new().with_default(LevelFilter::ERROR),
+    };
+    let printed = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(asked);
+    tracing_subscriber::registry().with(printed).init();
+    Ok(())
+}
+
+/// Prints why a run failed; returns the exit status.
+fn ended(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,

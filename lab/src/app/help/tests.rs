@@ -6,10 +6,10 @@ use crate::parameter::Parameters;
 const COLUMNS: usize = 80;
 const LINES: usize = 45;
 
-/// Every command without subcommands, with its path.
+/// Every command without subcommands, with its path, but for `view`, whose options and help are those of another program.
 fn leaves(command: &Command) -> Vec<(String, Command)> {
     let mut found = Vec::new();
-    for sub in command.get_subcommands().filter(|c| c.get_name() != "help") {
+    for sub in command.get_subcommands().filter(|c| !["help", "view"].contains(&c.get_name())) {
         let nested: Vec<_> =
             leaves(sub).into_iter().map(|(path, c)| (format!("{} {path}", sub.get_name()), c)).collect();
         if nested.is_empty() { found.push((sub.get_name().to_owned(), sub.clone())) } else { found.extend(nested) }

@@ -35,7 +35,7 @@ const median = (samples) => {
 const quotient = (a, b) => (a === b ? 1 : b / a);
 const percentile = (sorted, share) => sorted[Math.max(Math.ceil(share * sorted.length), 1) - 1];
 
-// B's median over A's, and the interval of the resamples, as in lab/src/metrics/bootstrap.rs.
+// B's median over A's, and the interval of the resamples, as in lab/truth/src/metrics/bootstrap.rs.
 function ratioOfMedians(a, b) {
   const ratios = [];
   for (let resample = 0; resample < library.resamples; resample++) {

@@ -1,0 +1,52 @@
+//! `ssct view`: starts the window, which is a program of its own, so that whoever renders and measures need not build it.
+
+use crate::error::Error;
+use clap::Args;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The window's program, which is looked for beside this one and then on the PATH.
+const PROGRAM: &str = "ssct-view";
+
+/// Options of `ssct view`, which are handed on.
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true, disable_version_flag = true)]
+pub struct ViewOptions {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
+}
+
+/// Runs the window's program in place of this one.
+pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
+    let program = beside(std::env::current_exe().ok().as_deref());
+    let mut command = Command::new(program.unwrap_or_else(|| PROGRAM.into()));
+    let error = replace(command.args(&options.arguments));
+    let why = if error.kind() == std::io::ErrorKind::NotFound {
+        format!("its program {PROGRAM} is neither beside ssct nor on the PATH; `make view` builds it")
+    } else {
+        format!("its program {PROGRAM} cannot be started: {error}")
+    };
+    Err(Error::NoWindow(why).into())
+}
+
+/// The window's program in the folder of this one, if it is there.
+fn beside(own: Option<&Path>) -> Option<PathBuf> {
+    let program = own?.with_file_name(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
+    program.is_file().then_some(program)
+}
+
+/// Becomes another program, which keeps the terminal, the signals and the exit status; returns if it cannot.
+#[cfg(unix)]
+fn replace(command: &mut Command) -> std::io::Error {
+    std::os::unix::process::CommandExt::exec(command)
+}
+
+/// Runs another program to its end, and ends with its status; returns if it cannot.
+#[cfg(not(unix))]
+fn replace(command: &mut Command) -> std::io::Error {
+    match command.status() {
+        Ok(status) => std::process::exit(status.code().unwrap_or(1)),
+        Err(error) => error,
+    }
+}

@@ -1,0 +1,200 @@
+//! Trees that are hard to walk over: every triangle is found that a test of all triangles finds, the stack never holds more
+//! than a shader has room for, and no ray makes a NaN.
+
+use super::*;
+use crate::math::random::Stream;
+use crate::scene::bvh::{Intersector, TriangleBvh, WorldRay};
+use crate::scene::{Aabb, Material, Mesh, Scene, Vertex};
+use bytemuck::Zeroable;
+use glam::DVec3;
+
+type Corners = [Vec3; 3];
+
+fn scene(triangles: &[Corners]) -> Scene {
+    let vertex = |p: &Vec3| Vertex { position: p.to_array(), ..Vertex::zeroed() };
+    let vertices: Vec<Vertex> = triangles.iter().flatten().map(vertex).collect();
+    let indices = (0..vertices.len() as u32).collect();
+    let bounds = Aabb::of(&vertices);
+    let mesh = Mesh { name: "triangles".into(), vertices, indices, material: 0, bounds };
+    Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() }
+}
+
+/// A number in −1…1.
+fn signed(i: u64, j: u64) -> f32 {
+    (2.0 * Stream::new(11, i).uniform(j) - 1.0) as f32
+}
+
+fn vector(i: u64, j: u64) -> Vec3 {
+    Vec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
+}
+
+/// Holds walks against a test of every triangle; gives how many rays hit.
+fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Vec3)>) -> usize {
+    let scene = scene(triangles);
+    let tree = Tree::build(&scene).expect("a tree");
+    assert!(tree.is_walkable(), "{name}: {} levels", tree.levels);
+    let with_area = |[a, b, c]: &&Corners| {
+        let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    };
+    let mut slots = tree.slots.clone();
+    slots.sort_unstable();
+    slots.dedup();
+    assert_eq!(slots.len(), triangles.iter().filter(with_area).count(), "{name}: a triangle is lost or there twice");
+    assert_eq!(slots.len(), tree.slots.len(), "{name}");
+    let records = TriangleRecords::new(&scene, &tree);
+    let walk = TriangleWalk::new(&tree, &records);
+    let mut hits = 0;
+    for (origin, direction) in rays {
+        let origin = (origin.as_dvec3() - tree.origin).as_vec3();
+        let ray = TreeRay { origin, direction: direction.normalize_or(Vec3::X), own: NO_TRIANGLE };
+        let (met, highest) = walk.walk(&ray);
+        assert_eq!(met, walk.nearest_of_all(&ray), "{name}: {ray:?}");
+        assert!(highest <= TREE_DEPTH as usize, "{name}: {highest} groups on the stack");
+        assert!(met.t.is_finite() && met.weight.iter().all(|w| w.is_finite()), "{name}: {met:?}");
+        hits += usize::from(met.triangle().is_some());
+    }
+    hits
+}
+
+/// Rays from around a place; every other one is aimed at it.
+fn rays(around: Vec3, reach: f32, count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
+    (0..count).map(move |i| {
+        let origin = around + 1.5 * reach * vector(i, 5);
+        let aimed = around + 0.3 * reach * vector(i, 6) - origin;
+        (origin, if i % 2 == 0 { aimed } else { vector(i, 6) })
+    })
+}
+
+fn scattered(count: u64, size: f32) -> Vec<Corners> {
+    (0..count).map(|i| [1, 2, 3].map(|k| 5.0 * vector(i, 0) + size * vector(i, k))).collect()
+}
+
+#[test]
+fn scattered_triangles_are_found() {
+    assert!(check("scattered", &scattered(4000, 0.6), rays(Vec3::ZERO, 5.0, 3000)) > 1000);
+    assert!(check("one", &[[Vec3::ZERO, 3.0 * Vec3::X, 3.0 * Vec3::Y]], rays(Vec3::ZERO, 5.0, 3000)) > 100);
+    assert_eq!(check("none", &[], rays(Vec3::ZERO, 5.0, 20)), 0);
+}
+
+#[test]
+fn triangles_in_one_box_make_no_deep_tree() {
+    let corner = |i: u32, j: u32| Vec3::new((i >> (2 * j) & 1) as f32, (i >> (2 * j + 1) & 1) as f32, j as f32);
+    let triangles: Vec<Corners> = (0..3000).map(|i| [0, 1, 2].map(|j| corner(i % 64, j))).collect();
+    assert!(check("one box", &triangles, rays(Vec3::new(0.5, 0.5, 1.0), 2.0, 300)) > 20);
+}
+
+#[test]
+fn slivers_and_triangles_in_one_plane_are_found() {
+    let sliver = |i: u64| {
+        let (from, along) = (5.0 * vector(i, 0), vector(i, 1));
+        [from, from + 8.0 * along, from + 4.0 * along + 1e-3 * vector(i, 2)]
+    };
+    check("slivers", &(0..3000).map(sliver).collect::<Vec<_>>(), rays(Vec3::ZERO, 5.0, 1000));
+    let flat = |t: Corners| t.map(|v| Vec3::new(v.x, 0.0, v.z));
+    let plane: Vec<Corners> = scattered(3000, 1.0).into_iter().map(flat).collect();
+    let down = (0..500).map(|i| (5.0 * vector(i, 5).with_y(1.0), vector(i, 6).with_y(-1.0)));
+    assert!(check("plane", &plane, down) > 200);
+}
+
+#[test]
+fn triangles_far_from_the_origin_are_found() {
+    let far = Vec3::new(1e6, -1e6, 1e6);
+    let triangles: Vec<Corners> = scattered(1000, 2.0).into_iter().map(|t| t.map(|v| v + far)).collect();
+    assert!(check("far", &triangles, rays(far, 5.0, 1000)) > 300);
+}
+
+#[test]
+fn no_ray_makes_a_nan_or_runs_for_ever() {
+    let scene = scene(&scattered(300, 1.0));
+    let tree = Tree::build(&scene).expect("a tree");
+    let records = TriangleRecords::new(&scene, &tree);
+    let walk = TriangleWalk::new(&tree, &records);
+    let odd = [0.0, -0.0, 1.0, -1.0, 1e-38, 1e30, f32::INFINITY, f32::NAN];
+    for i in 0..odd.len().pow(2) {
+        let [a, b] = [odd[i % odd.len()], odd[i / odd.len()]];
+        for (origin, direction) in [(Vec3::new(a, b, 0.0), Vec3::new(b, 1.0, a)), (Vec3::splat(a), Vec3::splat(b))] {
+            let (met, _) = walk.walk(&TreeRay { origin, direction, own: NO_TRIANGLE });
+            assert!(!met.t.is_nan(), "{origin} {direction}: {met:?}");
+        }
+    }
+}
+
+/// The most by which the walk errs in the distance to a triangle, in metres, to the first order in the rounding ε of a
+/// number. The start and the corners are rounded by ε along each axis as they are measured from the tree's origin, which
+/// moves the plane by no more than the sum of both. The rest is that of `t = Σ uᵢ (d · vᵢ) / Σ uᵢ`, with corners vᵢ up to L
+/// from the start and edges up to E. Each uᵢ errs by 8 ε L²: 2 ε for the differences of its two corners, √2 · 2 ε for the two
+/// products and the difference of each part of the cross product, and 3 ε for the sum. So the weights move the hit within the
+/// triangle, whose extent along the ray is E at most. The products d · vᵢ and the weighted sum err by 10 ε L.
+fn distance_error(records: &TriangleRecords, [a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let (area, cosine) = (normal.dot(direction).abs(), normal.normalize().dot(direction).abs());
+    let far = [a, b, c].map(|v| v.distance(origin)).into_iter().fold(0.0, f64::max);
+    let edge = [a.distance(b), b.distance(c), c.distance(a)].into_iter().fold(0.0, f64::max);
+    let moved = 3.0_f64.sqrt() * (f64::from(records.extent_m()) + origin.length());
+    ROUNDING * (moved / cosine + 3.0 * 8.0 * far * far * edge / area + 10.0 * far)
+}
+
+/// The walk in 32-bit floats ends where the hierarchy in 64-bit floats does, but for ties.
+#[test]
+fn the_walk_agrees_with_the_hierarchy_in_f64() {
+    let triangles = scattered(2000, 0.8);
+    let scene = scene(&triangles);
+    let tree = Tree::build(&scene).expect("a tree");
+    let records = TriangleRecords::new(&scene, &tree);
+    let walk = TriangleWalk::new(&tree, &records);
+    let truth = TriangleBvh::new(triangles.clone());
+    let (mut hits, mut other) = (0, 0);
+    for (origin, direction) in rays(Vec3::ZERO, 5.0, 20_000) {
+        let direction = direction.normalize();
+        let ray = WorldRay { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f64::INFINITY };
+        let expected = truth.closest(&ray, &|_| true);
+        let (met, _) =
+            walk.walk(&TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own: NO_TRIANGLE });
+        hits += usize::from(expected.is_some());
+        match (expected, met.triangle()) {
+            (None, None) => {}
+            (Some(e), Some(triangle)) if e.triangle == triangle => {
+                let corners = triangles[triangle as usize].map(|v| v.as_dvec3());
+                let most = distance_error(&records, corners, origin.as_dvec3(), direction.as_dvec3());
+                assert!((e.t - f64::from(met.t)).abs() <= most, "{e:?} {met:?}, {most}");
+            }
+            // A ray at an edge, within rounding.
+            _ => other += 1,
+        }
+    }
+    assert!(hits > 5000 && other <= 2, "{other} of {hits} differ");
+}
+
+/// Rays that leave one of two planes a millimetre apart meet the other, and not their own, whatever the distance from the
+/// scene's middle.
+#[test]
+fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
+    for at in [1.0, 100.0, 10_000.0_f32] {
+        let quad = |y: f32| {
+            let [a, b, c, d] =
+                [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(|[x, z]| Vec3::new(at + x, y, z));
+            [[a, b, c], [a, c, d]]
+        };
+        let scene = scene(&[quad(0.0), quad(0.001)].concat());
+        let tree = Tree::build(&scene).expect("a tree");
+        let records = TriangleRecords::new(&scene, &tree);
+        let walk = TriangleWalk::new(&tree, &records);
+        for i in 0..2000 {
+            let [x, z] = [0, 1].map(|k| 0.9 * signed(i, k));
+            let start = DVec3::new(f64::from(at + x), 0.0, f64::from(z)) - tree.origin;
+            // From the lower plane up, and below it down.
+            for up in [1.0, -1.0] {
+                let direction =
+                    Vec3::new(signed(i, 2), up * 0.2 + up * 0.8 * signed(i, 3).abs(), signed(i, 4)).normalize();
+                let own = u32::from(x > z);
+                for own in [own, NO_TRIANGLE] {
+                    let (met, _) = walk.walk(&TreeRay { origin: start.as_vec3(), direction, own });
+                    let expected = up > 0.0;
+                    assert_eq!(met.triangle().is_some_and(|t| t >= 2), expected, "{at} m, {direction}: {met:?}");
+                    assert!(met.triangle().is_none_or(|t| t >= 2), "{at} m: its own plane");
+                }
+            }
+        }
+    }
+}

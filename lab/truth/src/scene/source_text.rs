@@ -1,0 +1,58 @@
+//! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit, and
+//! with the line in every error.
+
+use super::{bounded, encoding};
+use crate::error::{Error, Result};
+use std::ops::Range;
+use std::path::Path;
+
+/// A text and its path, for errors that name the line.
+#[derive(Clone, Copy)]
+pub struct SourceText<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// What stands in it.
+    pub text: &'a str,
+}
+
+impl SourceText<'_> {
+    /// An error at a byte range of the text.
+    pub fn error(&self, at: Range<usize>, message: impl Into<String>) -> Error {
+        Error::malformed(self.path, Some(self.line(at)), message)
+    }
+
+    /// The line, from 1, in which a byte range begins.
+    pub fn line(&self, at: Range<usize>) -> usize {
+        line_of(self.text.as_bytes(), at.start)
+    }
+
+    /// What is wrong with the syntax or the types of a TOML text.
+    pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
+        let message = error.message().trim().replace('\n', "; ");
+        match error.span() {
+            Some(span) => self.error(span, message),
+            None => Error::malformed(self.path, None, message),
+        }
+    }
+}
+
+/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as in "a
+/// scene file".
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] for a longer one, and with the line for one that is not UTF-8.
+pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
+    let bytes = bounded::read(path, what, most)?;
+    if let Some(name) = encoding::wide(&bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    String::from_utf8(encoding::without_mark(&bytes).to_vec()).map_err(|e| {
+        let line = line_of(e.as_bytes(), e.utf8_error().valid_up_to());
+        Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
+    })
+}
+
+/// The line, from 1, of a byte.
+fn line_of(text: &[u8], at: usize) -> usize {
+    1 + text[..at.min(text.len())].iter().filter(|&&b| b == b'\n').count()
+}

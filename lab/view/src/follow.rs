@@ -1,0 +1,143 @@
+//! Updates the viewer after the panel has changed the state: renders a frame if the request changed, analyses
+//! the frame at rest otherwise, and updates the picked ray, the range and the screen.
+
+use super::captures::CaptureEditor;
+use super::panel::PanelActions;
+use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
+use super::reference_error::ComparisonRequest;
+use super::state::{STEPS, Tab};
+use super::viewer::{Viewer, scene_name, screen, views};
+use crate::error::Result;
+use crate::methods::Setup;
+use crate::passes::Content;
+use crate::passes::look::Look;
+use ssct_lab::app::cli::SceneOptions;
+use ssct_lab::app::resolve;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl Viewer {
+    /// Updates pictures and screen to match the state; returns whether there was anything to do.
+    pub(super) fn follow(&mut self, actions: &PanelActions, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
+        if self.state.scene != scene_name(&self.place) {
+            self.load_scene()?;
+        }
+        if self.screen.extent() != extent {
+            self.screen = screen(&self.gpu, self.screen.format(), extent)?;
+        }
+        let area = actions.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
+        let wanted = self.wanted([area[2], area[3]]);
+        let mut active = true;
+        if self.pictures.is_other(&wanted) {
+            self.pictures.render(&wanted)?;
+            self.frames += 1;
+            (self.analysis, self.ray) = (None, None);
+            self.reference_error.forget();
+        } else if self.needs_analysis() {
+            let analysis = self.pictures.analyse()?;
+            if self.state.tab == Tab::Live {
+                self.compare_with_reference(&wanted, &analysis);
+            }
+            self.analysis = Some(analysis);
+        } else {
+            active = false;
+        }
+        active |= self.pick();
+        if actions.fit_range {
+            self.fit_range()?;
+            active = true;
+        }
+        let content = self.pictures.shown(0).map(|s| s.content);
+        let look = Look {
+            area,
+            compare: self.state.compare,
+            split: self.state.split,
+            gain: self.state.gain,
+            tone: self.state.shown_tone(content.unwrap_or(Content::Color)),
+            lens: self.pictures.shown(0).and_then(|s| s.lens).unwrap_or(wanted.camera.lens),
+        };
+        self.shown = Some(look);
+        Ok(active)
+    }
+
+    /// Whether the frame at rest must be analysed, because the open part of the panel shows the results.
+    pub(super) fn needs_analysis(&self) -> bool {
+        let steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
+        let wants = steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
+        let looks_for_reference =
+            self.state.tab == Tab::Live && !self.reference_error.is_waiting() && self.reference_error.outcome.is_none();
+        wants && (self.analysis.is_none() || looks_for_reference)
+    }
+
+    /// Traces the ray of the picked pixel; returns whether it changed.
+    fn pick(&mut self) -> bool {
+        let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
+        let inspection = self.analysis.as_ref().and_then(|a| a.inspection.as_ref());
+        let (Some(pixel), Some(inspection)) = (wanted, inspection) else { return false };
+        if self.ray.as_ref().is_some_and(|r| r.pixel == pixel) {
+            return false;
+        }
+        self.ray = inspection.pick(pixel);
+        self.ray.is_some()
+    }
+
+    fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {
+        let request = ComparisonRequest {
+            scene: Arc::clone(&self.scene),
+            materials: wanted.materials.clone(),
+            camera: wanted.camera,
+            extent: wanted.extent,
+            effect: wanted.sides.first().map_or_else(|| Setup::new(wanted.extent).effect(), |s| s.setup.effect()),
+            reflections: analysis.reflections.clone(),
+        };
+        let wake = Arc::clone(&self.wake);
+        self.reference_error.start(request, move || wake());
+    }
+
+    /// Fits the range to the least and the greatest number of the shown picture.
+    fn fit_range(&mut self) -> Result<()> {
+        let Some(pixels) = self.read_picture()? else { return Ok(()) };
+        let tone = self.state.tone;
+        let channels = match tone.channel {
+            Some(c) => c as usize..c as usize + 1,
+            None => 0..3,
+        };
+        let factor = tone.exposure_stops.exp2();
+        let numbers = pixels.texels().flat_map(|t| t[channels.clone()].iter()).copied().filter(|v| v.is_finite());
+        let (low, high) = numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low <= high {
+            self.state.tone.range = [low * factor, (high * factor).max(low * factor + 1e-6)];
+        }
+        Ok(())
+    }
+
+    fn load_scene(&mut self) -> Result<()> {
+        let place = if self.state.scene == scene_name(&self.given) {
+            self.given.clone()
+        } else {
+            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.given.clone() }
+        };
+        let scene = resolve::scene(&place, "rooms")?;
+        self.views = views(&scene, &place)?;
+        let Some(first) = self.views.first().cloned() else { return Ok(()) };
+        // The memory of the old scene is freed before the new one is uploaded.
+        self.pictures.discard_pipelines();
+        self.pictures = Pictures::new(&self.gpu, &scene)?;
+        self.state.camera = Self::camera(&scene, &first);
+        self.state.show_view(&first);
+        self.state.picked = None;
+        self.captures = CaptureEditor::new(&place.scene, place.scale);
+        (self.analysis, self.ray) = (None, None);
+        self.scene = Arc::new(scene);
+        self.place = place;
+        Ok(())
+    }
+}
+
+/// Left, top, width and height in pixels of a rectangle in points; at least one pixel of the window.
+fn pixels(area: egui::Rect, [width, height]: [u32; 2], pixels_per_point: f32) -> [u32; 4] {
+    let x = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
+    let (left, top) = (x(area.left()).min(width - 1), x(area.top()).min(height - 1));
+    let (right, bottom) = (x(area.right()).min(width), x(area.bottom()).min(height));
+    [left, top, right.saturating_sub(left).max(1), bottom.saturating_sub(top).max(1)]
+}

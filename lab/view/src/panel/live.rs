@@ -1,0 +1,211 @@
+//! Times of recent frames as stacked bars, counted work, and the error against a cached reference.
+
+use super::shared::{PanelData, heading};
+use crate::history::{History, StageTime};
+use crate::inspect::Inspection;
+use crate::passes::tiles::TILE;
+use crate::reference_error::ComparisonOutcome;
+use crate::state::State;
+use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+
+/// Height of the bars, in points.
+const HEIGHT: f32 = 110.0;
+
+pub fn show(ui: &mut Ui, state: &State, data: &PanelData) {
+    for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
+        heading(ui, format!("Time of {}", side.method.name));
+        // Each table needs an id of its own; otherwise the two would overwrite each other's column widths.
+        ui.push_id(n, |ui| times(ui, history));
+    }
+    work(ui, state, data);
+    error(ui, state, data);
+}
+
+/// The colour of a stage; scene passes are grey.
+fn color(index: usize, counted: bool) -> Color32 {
+    const HUES: [Color32; 8] = [
+        Color32::from_rgb(86, 156, 214),
+        Color32::from_rgb(220, 130, 60),
+        Color32::from_rgb(106, 176, 106),
+        Color32::from_rgb(206, 86, 100),
+        Color32::from_rgb(160, 120, 200),
+        Color32::from_rgb(200, 180, 70),
+        Color32::from_rgb(80, 190, 190),
+        Color32::from_rgb(210, 140, 180),
+    ];
+    if counted { HUES[index % HUES.len()] } else { Color32::from_gray(90 + 30 * (index % 3) as u8) }
+}
+
+fn times(ui: &mut Ui, history: &History) {
+    let total = history.total();
+    bars(ui, history);
+    ui.label(format!("{:.2} ms median, {:.2} ms p95 of {} frames", total.median_ms, total.p95_ms, total.samples));
+    Grid::new("stages").num_columns(4).striped(true).show(ui, |ui| {
+        for title in ["", "pass", "median ms", "p95 ms"] {
+            ui.label(RichText::new(title).weak());
+        }
+        ui.end_row();
+        for (i, (name, counted, stats)) in history.stages().iter().enumerate() {
+            let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+            ui.painter().rect_filled(rect, 2.0, color(i, *counted));
+            let text = if *counted { RichText::new(name) } else { RichText::new(name).weak() };
+            ui.label(text);
+            ui.label(format!("{:.3}", stats.median_ms));
+            ui.label(format!("{:.3}", stats.p95_ms));
+            ui.end_row();
+        }
+    });
+}
+
+/// One bar per frame, the newest at the right. The line is the median of the method's time.
+fn bars(ui: &mut Ui, history: &History) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width() - 8.0, HEIGHT), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 3.0, Color32::from_gray(18));
+    let sum = |stages: &[StageTime]| stages.iter().map(|s| s.ms).sum::<f64>();
+    let most = history.frames().map(sum).fold(1e-3, f64::max) * 1.05;
+    let frames: Vec<&[StageTime]> = history.frames().collect();
+    let width = (rect.width() / frames.len().max(1) as f32).clamp(1.0, 12.0);
+    let at = |ms: f64| rect.bottom() - (ms / most) as f32 * rect.height();
+    for (n, stages) in frames.iter().rev().enumerate() {
+        let right = rect.right() - n as f32 * width;
+        if right < rect.left() {
+            break;
+        }
+        let mut below = 0.0;
+        // The method's passes are at the bottom, so that their sum can be read off.
+        let order =
+            (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
+        for i in order {
+            let above = below + stages[i].ms;
+            let bar = Rect::from_min_max(pos2(right - (width - 1.0).max(1.0), at(above)), pos2(right, at(below)));
+            painter.rect_filled(bar, 0.0, color(i, stages[i].counted));
+            below = above;
+        }
+    }
+    let median = at(history.total().median_ms);
+    painter.hline(rect.x_range(), median, Stroke::new(1.0, Color32::WHITE));
+    let font = egui::FontId::proportional(10.0);
+    painter.text(
+        rect.left_top() + vec2(4.0, 2.0),
+        egui::Align2::LEFT_TOP,
+        format!("{most:.1} ms"),
+        font,
+        Color32::GRAY,
+    );
+}
+
+fn work(ui: &mut Ui, state: &State, data: &PanelData) {
+    for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
+        heading(ui, format!("Passes of {}", side.method.name));
+        ui.push_id(("passes", n), |ui| passes(ui, history));
+    }
+    heading(ui, format!("Work of {}", state.sides[0].method.name));
+    let Some(analysis) = data.analysis else {
+        ui.label(RichText::new("counted when nothing moves").weak());
+        return;
+    };
+    if let Some(inspection) = &analysis.inspection {
+        let reflecting = inspection.reflecting();
+        ui.label(format!("{reflecting} reflecting pixels of {}", inspection.gbuffer.depth.len()));
+        Grid::new("rays").num_columns(3).striped(true).show(ui, |ui| {
+            for (code, count) in inspection.ends() {
+                ui.label(format!("{code:?}"));
+                ui.label(count.to_string());
+                ui.label(format!("{:.1} %", 100.0 * count as f64 / reflecting.max(1) as f64));
+                ui.end_row();
+            }
+        });
+        if inspection.is_unified() {
+            classes(ui, inspection);
+        }
+    }
+    if let Some(steps) = &analysis.steps {
+        let traced: Vec<u32> = steps.iter().copied().filter(|n| *n > 0).collect();
+        let mean = traced.iter().map(|n| f64::from(*n)).sum::<f64>() / traced.len().max(1) as f64;
+        let most = traced.iter().max().copied().unwrap_or(0);
+        ui.label(format!("steps of {} mirror rays: mean {mean:.1}, most {most}", traced.len()));
+    }
+    ui.collapsing("Invocations of each pass", |ui| {
+        Grid::new("invocations").num_columns(3).striped(true).show(ui, |ui| {
+            for title in ["pass", "fragment", "compute"] {
+                ui.label(RichText::new(title).weak());
+            }
+            ui.end_row();
+            for (name, work) in &analysis.work {
+                ui.label(name);
+                ui.label(work.fragment_invocations.to_string());
+                ui.label(work.compute_invocations.to_string());
+                ui.end_row();
+            }
+        });
+    });
+}
+
+/// What `unified` finds in the frame: rays per class of pixels, and tiles.
+fn classes(ui: &mut Ui, inspection: &Inspection) {
+    let (p, t) = (inspection.pixels(), inspection.tiles());
+    ui.label(format!("{} rays:", p.rays()));
+    Grid::new("classes").num_columns(3).striped(true).show(ui, |ui| {
+        for title in ["lobe", "pixels", "rays"] {
+            ui.label(RichText::new(title).weak());
+        }
+        ui.end_row();
+        for (name, pixels, rays) in
+            [("mirrors", p.mirrors, p.mirrors), ("narrow", p.narrow, p.narrow), ("wide", p.wide, p.wide_cells)]
+        {
+            ui.label(name);
+            ui.label(pixels.to_string());
+            ui.label(rays.to_string());
+            ui.end_row();
+        }
+    });
+    ui.label(format!("tiles of {TILE} × {TILE}:"));
+    Grid::new("tiles").num_columns(4).striped(true).show(ui, |ui| {
+        for title in ["mirrors", "glossy", "both", "neither"] {
+            ui.label(RichText::new(title).weak());
+        }
+        ui.end_row();
+        for count in [t.mirrors, t.glossy, t.both, t.empty] {
+            ui.label(count.to_string());
+        }
+        ui.end_row();
+    });
+}
+
+/// The passes that were recorded, and those that were skipped with the reasons.
+fn passes(ui: &mut Ui, history: &History) {
+    ui.collapsing(format!("{} recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
+    ui.label(format!("{} skipped", history.skipped.len()));
+    for skipped in &history.skipped {
+        ui.label(RichText::new(format!("{}: {}", skipped.pass, skipped.why)).weak());
+    }
+}
+
+fn error(ui: &mut Ui, state: &State, data: &PanelData) {
+    heading(ui, "Error against the world reference");
+    match &data.reference_error.outcome {
+        Some(ComparisonOutcome::Errors { samples, standard_error, methods }) => {
+            ui.label(format!("{samples} rays a pixel, own standard error {standard_error:.4}"));
+            Grid::new("errors").num_columns(4).striped(true).show(ui, |ui| {
+                for title in ["", "RMSE", "relative MSE", "FLIP"] {
+                    ui.label(RichText::new(title).weak());
+                }
+                ui.end_row();
+                for (side, e) in state.rendered().iter().zip(methods) {
+                    ui.label(side.method.name);
+                    ui.label(format!("{:.4}", e.rmse));
+                    ui.label(e.relative_mse.map_or("–".into(), |v| format!("{v:.4}")));
+                    ui.label(format!("{:.4}", e.flip));
+                    ui.end_row();
+                }
+            });
+        }
+        Some(ComparisonOutcome::NoReference) => {
+            ui.label("none is kept of this view, size and these materials; this makes one:");
+            ui.label(RichText::new(data.reference_command).monospace().small());
+        }
+        None if data.reference_error.is_waiting() => drop(ui.label(RichText::new("looking for one …").weak())),
+        None => drop(ui.label(RichText::new("looked for when nothing moves").weak())),
+    }
+}

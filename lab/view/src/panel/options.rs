@@ -1,0 +1,115 @@
+//! A method and every parameter that it reads, as rows that are made from the parameters' tables.
+
+use super::shared::{dot, heading};
+use crate::methods;
+use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
+use crate::state::{Side, State};
+use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
+
+/// What marks a value that is the published one.
+pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
+
+/// A side: its method, and the rows of it.
+pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
+    let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
+    heading(ui, title);
+    ui.push_id(("side", index), |ui| {
+        let mut chosen = None;
+        let method = state.sides[index].method;
+        ComboBox::from_id_salt("method").width(140.0).selected_text(method.name).show_ui(ui, |ui| {
+            for info in methods::all() {
+                let about = format!("{}\n{}", info.summary, info.source);
+                if ui.selectable_label(info.name == method.name, info.name).on_hover_text(about).clicked() {
+                    chosen = Some(info);
+                }
+            }
+        });
+        if let Some(info) = chosen {
+            state.choose(index, info);
+        }
+        ui.label(RichText::new(format!("{} ({})", method.summary, method.source)).weak().small());
+        let side = &mut state.sides[index];
+        let rows = side.method.reads();
+        Grid::new("options").num_columns(3).show(ui, |ui| {
+            if rows.iter().any(|row| row.author != row.published) {
+                preset(ui, side);
+                ui.end_row();
+            }
+            for row in &rows {
+                option(ui, side, row);
+                ui.end_row();
+            }
+        });
+        if let Some(fault) = &side.fault {
+            ui.colored_label(ui.visuals().error_fg_color, fault);
+        }
+    });
+}
+
+/// The row of the preset.
+fn preset(ui: &mut Ui, side: &mut Side) {
+    ui.label("preset").on_hover_text("Whose constants a published method uses.");
+    let (before, mut now) = (side.setup.values.preset, side.setup.values.preset);
+    ComboBox::from_id_salt("preset").selected_text(now.name()).show_ui(ui, |ui| {
+        for (preset, choice) in Preset::ALL.iter().zip(Preset::CHOICES) {
+            ui.selectable_value(&mut now, *preset, choice.name).on_hover_text(choice.help);
+        }
+    });
+    if now == Preset::default() {
+        dot(ui, PUBLISHED);
+    }
+    if now != before {
+        side.set("preset", (now != Preset::default()).then(|| now.name().to_owned()));
+    }
+}
+
+/// A row: the parameter's name, its control, and whether its value is the published one.
+fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
+    let name = row.typed_name();
+    ui.label(name.replace('-', " ")).on_hover_text(about(row));
+    let before = side.setup.values.of(row);
+    let base = row.of(side.setup.values.preset);
+    let mut now = before;
+    match (&row.domain, &mut now) {
+        (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),
+        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), now) => list(ui, row, now),
+        (Domain::Count(least, most), Value::Count(n)) => {
+            ui.add(DragValue::new(n).range(*least..=*most).speed(0.2));
+        }
+        (Domain::Number { least, most, .. }, Value::Number(n)) => {
+            let speed = f64::from(n.abs().max(1e-4)) * 0.02;
+            ui.add(DragValue::new(n).range(*least..=*most).speed(speed).max_decimals(6));
+        }
+        _ => {}
+    }
+    if now == row.published {
+        dot(ui, PUBLISHED);
+    } else if ui.small_button("back").on_hover_text(format!("to the published value, {}", row.published)).clicked() {
+        now = row.published;
+    }
+    if now != before && row.domain.has(now) {
+        side.set(&name, (now != base).then(|| now.to_string()));
+    }
+}
+
+/// A choice among few values.
+fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
+    let help = |value: &Value| match &row.domain {
+        Domain::Choices(all) | Domain::ChoicesOrCount(all, ..) => {
+            all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help)
+        }
+        _ => "",
+    };
+    ComboBox::from_id_salt(row.name).selected_text(now.to_string()).show_ui(ui, |ui| {
+        for value in row.domain.few().unwrap_or_default() {
+            ui.selectable_value(now, value, value.to_string()).on_hover_text(help(&value).trim());
+        }
+    });
+}
+
+/// What is told of a parameter: what it does, its unit, both presets' values, and where they are from.
+fn about(row: &Parameter) -> String {
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" In {}.", row.unit) };
+    let author = if row.author == row.published { String::new() } else { format!("; author: {}", row.author) };
+    format!("{}{unit}\nPublished: {}{author}\nSource: {}", row.help, row.published, row.source)
+}

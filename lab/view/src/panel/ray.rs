@@ -1,0 +1,183 @@
+//! The picked ray through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), beside the result of
+//! the oracle.
+
+use super::shared::{PanelData, heading};
+use crate::cubes::Cross;
+use crate::inspect::{PickedRay, RayInWorld, WalkEnd};
+use crate::passes::PathCode;
+use crate::reference::Outcome;
+use crate::scene::Capture;
+use crate::state::State;
+use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
+use glam::Vec2;
+
+const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
+const WALK: Color32 = Color32::from_rgb(255, 230, 60);
+/// The part of the ray that the screen does not see.
+const BEYOND: Color32 = Color32::from_rgb(255, 90, 200);
+const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
+
+/// The colour of a level: from green for fine levels to red for coarse ones.
+fn level_color(level: u32) -> Color32 {
+    let share = (level as f32 / 7.0).min(1.0);
+    Color32::from_rgb((90.0 + 165.0 * share) as u8, (220.0 - 150.0 * share) as u8, 120)
+}
+
+pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
+    ui.label("Click into the picture to pick a pixel's mirror ray.");
+    // Before the first frame, the image's size is unknown.
+    if let (Some([x, y]), false) = (&mut state.picked, data.images.is_empty()) {
+        ui.horizontal(|ui| {
+            ui.label("pixel");
+            ui.add(egui::DragValue::new(x).range(0..=data.extent[0].saturating_sub(1)));
+            ui.add(egui::DragValue::new(y).range(0..=data.extent[1].saturating_sub(1)));
+        });
+    }
+    let Some(ray) = data.ray else {
+        if state.picked.is_some() {
+            ui.label(RichText::new("traced when nothing moves").weak());
+        }
+        return;
+    };
+    ends(ui, state, ray);
+    if let Some(walk) = &ray.walk {
+        heading(ui, format!("{} steps through the Hi-Z", walk.cells.len()));
+        Grid::new("steps").num_columns(5).striped(true).show(ui, |ui| {
+            for title in ["", "level", "cell", "nearest", "ray"] {
+                ui.label(RichText::new(title).weak());
+            }
+            ui.end_row();
+            for (n, cell) in walk.cells.iter().enumerate() {
+                ui.label((n + 1).to_string());
+                let way = if cell.crossed { "⬆" } else { "⬇" };
+                ui.colored_label(level_color(cell.level), format!("{} {way}", cell.level));
+                ui.label(format!("{}, {}", cell.place.x, cell.place.y));
+                ui.label(format!("{:.6}", cell.nearest));
+                ui.label(format!("{:.6}", cell.ray));
+                ui.end_row();
+            }
+        });
+        ui.label(RichText::new("⬇ met what the cell holds, ⬆ left the cell").weak().small());
+        ui.label(RichText::new(walk.depth).weak().small());
+    }
+}
+
+/// Lists where the ray ends according to the method, its twin and the oracle.
+fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
+    heading(ui, "Where it ends");
+    let at = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
+    let oracle = ray.oracle.position();
+    let off = |x: f64, y: f64| oracle.map_or(String::new(), |o| format!(", {:.1} px off", (o.x - x).hypot(o.y - y)));
+    Grid::new("ends").num_columns(2).show(ui, |ui| {
+        ui.colored_label(METHOD, state.sides[0].method.name);
+        match ray.method {
+            Some((code, [x, y])) if code.is_hit() => {
+                let (x, y) = (f64::from(x), f64::from(y));
+                ui.label(format!("{code:?} {}{}", at(x, y), off(x, y)))
+            }
+            Some((code, _)) => match &ray.in_world {
+                Some(way) => ui.label(beyond_the_screen(way)),
+                None => ui.label(format!("{code:?}: no hit")),
+            },
+            None => ui.label("does not tell its hits"),
+        };
+        ui.end_row();
+        ui.colored_label(ORACLE, "oracle");
+        match ray.oracle.outcome {
+            Outcome::Hit { position, .. } => {
+                ui.label(format!("hit {}, after {} pixels", at(position.x, position.y), ray.oracle.steps))
+            }
+            Outcome::Miss { reason, behind } => {
+                let behind = if behind { ", behind a surface" } else { "" };
+                ui.label(format!("no hit: {reason:?}{behind}, after {} pixels", ray.oracle.steps))
+            }
+        };
+        ui.end_row();
+        if let Some(walk) = &ray.walk {
+            ui.colored_label(WALK, "Hi-Z");
+            let (steps, end) = (walk.cells.len(), walk.last().as_dvec2());
+            ui.label(match walk.end {
+                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", at(end.x, end.y)),
+                WalkEnd::Left => format!("left the screen after {steps} steps"),
+                WalkEnd::Behind => format!("met a block from behind after {steps} steps"),
+                WalkEnd::Exhausted => format!("out of iterations after {steps} steps"),
+            });
+            ui.end_row();
+        }
+    });
+}
+
+/// In words, where a ray ends that the screen lost.
+fn beyond_the_screen(ray: &RayInWorld) -> String {
+    let (code, end) = (ray.code, ray.end);
+    let number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
+    match code {
+        PathCode::Capture | PathCode::Triangle => {
+            let away = ray.begin.distance(end);
+            format!("{code:?}{number}: hit at {:.2}, {:.2}, {:.2}, {away:.2} m away", end.x, end.y, end.z)
+        }
+        PathCode::Sky => format!("{code:?}: nothing stands in its way"),
+        _ => format!("{code:?}: no image sees where it goes"),
+    }
+}
+
+/// Draws the ray over the images of a capture: its way from where it begins, in another colour from where the screen lost
+/// it.
+pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, capture): (&PickedRay, &Capture)) {
+    let Some(ray) = &ray.in_world else { return };
+    let cross = Cross::new(extent);
+    let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
+    let at = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
+    let way = ray.way();
+    let (before, after) = way.split_at(way.len() / 2);
+    for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
+        for line in cross.way(capture, points) {
+            painter.line(line.into_iter().map(at).collect(), stroke);
+        }
+    }
+    painter.circle_stroke(at(cross.at(ray.begin - capture.position).1), 5.0, Stroke::new(2.0, Color32::WHITE));
+    // Another capture may not see the place where it ended, but that is where it lies.
+    if ray.code != PathCode::Unknown {
+        cross_mark(painter, at(cross.at(ray.end - capture.position).1), METHOD);
+    }
+}
+
+/// Draws the ray over the picture.
+pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
+    let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
+    let at = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;
+    let start = at(ray.pixel[0] as f32 + 0.5, ray.pixel[1] as f32 + 0.5);
+    if let Some(s) = &ray.segment {
+        let end = s.at(1.0);
+        painter.line_segment([start, at(end.x as f32, end.y as f32)], Stroke::new(1.0, Color32::from_white_alpha(120)));
+    }
+    if let Some(walk) = &ray.walk {
+        for cell in &walk.cells {
+            let [low, high] = cell.corners.map(|corner| at(corner.x, corner.y));
+            let stroke = Stroke::new(1.0, level_color(cell.level));
+            painter.rect_stroke(Rect::from_min_max(low, high), 0.0, stroke, StrokeKind::Inside);
+        }
+        for pair in walk.way.windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(|p| at(p.x, p.y));
+            painter.line_segment([from, to], Stroke::new(2.0, WALK));
+            painter.circle_filled(to, 2.0, WALK);
+        }
+    }
+    if let Some(line) = &ray.beyond_on_screen {
+        painter.line(line.iter().map(|p| at(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND));
+    }
+    painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
+    if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
+        cross_mark(painter, at(x, y), METHOD);
+    }
+    if let Some(o) = ray.oracle.position() {
+        let o = at(o.x as f32, o.y as f32);
+        painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE));
+    }
+}
+
+fn cross_mark(painter: &Painter, at: Pos2, color: Color32) {
+    for (dx, dy) in [(6.0, 6.0), (6.0, -6.0)] {
+        painter.line_segment([pos2(at.x - dx, at.y - dy), pos2(at.x + dx, at.y + dy)], Stroke::new(2.0, color));
+    }
+}

@@ -1,0 +1,39 @@
+//! What a viewer is built from. The command prepares it before there is a window; the window uses it.
+
+use super::path::PathEditor;
+use super::reload::ShaderWatch;
+use super::state::State;
+use super::viewer::{Shaders, Viewer, Wake};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::scene::Scene;
+use ash::vk;
+use ssct_lab::app::cli::SceneOptions;
+use std::path::PathBuf;
+
+/// What the viewer is built from once there is a window.
+pub struct ViewerSetup {
+    /// The scene.
+    pub scene: Scene,
+    /// The initial state.
+    pub state: State,
+    /// The options that selected the scene.
+    pub place: SceneOptions,
+    /// The camera key frames.
+    pub path: PathEditor,
+    /// The folder whose shaders are watched.
+    pub shaders: Option<PathBuf>,
+}
+
+impl ViewerSetup {
+    /// Builds the viewer for a screen.
+    pub fn viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
+        let mut viewer = Viewer::new(gpu, self.scene, self.state, self.place, screen, wake.clone())?;
+        viewer.path = self.path;
+        if let Some(folder) = self.shaders {
+            let changes = ShaderWatch::new(&folder)?.start(move || wake());
+            viewer.watch(Shaders { folder: folder.display().to_string(), changes, statuses: Vec::new() });
+        }
+        Ok(viewer)
+    }
+}

@@ -1,0 +1,250 @@
+//! What a user can change while looking, as plain data. A frame is rendered when what it depends on
+//! differs from what was rendered last, and only then.
+
+use super::fly_camera::FlyCamera;
+use crate::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
+use crate::passes::Content;
+use crate::passes::look::{Compare, Tone};
+use crate::scene::View;
+use crate::study::Globals;
+use ssct_lab::app::parameters::MethodOptions;
+use std::collections::BTreeMap;
+
+/// A method with its options, as one of two that are shown.
+#[derive(Clone)]
+pub struct Side {
+    /// The method.
+    pub method: &'static MethodInfo,
+    /// What its options mean together; the size is each frame's.
+    pub setup: Setup,
+    /// The options as the command line takes them: those that are set.
+    pub options: BTreeMap<String, String>,
+    /// What is wrong with them, if something is; the setup is then the last right one, or leaves out
+    /// what the method has not.
+    pub fault: Option<String>,
+}
+
+impl PartialEq for Side {
+    fn eq(&self, other: &Self) -> bool {
+        self.method.name == other.method.name && self.setup == other.setup
+    }
+}
+
+impl Side {
+    /// A method with the options of the command line.
+    pub fn new(method: &'static MethodInfo, options: BTreeMap<String, String>) -> Self {
+        let mut side = Self { method, setup: Setup::new([1, 1]), options, fault: None };
+        side.apply();
+        side
+    }
+
+    /// Sets an option, or with `None` goes back to its default.
+    pub fn set(&mut self, option: &str, value: Option<String>) {
+        match value {
+            Some(value) => drop(self.options.insert(option.to_owned(), value)),
+            None => drop(self.options.remove(option)),
+        }
+        self.apply();
+    }
+
+    /// Reads the options as the command line does.
+    fn apply(&mut self) {
+        let typed = self.options.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+        self.fault = match MethodOptions::from_typed(typed) {
+            Ok(options) => {
+                let setup = options.setup(self.setup.extent);
+                // What only screen-space methods have is left out for others, which refuse it.
+                let plain = setup.with(|p: &mut EffectParams| {
+                    (p.resolution_scale, p.fallback) = (1.0, Fallback::None);
+                });
+                let fits = self.method.is_screen_space() || setup.effect() == plain.effect();
+                self.setup = if fits { setup } else { plain };
+                let name = self.method.name;
+                (!fits).then(|| format!("{name} takes no resolution scale and no fallback: they are left out"))
+            }
+            Err(e) => Some(e.to_string()),
+        };
+    }
+}
+
+/// Options that were given on a command line, by their flags.
+pub fn given_options(matches: &clap::ArgMatches) -> BTreeMap<String, String> {
+    MethodOptions::typed(matches).into_iter().collect()
+}
+
+/// An image of the methods' to look at instead of the finished one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Inside {
+    /// Its name.
+    pub name: String,
+    /// Its mip level; beyond the last, the last.
+    pub level: u32,
+}
+
+/// The image that shows each pixel's steps through the Hi-Z, which the CPU counts.
+pub const STEPS: &str = "steps";
+
+/// Parts of the panel, one of which is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Tab {
+    /// Scene, view, methods, materials and parameters.
+    #[default]
+    Tune,
+    /// Times, work and errors.
+    Live,
+    /// Intermediates.
+    Inside,
+    /// A picked ray.
+    Ray,
+    /// Camera key frames.
+    Path,
+    /// Captures of the scene.
+    Captures,
+    /// Shaders that reload.
+    Shaders,
+    /// No panel.
+    None,
+}
+
+impl Tab {
+    /// The parts of the panel that show something, with their titles.
+    pub const SHOWN: [(Self, &'static str); 7] = [
+        (Self::Tune, "Tune"),
+        (Self::Live, "Live"),
+        (Self::Inside, "Inside"),
+        (Self::Ray, "Ray"),
+        (Self::Path, "Path"),
+        (Self::Captures, "Captures"),
+        (Self::Shaders, "Shaders"),
+    ];
+
+    /// The one after it, of those that show something.
+    pub fn next(self) -> Self {
+        let now = Self::SHOWN.iter().position(|(tab, _)| *tab == self);
+        Self::SHOWN[now.map_or(0, |n| (n + 1) % Self::SHOWN.len())].0
+    }
+}
+
+/// Everything that a user changes.
+#[derive(Clone)]
+pub struct State {
+    /// What is open of the panel.
+    pub tab: Tab,
+    /// Name of the scene, as `--scene` takes it.
+    pub scene: String,
+    /// The view that the camera came from; its lens and materials hold until the next.
+    pub view: View,
+    /// Where the camera is.
+    pub camera: FlyCamera,
+    /// Whether it left its view.
+    pub moved: bool,
+    /// Global factors.
+    pub globals: Globals,
+    /// The method, and the one that it is compared with.
+    pub sides: [Side; 2],
+    /// One or both.
+    pub compare: Compare,
+    /// Where the line between them is, as a share of the image's width.
+    pub split: f32,
+    /// Factor of the difference.
+    pub gain: f32,
+    /// An intermediate, instead of the finished image.
+    pub inside: Option<Inside>,
+    /// How its numbers are shown; the content is its own.
+    pub tone: Tone,
+    /// A pixel whose ray is drawn.
+    pub picked: Option<[u32; 2]>,
+}
+
+impl State {
+    /// How the picture's numbers are shown.
+    pub fn shown_tone(&self, content: Content) -> Tone {
+        if self.inside.is_some() { Tone { content, ..self.tone } } else { Tone::DISPLAY }
+    }
+
+    /// The sides that are rendered.
+    pub fn rendered(&self) -> &[Side] {
+        if self.compare == Compare::One { &self.sides[..1] } else { &self.sides }
+    }
+
+    /// Goes on to the next method.
+    pub fn next_method(&mut self) {
+        let side = &mut self.sides[0];
+        let all = methods::all();
+        let now = all.iter().position(|m| m.name == side.method.name).unwrap_or(0);
+        side.method = all[(now + 1) % all.len()];
+        side.apply();
+    }
+
+    /// Chooses a method for a side.
+    pub fn choose(&mut self, side: usize, method: &'static MethodInfo) {
+        self.sides[side].method = method;
+        self.sides[side].apply();
+    }
+
+    /// Goes on from one method to both side by side, to their difference, and back.
+    pub fn next_compare(&mut self) {
+        self.compare = match self.compare {
+            Compare::One => Compare::Split,
+            Compare::Split => Compare::Difference,
+            Compare::Difference => Compare::One,
+        };
+    }
+
+    /// Makes every material rougher (positive) or smoother by tenths. Materials that kept their own
+    /// roughness so far all start from 0.
+    pub fn change_roughness(&mut self, tenths: f32) {
+        let now = (self.globals.roughness.unwrap_or(0.0) * 10.0).round();
+        self.globals.roughness = Some(((now + tenths) / 10.0).clamp(0.0, 1.0));
+    }
+
+    /// Jumps to a view.
+    pub fn show_view(&mut self, view: &View) {
+        self.view = view.clone();
+        self.camera.jump(view);
+        self.moved = false;
+    }
+
+    /// Changes the camera by a function that says whether it did.
+    pub fn steer(&mut self, change: impl FnOnce(&mut FlyCamera) -> bool) {
+        self.moved |= change(&mut self.camera);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::state;
+    use super::*;
+    use crate::methods::METHODS;
+    use clap::{Args, FromArgMatches};
+
+    #[test]
+    fn options_of_the_command_line_are_those_of_a_side() {
+        let command = MethodOptions::augment_args(clap::Command::new("ssct"));
+        let matches = command.get_matches_from(["ssct", "--preset", "author", "--cone-samples=3", "--split"]);
+        let given = given_options(&matches);
+        assert_eq!(given.len(), 3, "defaults are not given: {given:?}");
+        let mut side = Side::new(&METHODS[0], given);
+        let expected = MethodOptions::from_arg_matches(&matches).expect("options").setup([1, 1]);
+        assert_eq!((&side.setup, &side.fault), (&expected, &None));
+        side.set("cone-samples", Some("many".into()));
+        assert!(side.fault.as_ref().is_some_and(|f| f.contains("many")), "{:?}", side.fault);
+        assert_eq!(side.setup, expected, "a wrong value changes nothing");
+        side.set("cone-samples", None);
+        side.set("split", None);
+        assert!(side.fault.is_none() && side.setup.values.given().count() == 0);
+    }
+
+    #[test]
+    fn roughness_steps_by_tenths_and_stays_in_range() {
+        let mut state = state();
+        state.change_roughness(1.0);
+        assert_eq!(state.globals.roughness, Some(0.1));
+        state.change_roughness(-5.0);
+        assert_eq!(state.globals.roughness, Some(0.0));
+        for _ in 0..METHODS.len() {
+            state.next_method();
+        }
+        assert_eq!(state.sides[0].method.name, METHODS[0].name, "once round");
+    }
+}

@@ -1,0 +1,402 @@
+//! What a window shows: the state, the panel that changes it, and the pictures that it asks for. The viewer
+//! takes egui's input and draws one image. It does not depend on a window, so tests can drive it.
+
+use super::captures::CaptureEditor;
+use super::fly_camera::{FlyCamera, FlyMotion};
+use super::inspect::PickedRay;
+use super::panel::{self, PanelActions, PanelData};
+use super::path::PathEditor;
+use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
+use super::reference_error::ReferenceComparison;
+use super::reload::{Change, ShaderStatus};
+use super::state::State;
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Pixels};
+use crate::passes::look::{Compare, Look, LookPass};
+use crate::presentation::Overlay;
+use crate::scene::{Capture, Scene, View, library};
+use ash::vk;
+use egui::{Context, FullOutput, RawInput};
+use ssct_lab::app::cli::SceneOptions;
+use ssct_lab::app::resolve;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+/// The initial speed of the camera crosses the scene in this many seconds.
+const CROSSING_S: f32 = 8.0;
+
+/// A callback for other threads; it makes the window draw again.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// The watched shaders and their status.
+pub struct Shaders {
+    /// The folder.
+    pub folder: String,
+    /// Shaders as they are compiled after a change.
+    pub changes: Receiver<Vec<Change>>,
+    /// The last status of each shader that has changed.
+    pub statuses: Vec<ShaderStatus>,
+}
+
+/// A scene with everything that a user can change while looking at it.
+pub struct Viewer {
+    /// What the user has changed.
+    pub state: State,
+    /// The camera key frames.
+    pub path: PathEditor,
+    /// The captures, as far as the user changed them.
+    pub captures: CaptureEditor,
+    pub(super) gpu: Gpu,
+    pub(super) scene: Arc<Scene>,
+    pub(super) views: Vec<View>,
+    /// The options that selected the scene.
+    pub(super) place: SceneOptions,
+    pub(super) given: SceneOptions,
+    scenes: Vec<String>,
+    pub(super) pictures: Pictures,
+    egui: Context,
+    overlay: Overlay,
+    look: LookPass,
+    pub(super) screen: Image,
+    shaders: Option<Shaders>,
+    pub(super) analysis: Option<FrameAnalysis>,
+    pub(super) ray: Option<PickedRay>,
+    pub(super) reference_error: ReferenceComparison,
+    pub(super) wake: Wake,
+    /// The triangles that the last call of [`Self::update`] prepared.
+    triangles: Vec<egui::ClippedPrimitive>,
+    textures: egui::TexturesDelta,
+    pixels_per_point: f32,
+    pub(super) shown: Option<Look>,
+    pub(super) frames: u64,
+    drawings: u64,
+    looking: bool,
+}
+
+/// What a frame requires of the window.
+pub struct ViewerOutput {
+    /// Cursor and clipboard, for egui-winit.
+    pub platform: egui::PlatformOutput,
+    /// When to draw again if there is no input; `None` for never.
+    pub again: Option<Duration>,
+}
+
+/// The input of a frame.
+pub struct ViewerInput {
+    /// Mouse, keys, text and the size in points, for egui.
+    pub egui: RawInput,
+    /// The motion that the pressed keys ask for.
+    pub motion: FlyMotion,
+    /// Seconds since the last frame.
+    pub seconds: f32,
+    /// Width and height of the window in pixels.
+    pub extent: [u32; 2],
+}
+
+impl Viewer {
+    /// Uploads a scene. `place` tells where scenes and lenses come from; `screen_format` is sRGB.
+    pub fn new(
+        gpu: &Gpu,
+        scene: Scene,
+        state: State,
+        place: SceneOptions,
+        screen_format: vk::Format,
+        wake: Wake,
+    ) -> Result<Self> {
+        let mut scenes: Vec<String> = library::names().iter().map(ToString::to_string).collect();
+        if !scenes.contains(&state.scene) {
+            scenes.insert(0, state.scene.clone());
+        }
+        let egui = Context::default();
+        egui.all_styles_mut(|style| {
+            // egui's own animations would cause endless redraws.
+            style.animation_time = 0.0;
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+            style.visuals.override_text_color = Some(egui::Color32::from_gray(220));
+            style.visuals.text_cursor.blink = false;
+        });
+        egui.set_theme(egui::Theme::Dark);
+        Ok(Self {
+            views: views(&scene, &place)?,
+            pictures: Pictures::new(gpu, &scene)?,
+            overlay: Overlay::new(gpu, screen_format)?,
+            look: LookPass::new(gpu, screen_format)?,
+            screen: screen(gpu, screen_format, [1, 1])?,
+            scene: Arc::new(scene),
+            gpu: gpu.clone(),
+            state,
+            path: PathEditor::default(),
+            captures: CaptureEditor::new(&place.scene, place.scale),
+            given: place.clone(),
+            place,
+            scenes,
+            egui,
+            shaders: None,
+            analysis: None,
+            ray: None,
+            reference_error: ReferenceComparison::default(),
+            wake,
+            triangles: Vec::new(),
+            textures: egui::TexturesDelta::default(),
+            pixels_per_point: 1.0,
+            shown: None,
+            frames: 0,
+            drawings: 0,
+            looking: false,
+        })
+    }
+
+    /// A camera at a view, with a speed that fits the scene.
+    pub fn camera(scene: &Scene, view: &View) -> FlyCamera {
+        let bounds = scene.bounds();
+        let diagonal_m = bounds.min.distance(bounds.max);
+        FlyCamera::new(view, if diagonal_m.is_finite() { (diagonal_m / CROSSING_S).max(0.01) } else { 1.0 })
+    }
+
+    /// Watches shaders from now on.
+    pub fn watch(&mut self, shaders: Shaders) {
+        self.shaders = Some(shaders);
+    }
+
+    /// egui's context, which egui-winit needs as well.
+    pub fn egui(&self) -> &Context {
+        &self.egui
+    }
+
+    /// Whether the mouse turns the camera.
+    pub fn is_looking(&self) -> bool {
+        self.looking
+    }
+
+    /// The scene's views.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// The number of frames rendered, and of drawings of panel and picture.
+    pub fn counts(&self) -> [u64; 2] {
+        [self.frames, self.drawings]
+    }
+
+    /// Whether a computation is running whose result will be shown.
+    pub fn is_waiting(&self) -> bool {
+        self.reference_error.is_waiting()
+    }
+
+    /// Forces the next frame to be rendered, even if nothing changed.
+    pub fn invalidate(&mut self) {
+        self.pictures.invalidate();
+    }
+
+    /// Runs one round: takes the input, renders if the request changed, analyses the frame at rest if it did
+    /// not, and prepares the drawing of the screen.
+    pub fn update(&mut self, input: ViewerInput) -> Result<ViewerOutput> {
+        self.move_camera(&input);
+        self.take_shaders();
+        self.reference_error.poll();
+        let (output, actions) = self.run_panel(input.egui);
+        if let Some(action) = actions.action {
+            self.act(action);
+        }
+        self.looking = actions.looking;
+        let active = self.follow(&actions, input.extent, output.pixels_per_point)?;
+        self.textures.append(output.textures_delta);
+        self.triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
+        self.pixels_per_point = output.pixels_per_point;
+        let delay = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
+        let goes_on = active || self.path.playing().is_some() || input.motion.is_moving();
+        let again = if goes_on { Some(Duration::ZERO) } else { Some(delay).filter(|d| *d != Duration::MAX) };
+        Ok(ViewerOutput { platform: output.platform_output, again })
+    }
+
+    /// Draws what the last [`Self::update`] prepared. `present` receives the screen's image and a closure that
+    /// records its drawing.
+    pub fn draw<R>(
+        &mut self,
+        present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> Result<()>) -> Result<R>,
+    ) -> Result<Option<R>> {
+        let Self { pictures, look, shown, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
+        let (Some(shown), Some((stage, kept, _))) = (shown, pictures.parts()) else { return Ok(None) };
+        self.drawings += 1;
+        overlay.update_textures(textures)?;
+        let mut record = |frame: &mut Frame| {
+            look.record(frame, screen, shown, kept)?;
+            overlay.record(frame, screen.all(), *pixels_per_point, triangles)
+        };
+        present(&mut stage.context, screen, &mut record).map(Some)
+    }
+
+    /// The screen as it was last drawn, decoded to linear values.
+    pub fn read_screen(&mut self) -> Result<Pixels> {
+        self.pictures.stage.context.read(self.screen.all())
+    }
+
+    /// The first picture alone, linear and without the panel.
+    pub fn read_picture(&mut self) -> Result<Option<Pixels>> {
+        let Some((stage, [first, _], _)) = self.pictures.parts() else { return Ok(None) };
+        stage.context.read(first.all()).map(Some)
+    }
+
+    /// The window's title, which names what is shown.
+    pub fn title(&self) -> String {
+        let s = &self.state;
+        let moved = if s.moved { " (moved)" } else { "" };
+        let against = match s.compare {
+            Compare::One => String::new(),
+            Compare::Split | Compare::Difference => format!(" | {}", s.sides[1].method.name),
+        };
+        let roughness = s.globals.roughness.map(|r| format!(", roughness {r:.1}")).unwrap_or_default();
+        let ms = self.pictures.shown(0).map_or(0.0, |p| p.history.total().median_ms);
+        let method = s.sides[0].method.name;
+        format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, s.view.name)
+    }
+
+    /// The images that the first method made in the last frame.
+    #[cfg(test)]
+    pub fn images(&self) -> Vec<super::pictures::ImageInfo> {
+        self.pictures.shown(0).map(|s| s.images.clone()).unwrap_or_default()
+    }
+
+    /// The passes that the first method recorded in the last frame.
+    #[cfg(test)]
+    pub fn passes(&self) -> Vec<String> {
+        self.pictures.shown(0).map(|s| s.history.recorded.clone()).unwrap_or_default()
+    }
+
+    /// The ray that is drawn.
+    #[cfg(test)]
+    pub fn ray(&self) -> Option<&PickedRay> {
+        self.ray.as_ref()
+    }
+
+    /// The frame at rest on the host, if it was analysed.
+    #[cfg(test)]
+    pub fn inspection(&self) -> Option<&super::inspect::Inspection> {
+        self.analysis.as_ref()?.inspection.as_ref()
+    }
+
+    /// The last status of each shader that has changed.
+    #[cfg(test)]
+    pub fn shader_statuses(&self) -> Vec<ShaderStatus> {
+        self.shaders.as_ref().map(|s| s.statuses.clone()).unwrap_or_default()
+    }
+
+    fn move_camera(&mut self, input: &ViewerInput) {
+        if input.motion.is_moving() {
+            self.state.steer(|camera| camera.fly(input.motion, input.seconds));
+        }
+        if let Some(place) = self.path.advance(input.seconds) {
+            self.state.steer(|camera| {
+                camera.put(place);
+                true
+            });
+        }
+    }
+
+    /// Takes newly compiled shaders into use, except those whose pipelines cannot be made.
+    fn take_shaders(&mut self) {
+        let Some(shaders) = &mut self.shaders else { return };
+        for (shader, made) in shaders.changes.try_iter().flatten() {
+            let replaced = &self.gpu.shared().replaced_shaders;
+            let status = made.and_then(|code| {
+                let before = replaced.set(shader, Some(code));
+                let tried = self.pictures.try_pipelines();
+                tried.and_then(|()| LookPass::new(&self.gpu, self.screen.format())).map_err(|e| {
+                    replaced.set(shader, before);
+                    e.to_string()
+                })
+            });
+            let status = status.map(|look| {
+                self.look = look;
+                self.pictures.discard_pipelines();
+            });
+            shaders.statuses.retain(|(name, _)| *name != shader.name);
+            shaders.statuses.insert(0, (shader.name, status));
+        }
+    }
+
+    fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
+        let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.needs_analysis();
+        let Self { state, path, captures, pictures, egui, .. } = self;
+        let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
+        let data = PanelData {
+            scenes: &self.scenes,
+            views: &self.views,
+            histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
+            captures: &pictures.shown(0).map_or(Vec::new(), |s| s.captures()),
+            images: pictures.shown(0).map_or(&[], |s| &s.images),
+            analysis: self.analysis.as_ref(),
+            ray: self.ray.as_ref(),
+            reference_error: &self.reference_error,
+            reference_command: &command,
+            extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),
+            shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.statuses[..])),
+            counts: [self.frames, self.drawings, self.gpu.submissions()],
+            idle: is_idle,
+        };
+        let mut actions = PanelActions::default();
+        let output = egui.run_ui(input, |ui| actions = panel::show(ui, state, (path, captures), &data));
+        (output, actions)
+    }
+
+    pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
+        FrameRequest { captures: self.captures.list.clone(), ..self.state.wanted(&self.scene, extent) }
+    }
+
+    /// The captures that a change begins with: those that are shown, else those of the scene.
+    pub(super) fn captures_shown(&self) -> Vec<Capture> {
+        let shown = self.pictures.shown(0).map_or(Vec::new(), |s| s.captures());
+        if shown.is_empty() { self.scene.captures.clone() } else { shown }
+    }
+
+    fn area(&self) -> [u32; 2] {
+        self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]])
+    }
+}
+
+/// The name of the scene that the options select.
+pub fn scene_name(place: &SceneOptions) -> String {
+    match &place.scene[..] {
+        [] => "rooms".into(),
+        [one] => one.display().to_string(),
+        [first, ..] => format!("{} …", first.display()),
+    }
+}
+
+/// The views of a scene, with the lens of the options.
+pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
+    scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
+}
+
+pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+    Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })
+}
+
+/// The command line that makes the reference of the current view. It can name a view, but not a camera that has
+/// moved away from one.
+fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
+    let (eye, look_at) = state.camera.place();
+    let place = if state.moved || state.view.name == "custom" {
+        let point = |p: glam::Vec3| format!("{},{},{}", p.x, p.y, p.z);
+        format!("--eye {} --look-at {}", point(eye), point(look_at))
+    } else {
+        format!("--view {}", state.view.name)
+    };
+    let g = &state.globals;
+    let mut factors = String::new();
+    for (flag, value) in [("roughness", g.roughness), ("normal-deviation", g.normal_deviation)] {
+        if let Some(v) = value {
+            factors += &format!(" --{flag} {v}");
+        }
+    }
+    if g.reflectivity != 1.0 {
+        factors += &format!(" --reflectivity {}", g.reflectivity);
+    }
+    if let Some(fallback) = state.sides[0].options.get("fallback") {
+        factors += &format!(" --fallback {fallback}");
+    }
+    let scene = &state.scene;
+    format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{factors} -o truth.png")
+}
