@@ -8,7 +8,7 @@ use ssct::methods::{Prepared, Setup, find};
 use ssct::parameter::Preset;
 use ssct::passes::gbuffer::Drawn;
 use ssct_lab::metrics::HitAgreement;
-use ssct_lab::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
+use ssct_lab::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Strip, Times};
 use ssct_lab::report::images::Rgb;
 use ssct_lab::report::{error_report, plot};
 use ssct_lab::scene::Lens;
@@ -142,9 +142,10 @@ impl Made {
         let page = Page {
             device: &device,
             command: "ssct study".into(),
+            to_come: Vec::new(),
             times: Times {
                 settings: "Timed.".into(),
-                table: compare(&times),
+                table: &compare(&times),
                 table_records: &times,
                 view_records: &times,
                 plot: plot::stage_bars(&times).unwrap(),
@@ -155,13 +156,13 @@ impl Made {
                 plots: error_report::plots(&errors).unwrap(),
                 pictures: vec![gallery("cell", beside, ["ssct", "reference"])],
             },
-            views: vec![gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
-            figures: vec![lit],
-            same: Vec::new(),
+            views: &[gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
+            figures: &[lit],
+            same: &[],
             records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
         };
-        let html = page.render(path).unwrap();
-        assert_eq!(html, page.render(path).unwrap(), "the same data make the same page");
+        let html = page.render(&PictureFolder::new(path)).unwrap();
+        assert_eq!(html, page.render(&PictureFolder::new(path)).unwrap(), "the same data make the same page");
         folder.write("index.html", &html);
         Self { folder, html }
     }
@@ -213,23 +214,26 @@ fn a_missing_picture_is_named() {
     let empty = Page {
         device: &device,
         command: String::new(),
+        to_come: vec!["table 5.8".into(), "times".into()],
         times: Times {
             settings: String::new(),
-            table: Vec::new(),
+            table: &[],
             table_records: &[],
             view_records: &[],
             plot: "<svg></svg>".into(),
         },
         errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
-        views: Vec::new(),
-        figures: Vec::new(),
-        same: Vec::new(),
+        views: &[],
+        figures: &[],
+        same: &[],
         records: Vec::new(),
     };
-    let html = empty.render(page.folder.root()).unwrap();
+    let folder = PictureFolder::new(page.folder.root());
+    let html = empty.render(&folder).unwrap();
     assert!(html.contains("Not measured.") && html.contains("no other device"));
-    let wrong = Page { figures: vec![missing], ..empty };
-    assert!(wrong.render(page.folder.root()).unwrap_err().to_string().contains("none.png"));
+    assert!(html.contains("Still to come: table 5.8; times.") && !page.html.contains("Still to come"));
+    let wrong = Page { figures: &[missing], ..empty };
+    assert!(wrong.render(&folder).unwrap_err().to_string().contains("none.png"));
 }
 
 /// Shows the page in frames of some widths, with and without its script, and writes down what is there.

@@ -31,6 +31,7 @@ pub mod resolve;
 mod run;
 mod stress;
 mod study;
+mod study_pictures;
 mod time;
 mod time_captions;
 mod time_output;

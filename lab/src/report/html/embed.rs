@@ -6,7 +6,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
-use std::path::Path;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// Quality of the page's JPEGs, of 100: differences between methods stay visible, and a picture
 /// takes about an eighth of its PNG.
@@ -20,6 +23,37 @@ pub struct Embedded {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+}
+
+/// The folder of a page's pictures. Pages that are written again and again as they grow embed each picture once.
+pub struct PictureFolder {
+    path: PathBuf,
+    embedded: RefCell<BTreeMap<String, Rc<Embedded>>>,
+}
+
+impl PictureFolder {
+    /// A folder whose pictures do not change.
+    pub fn new(path: &Path) -> Self {
+        Self { path: path.to_owned(), embedded: RefCell::default() }
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A picture of the folder, by its path there; wider than `most` pixels, it is scaled down.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read as a picture.
+    pub(super) fn embed(&self, file: &str, most: u32) -> Result<Rc<Embedded>> {
+        if let Some(known) = self.embedded.borrow().get(file) {
+            return Ok(Rc::clone(known));
+        }
+        let made = Rc::new(embed(&self.path.join(file), most)?);
+        self.embedded.borrow_mut().insert(file.to_owned(), Rc::clone(&made));
+        Ok(made)
+    }
 }
 
 /// A PNG as a JPEG, or as it is where that is no larger; wider than `most` pixels, it is scaled down.

@@ -1,10 +1,9 @@
 //! Pictures on the page: a strip of them, and above it two of them with a divider to drag. The
 //! divider is a script's work; without it, and on paper, the strip is all there is.
 
-use super::embed::embed;
+use super::embed::PictureFolder;
 use crate::error::Result;
 use maud::{Markup, html};
-use std::path::Path;
 
 /// Pixels that an embedded picture is wide at most: about what the divider's stage is shown at, and half the bytes of
 /// the study's pictures.
@@ -50,7 +49,7 @@ pub struct Gallery {
 }
 
 /// A gallery with its divider.
-pub fn gallery(gallery: &Gallery, folder: &Path) -> Result<Markup> {
+pub fn gallery(gallery: &Gallery, folder: &PictureFolder) -> Result<Markup> {
     let strips = gallery.strips.iter().map(|s| strip(&gallery.title, s, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
         section data-compare=(gallery.compared.join(",")) {
@@ -60,7 +59,7 @@ pub fn gallery(gallery: &Gallery, folder: &Path) -> Result<Markup> {
     })
 }
 
-fn strip(title: &str, strip: &Strip, folder: &Path) -> Result<Markup> {
+fn strip(title: &str, strip: &Strip, folder: &PictureFolder) -> Result<Markup> {
     match strip {
         Strip::Plain(pictures) => {
             let figures = figures(title, pictures, folder)?;
@@ -78,13 +77,17 @@ fn strip(title: &str, strip: &Strip, folder: &Path) -> Result<Markup> {
 }
 
 /// Pictures in their order.
-pub fn figures<'p>(title: &str, pictures: impl IntoIterator<Item = &'p Picture>, folder: &Path) -> Result<Markup> {
+pub fn figures<'p>(
+    title: &str,
+    pictures: impl IntoIterator<Item = &'p Picture>,
+    folder: &PictureFolder,
+) -> Result<Markup> {
     let figures = pictures.into_iter().map(|p| figure(title, p, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! { @for figure in figures { (figure) } })
 }
 
-fn figure(title: &str, picture: &Picture, folder: &Path) -> Result<Markup> {
-    let embedded = embed(&folder.join(&picture.file), WIDEST)?;
+fn figure(title: &str, picture: &Picture, folder: &PictureFolder) -> Result<Markup> {
+    let embedded = folder.embed(&picture.file, WIDEST)?;
     Ok(html! {
         figure data-name=(picture.name) {
             a href=(picture.file) {

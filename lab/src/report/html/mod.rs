@@ -10,7 +10,7 @@ mod gallery;
 mod library;
 mod sections;
 
-pub use embed::data_uri;
+pub use embed::{PictureFolder, data_uri};
 pub use errors::ErrorPage;
 pub use figures::{Entry, FiguresPage, Group, Panel};
 pub use films::{Clip, ClipsPage, clips_page};
@@ -26,7 +26,6 @@ use crate::study::error::ErrorRecord;
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::Compared;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use std::path::Path;
 
 /// Everything that the page shows.
 pub struct Page<'a> {
@@ -34,16 +33,18 @@ pub struct Page<'a> {
     pub device: &'a DeviceInfo,
     /// The command that made it.
     pub command: String,
+    /// What is still to be made, if the study has not ended.
+    pub to_come: Vec<String>,
     /// Times.
     pub times: Times<'a>,
     /// Errors.
     pub errors: Errors<'a>,
     /// Pictures by view.
-    pub views: Vec<Gallery>,
+    pub views: &'a [Gallery],
     /// Figures of the thesis.
-    pub figures: Vec<Picture>,
+    pub figures: &'a [Picture],
     /// The methods' images on other devices against those on this one; empty where there is no other.
-    pub same: Vec<AgreementRecord>,
+    pub same: &'a [AgreementRecord],
     /// Records beside the page: file or folder, relative to it, and what it has.
     pub records: Vec<(String, String)>,
 }
@@ -53,7 +54,7 @@ pub struct Times<'a> {
     /// One sentence: which views were timed, and how.
     pub settings: String,
     /// Rows of table 5.8.
-    pub table: Vec<Compared>,
+    pub table: &'a [Compared],
     /// The measurements behind the table.
     pub table_records: &'a [TimeRecord],
     /// The measurements of the views.
@@ -88,18 +89,24 @@ const PARTS: [(&str, &str); 8] = [
 
 impl Page<'_> {
     /// The whole page; its pictures are read from the folder that it will lie in.
-    pub fn render(&self, folder: &Path) -> Result<String> {
+    pub fn render(&self, folder: &PictureFolder) -> Result<String> {
         let [views, figures, table, stages, error, passes, drivers, records] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
         let body = html! {
+            @if !self.to_come.is_empty() {
+                p id="to-come" {
+                    "This page is not complete. It is written again after each part, so that loading it again shows more. "
+                    "Still to come: " (self.to_come.join("; ")) "."
+                }
+            }
             (views)
             p {
                 "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
                 (embed::JPEG_QUALITY) ", at most " (gallery::WIDEST) " pixels wide; each links to its lossless PNG at "
                 "full size."
             }
-            (galleries(&self.views, folder)?)
-            (figures) div.strip { (gallery::figures("Thesis", &self.figures, folder)?) }
+            (galleries(self.views, folder)?)
+            (figures) div.strip { (gallery::figures("Thesis", self.figures, folder)?) }
             (table) (sections::table_5_8(&self.times))
             (stages) p { (self.times.settings) }
             (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
@@ -110,7 +117,7 @@ impl Page<'_> {
             p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
             (sections::passes(self.times.view_records))
             (drivers)
-            (sections::same(&self.same))
+            (sections::same(self.same))
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
             (gallery::compare_template())
@@ -284,7 +291,7 @@ fn heading((id, title): (&str, &str)) -> Markup {
     html! { h2 id=(id) { (title) } }
 }
 
-fn galleries(all: &[Gallery], folder: &Path) -> Result<Markup> {
+fn galleries(all: &[Gallery], folder: &PictureFolder) -> Result<Markup> {
     let galleries = all.iter().map(|g| gallery::gallery(g, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! { @for gallery in galleries { (gallery) } })
 }

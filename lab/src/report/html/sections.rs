@@ -15,7 +15,7 @@ pub fn table_5_8(times: &Times) -> Markup {
             "without the scene passes. What carries over between machines is the ratio. The normal deviation is the "
             "roughness, as in the thesis."
         }
-        (grid(&tables::table_5_8_cells(&times.table)))
+        (grid(&tables::table_5_8_cells(times.table)))
         @if let Some((least, greatest)) = sum_over_frame(times.table_records) {
             p {
                 "Check of the timer: the sum of all passes' medians over the frame's own median is "

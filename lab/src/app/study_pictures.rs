@@ -1,0 +1,179 @@
+//! The pictures of `ssct study`.
+
+use super::reference;
+use crate::error::Result;
+use crate::gpu::{Gpu, Pixels};
+use crate::methods::setup::CaptureCount;
+use crate::methods::{self, EffectParams, METHODS, MethodInfo, Setup, Wants, unified};
+use crate::report::figures::{self, Figure};
+use crate::report::html::{Gallery, Picture, Strip};
+use crate::report::{error_report, files, images, tables};
+use crate::scene::{Scene, View};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
+use crate::study::{Globals, Shot, Stage, gbuffer, image, table};
+use std::path::Path;
+
+/// Name of the pictures without reflections.
+const LIT: &str = "direct light";
+/// Name of the pictures by the world reference, and its rays a pixel.
+const TRUTH: &str = "truth";
+const TRUTH_RAYS: u32 = 16;
+/// Where the truth's samples lie, for the next run.
+pub const TRUTH_FOLDER: &str = "truth";
+/// Name of the pictures of `unified` whose rays go on in captures.
+const CAPTURED: &str = "unified with captures";
+/// Where the error study lies.
+pub const ERROR_FOLDER: &str = "error";
+/// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
+pub const GLOSSY: Globals = table::factors(0.1, 1.0);
+
+/// A view, and the methods that it is shown by.
+pub struct Shown<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The view.
+    pub view: &'a View,
+    /// Width and height of the pictures.
+    pub size: [u32; 2],
+    /// The methods.
+    pub methods: &'a [&'static MethodInfo],
+}
+
+/// A view: lit only, the truth, every method, and `unified` with captures. `step` is called after each of them.
+pub fn of_view(of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) -> Result<Gallery> {
+    let Shown { gpu, scene, view, size, methods } = *of;
+    let plain = Setup::new(size);
+    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
+    let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
+    let with_captures = "unified with four captures, roughness 0.1".to_owned();
+    let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();
+    let mut stage = Stage::new(gpu, scene)?;
+    let camera = view.camera(scene, size);
+    let materials = GLOSSY.materials(scene, view);
+    let mut pictures = Vec::new();
+    let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
+        let [of, seen] = [&scene.name, &view.name].map(|name| files::safe_word(name));
+        let file = format!("images/{of}-{seen}-{}.png", name.replace(' ', "-"));
+        images::write_image(&folder.join(&file), pixels)?;
+        pictures.push(Picture { file, name: name.into(), caption });
+        Ok(())
+    };
+    for (n, (method, name, setup, caption)) in shown.iter().enumerate() {
+        let shot = Shot::new(&mut stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
+        let rendered = image::render(&mut stage, &shot, false)?;
+        if n == 0 {
+            let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
+            picture(&lit, LIT, "direct light only".into())?;
+            let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.join(TRUTH_FOLDER));
+            let truth = reference::truth(scene, &materials, &data, TRUTH_RAYS, &cache)?;
+            picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
+            step()?;
+        }
+        picture(&rendered.composite, name, caption.clone())?;
+        step()?;
+    }
+    Ok(Gallery {
+        title: format!("{}, {}", scene.name, view.name),
+        strips: vec![Strip::Plain(pictures)],
+        compared: [METHODS[0].name.into(), TRUTH.into()],
+    })
+}
+
+/// Figures 4.4, 4.5, 4.9 and 4.10 on a scene that has a view `corridor`.
+pub fn of_thesis(gpu: &Gpu, scene: &Scene, folder: &Path, size: [u32; 2]) -> Result<Vec<Picture>> {
+    let wanted = [
+        (
+            Figure::VisibilityChain,
+            "figure-4.4",
+            [512, 512],
+            "corridor",
+            "Figure 4.4: the chain of the visibility buffer, level 0 omitted",
+        ),
+        (
+            Figure::RaySplit,
+            "figure-4.5",
+            size,
+            "corridor",
+            "Figure 4.5: rays traced by Hi-Z (green) and by the linear march (red); darker where nothing was hit",
+        ),
+        (
+            Figure::RayTraceColorChain,
+            "figure-4.9",
+            size,
+            "corridor",
+            "Figure 4.9: first five levels of the ray trace color buffer of SSLR",
+        ),
+        (
+            Figure::MaskChain,
+            "figure-4.10",
+            size,
+            "corridor",
+            "Figure 4.10: first five levels of the mask buffer of SSLR",
+        ),
+    ];
+    let mut stage = Stage::new(gpu, scene)?;
+    let mut pictures = Vec::new();
+    for (figure, stem, extent, view, caption) in wanted {
+        let view = scene.view(view)?;
+        let camera = view.camera(scene, extent);
+        let setup = figure.setup(&Setup::new(extent));
+        let method = methods::find(figure.method())?;
+        let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
+        if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
+            let file = format!("images/{stem}.png");
+            figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;
+            pictures.push(Picture { file, name: stem.to_owned(), caption: caption.to_owned() });
+        }
+    }
+    Ok(pictures)
+}
+
+/// Each cell: every method with its FLIP map beside what its errors are against.
+pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
+    let mut galleries: Vec<Gallery> = Vec::new();
+    for r in records {
+        let h = &r.head;
+        let title = format!("{}, {}, roughness {}", h.scene, h.view, tables::roughness(h.roughness));
+        if galleries.iter().any(|g| g.title == title) {
+            continue;
+        }
+        let stem = error_report::stem(&h.scene, &h.view, [h.width, h.height], h.roughness);
+        let picture = |file: String, name: &str, caption: String| Picture {
+            file: format!("{ERROR_FOLDER}/images/{file}"),
+            name: name.to_owned(),
+            caption,
+        };
+        let reflection =
+            |name: &str, caption: &str| picture(error_report::picture_file(&stem, name), name, caption.into());
+        let pair = |name: &str| {
+            let flip = error_report::flip_file(&stem, name);
+            [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
+        };
+        let (screen, more): (Vec<&MethodInfo>, Vec<&MethodInfo>) =
+            methods.iter().copied().partition(|m| m.is_screen_space());
+        let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
+            title: title.to_owned(),
+            reference,
+            pairs: names.into_iter().map(pair).collect(),
+        };
+        galleries.push(Gallery {
+            title,
+            strips: vec![
+                beside(
+                    "Against the screen reference",
+                    reflection(SCREEN_REFERENCE, "screen reference"),
+                    screen.iter().map(|m| m.name).chain([EXACT_HITS]).collect(),
+                ),
+                beside(
+                    "Methods that see more than the screen, against the world",
+                    reflection(WORLD_REFERENCE, "world reference"),
+                    more.iter().map(|m| m.name).collect(),
+                ),
+            ],
+            compared: [METHODS[0].name.into(), SCREEN_REFERENCE.into()],
+        });
+    }
+    galleries
+}
