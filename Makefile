@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
+.PHONY: all setup build dist package study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
 	test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -23,6 +23,10 @@ build: setup
 # The crate that others embed, with its shaders compiled: target/package/ssct-VERSION.crate.
 package: setup
 	CARGO="$(CARGO)" scripts/package.sh
+
+# One archive of the program for machines with nothing but a driver: target/dist/ssct-VERSION-x86_64-linux.tar.gz.
+dist: setup
+	CARGO="$(CARGO)" scripts/dist.sh
 
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build

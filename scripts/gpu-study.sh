@@ -1,12 +1,16 @@
 #!/usr/bin/env bash
 # Measures a device, on a machine that needs nothing but its driver and the program:
 #   scripts/gpu-study.sh [PROGRAM] [FOLDER] [OPTIONS of ssct gpu-study]
-# PROGRAM is ssct, which may have been built elsewhere (default: target/release/ssct). FOLDER is made; its page is
+# PROGRAM is ssct, which may have been built elsewhere (default: ssct beside this script, as in the archive of `make dist`, else
+# target/release/ssct). FOLDER is made; its page is
 # index.html. In the repository, the device's images are also compared with the kept ones of lavapipe and SwiftShader.
 set -euo pipefail
 
-root=$(cd "$(dirname "$0")/.." && pwd)
-program=${1:-$root/target/release/ssct}
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(dirname "$here")
+program=$root/target/release/ssct
+[ ! -x "$here/ssct" ] || program=$here/ssct
+program=${1:-$program}
 folder=${2:-gpu-study}
 shift $(($# < 2 ? $# : 2))
 [ -x "$program" ] || { echo "gpu-study: there is no program $program; cargo build --release makes it" >&2; exit 1; }

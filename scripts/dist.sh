@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Makes one archive of the program for machines that have nothing but a Vulkan driver, with its loader, and the C library:
+# target/dist/ssct-VERSION-x86_64-linux.tar.gz with ssct, the window ssct-view, the licences, a README of one screen and
+# gpu-study.sh. What the programs need of the C library is read off them, and stands in the README.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo=${CARGO:-cargo}
+target=${CARGO_TARGET_DIR:-target}
+[ "$(uname -sm)" = 'Linux x86_64' ] || { echo 'dist: the archive is of Linux on x86-64, and this is neither' >&2; exit 1; }
+
+"$cargo" build --release --bin ssct --bin ssct-view
+version=$("$cargo" metadata --no-deps --format-version 1 | sed -n 's/.*"name":"ssct","version":"\([^"]*\)".*/\1/p')
+name="ssct-$version-x86_64-linux"
+folder="$target/dist/$name"
+rm -rf "$folder"
+mkdir -p "$folder"
+
+programs=("$target/release/ssct" "$target/release/ssct-view")
+for program in "${programs[@]}"; do
+    strip -o "$folder/$(basename "$program")" "$program"
+done
+cp LICENSE-APACHE LICENSE-MIT "$folder/"
+install -m 755 scripts/gpu-study.sh "$folder/gpu-study.sh"
+
+# The youngest version of a library's symbols that the programs ask for.
+youngest() { objdump -T "${programs[@]}" | grep -o "\b$1_[0-9.]*" | sort -uV | tail -n 1 | cut -d_ -f2; }
+glibc=$(youngest GLIBC)
+libraries=$(objdump -p "${programs[@]}" | awk '/NEEDED/ { print $2 }' | sort -u | paste -sd ' ')
+
+cat >"$folder/README" <<TEXT
+ssct $version for Linux on x86-64, built from commit $(git rev-parse --short=10 HEAD)
+
+Glossy reflections in screen space on Vulkan: published methods, timed per pass, held against exact references.
+
+What it needs: a Vulkan driver with the loader libvulkan.so.1, and the C library glibc $glibc or younger
+(Debian 12, Ubuntu 22.04 or younger). The programs load $libraries.
+
+  ./ssct devices                          what Vulkan offers here
+  ./gpu-study.sh                          measure the device in some minutes; then open gpu-study/index.html
+  ./ssct study -o out                     pictures, times and errors of the built-in scenes; then open out/index.html
+  ./ssct render --scene rooms -o a.png    one picture
+  ./ssct view                             a window; it needs X11 or Wayland, whose libraries it looks for
+  ./ssct --help                           all commands
+
+Licence: MIT or Apache-2.0, at your option (LICENSE-MIT, LICENSE-APACHE).
+TEXT
+tar -C "$target/dist" -czf "$target/dist/$name.tar.gz" "$name"
+echo "$target/dist/$name.tar.gz ($(du -h "$target/dist/$name.tar.gz" | cut -f1))"
