@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
+.PHONY: all setup build package install-c study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
 	test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -21,6 +21,13 @@ build: setup
 # The crate that others embed, with its shaders compiled: target/package/ssct-VERSION.crate.
 package: setup
 	CARGO="$(CARGO)" scripts/package.sh
+
+# The libraries for C, with the header and the files of pkg-config and CMake, in the folder PREFIX.
+PREFIX ?= /usr/local
+
+install-c: PROFILE = release
+install-c: setup
+	CARGO="$(CARGO)" scripts/install-c.sh "$(PREFIX)" --profile $(PROFILE)
 
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build
@@ -37,7 +44,9 @@ bars: PROFILE = release
 bars: build
 	scripts/bars.sh $(OUT)/bars $(SCENES)
 
+# The interface for C is tested apart: so it is built without what the laboratory turns on.
 test: setup
+	$(CARGO) test --package ssct-c --features compile-shaders
 	$(CARGO) test
 
 # The example on wgpu, which is a package of its own, beside the command.
@@ -119,6 +128,7 @@ lint: setup
 	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
+	$(CARGO) clippy --package ssct-c --features compile-shaders --all-targets -- -D warnings
 	cd lab && $(CARGO) clippy --no-default-features -- -D warnings
 	cd lab && $(CARGO) clippy --no-default-features --features tracy -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
@@ -129,9 +139,10 @@ bench: setup
 view: build
 	"$(BIN)" view
 
-# The tables and numbers in README.md and docs/, from the records under benches/runs.
+# The tables and numbers in README.md and docs/, from the records under benches/runs, and the header for C.
 docs: setup
 	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
+	SSCT_WRITE_DOCS=1 $(CARGO) test --package ssct-c --features compile-shaders --test header
 
 doc: setup
 	$(CARGO) doc --no-deps
