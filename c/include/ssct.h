@@ -15,9 +15,9 @@
 // Lifetimes. Instance, device and loader outlive every object. Objects may be destroyed in any order, a context before what
 // was made with it, once the device is done with what was recorded. Output images go with their reflections.
 //
-// Threads. A context may be used by several threads at once. Reflections and capture cubes may be used by any thread, by one
-// at a time; different objects, of one context, too, by different threads at once. A frame reads the capture cubes that it
-// is given while it is recorded. Nothing here submits, waits or presents.
+// Threads. A context may be used by several threads at once. Any other object may be used by any thread, by one
+// at a time; different objects, of one context, too, by different threads at once. A frame reads the capture cubes and
+// the triangles that it is given while it is recorded. Nothing here submits, waits or presents.
 
 
 #ifndef SSCT_H
@@ -57,6 +57,10 @@ typedef struct SsctContext SsctContext;
 
 /// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
 typedef struct SsctReflections SsctReflections;
+
+/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
+/// its mesh's colour. Where something moved, make them anew, and keep the old ones until the device is done.
+typedef struct SsctTriangles SsctTriangles;
 
 /// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
 typedef uint32_t SsctMemoryPlace;
@@ -184,6 +188,8 @@ typedef struct SsctReflectionsInfo {
   SsctOutputs outputs;
   /// Number of frames that may be under way at once; 0 for 2.
   uint32_t frames_in_flight;
+  /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+  const struct SsctTriangles *triangles;
 } SsctReflectionsInfo;
 
 /// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
@@ -219,7 +225,8 @@ typedef struct SsctImage {
   /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
   /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
   VkImageSubresourceRange part;
-  /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it; 0 stands for that bit.
+  /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
+  /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
   VkImageUsageFlags usage;
   /// How you used it last.
   struct SsctImageUse before;
@@ -287,6 +294,11 @@ typedef struct SsctFrame {
   const struct SsctImage *sky;
   /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
   const struct SsctCaptureCubes *captures;
+  /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+  const struct SsctTriangles *triangles;
+  /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
+  /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+  const struct SsctImage *triangle_numbers;
   /// What reflects, as far as you know it.
   SsctReflectors reflectors;
   /// How you use the outputs next.
@@ -385,6 +397,22 @@ typedef struct SsctCaptureFace {
   /// Its depth.
   const struct SsctImage *depth;
 } SsctCaptureFace;
+
+/// A mesh, where it stands, and the colour that it has in reflections. The library keeps no pointer to it.
+typedef struct SsctTriangleMesh {
+  /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
+  const float *positions;
+  /// Three vertices for each triangle; it is seen from both sides.
+  const uint32_t *indices;
+  /// Number of vertices.
+  uint32_t vertex_count;
+  /// Number of indices.
+  uint32_t index_count;
+  /// From the mesh's space to the world, column by column.
+  float mesh_to_world[16];
+  /// The light that comes from it, linear: as lit where it stands, since no light is computed for it.
+  float color[3];
+} SsctTriangleMesh;
 
 /// At y = -w, as Vulkan has it with a viewport of positive height.
 #define SSCT_CLIP_Y_DOWN 0
@@ -563,6 +591,19 @@ enum SsctResult ssct_capture_cubes_record_face(struct SsctCaptureCubes *cubes,
                                                VkCommandBuffer commands,
                                                uint32_t slot,
                                                const struct SsctCaptureFace *face);
+
+/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
+/// it fails. `ssct_triangles_record_upload` fills the buffers.
+enum SsctResult ssct_triangles_create(const struct SsctContext *context,
+                                      const struct SsctTriangleMesh *meshes,
+                                      uint32_t mesh_count,
+                                      struct SsctTriangles **triangles);
+
+/// Destroys triangles; NULL is none. The device is done with every frame that saw them.
+void ssct_triangles_destroy(struct SsctTriangles *triangles);
+
+/// Records copying the triangles to the device: once, before the first frame that sees them.
+enum SsctResult ssct_triangles_record_upload(struct SsctTriangles *triangles, VkCommandBuffer commands);
 
 #ifdef __cplusplus
 }  // extern "C"

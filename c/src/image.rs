@@ -83,7 +83,8 @@ pub struct SsctImage {
     /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
     /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
     pub part: VkImageSubresourceRange,
-    /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it; 0 stands for that bit.
+    /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
+    /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
     pub usage: VkImageUsageFlags,
     /// How you used it last.
     pub before: SsctImageUse,
@@ -207,7 +208,7 @@ pub unsafe fn image(argument: &str, at: *const SsctImage, layers: u32) -> Outcom
         }
     }
     if usage.is_empty() {
-        usage = VkImageUsageFlags::SAMPLED;
+        usage = VkImageUsageFlags::SAMPLED | VkImageUsageFlags::STORAGE;
     }
     let extent = [extent.width, extent.height];
     Ok(ImageInput { image, view, part, format, extent, usage, before: before.taken(), after: after.taken() })

@@ -15,6 +15,8 @@ mod reflections;
 
 mod captures;
 
+mod triangles;
+
 mod memory;
 
 mod vulkan;

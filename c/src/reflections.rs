@@ -7,9 +7,10 @@ use crate::border::{
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
 use crate::image::{SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctNormals, camera, factor, image, normals};
+use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
 use ash::vk;
-use ssct::{CaptureCubes, FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors};
+use ssct::{CaptureCubes, FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors, Triangles};
 use std::ffi::{CString, c_char};
 
 /// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
@@ -80,6 +81,8 @@ pub struct SsctReflectionsInfo {
     pub outputs: SsctOutputs,
     /// Number of frames that may be under way at once; 0 for 2.
     pub frames_in_flight: u32,
+    /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+    pub triangles: *const SsctTriangles,
 }
 
 /// What a frame shows, and where from.
@@ -110,6 +113,11 @@ pub struct SsctFrame {
     pub sky: *const SsctImage,
     /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
     pub captures: *const SsctCaptureCubes,
+    /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+    pub triangles: *const SsctTriangles,
+    /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
+    /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+    pub triangle_numbers: *const SsctImage,
     /// What reflects, as far as you know it.
     pub reflectors: SsctReflectors,
     /// How you use the outputs next.
@@ -213,7 +221,7 @@ pub unsafe extern "C" fn ssct_reflections_create(
                 |p: &SsctParameter| Ok((text_of("parameter.name", p.name)?, text_of("parameter.value", p.value)?));
             let parameters = array("info.parameters", info.parameters, info.parameter_count)?;
             let parameters: Vec<_> = parameters.iter().map(pair).collect::<Outcome<_>>()?;
-            reflections_of(context, &info, method, &parameters)
+            reflections_of(context, &info, method, (&parameters, triangles(info.triangles)?))
         }
     };
     // SAFETY: the header asks for a valid place.
@@ -224,7 +232,7 @@ fn reflections_of(
     context: &SsctContext,
     info: &SsctReflectionsInfo,
     method: &str,
-    parameters: &[(&str, &str)],
+    (parameters, triangles): (&[(&str, &str)], Option<&Triangles>),
 ) -> Outcome<SsctReflections> {
     let known = SSCT_OUTPUT_COMPOSITE | SSCT_OUTPUT_REFLECTION | SSCT_OUTPUT_HITS;
     if info.outputs & !known != 0 {
@@ -241,6 +249,7 @@ fn reflections_of(
             method,
             parameters,
             captures: Some(info.capture_side).filter(|side| *side != 0),
+            triangles,
             composite: outputs & SSCT_OUTPUT_COMPOSITE != 0,
             reflection: outputs & SSCT_OUTPUT_REFLECTION != 0,
             hits: outputs & SSCT_OUTPUT_HITS != 0,
@@ -374,6 +383,11 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
             color: image("frame.color", frame.color, 1)?,
             sky: if frame.sky.is_null() { None } else { Some(image("frame.sky", frame.sky, 6)?) },
             captures: captures(frame.captures)?,
+            triangles: triangles(frame.triangles)?,
+            triangle_numbers: match frame.triangle_numbers.is_null() {
+                true => None,
+                false => Some(image("frame.triangle_numbers", frame.triangle_numbers, 1)?),
+            },
             timed: frame.timed != vk::FALSE,
             outputs: frame.outputs.taken(),
         })
@@ -387,6 +401,15 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
 unsafe fn captures<'a>(at: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
     // SAFETY: by the contract.
     unsafe { at.as_ref() }.map(|captures| captures.cubes.get()).transpose()
+}
+
+/// The triangles that a frame is given.
+///
+/// # Safety
+/// Errors of [`captures`].
+unsafe fn triangles<'a>(at: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
+    // SAFETY: by the contract.
+    unsafe { at.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
 }
 
 fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {

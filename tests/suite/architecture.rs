@@ -80,7 +80,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
 
 /// Names that stand for two public types or more. When the types of an entry are renamed, the entry must go.
 const SHARED_TYPE_NAMES: &[&str] =
-    &["Block", "Compared", "Parameters", "Picture", "Run", "Sample", "Side", "State", "Strip", "View"];
+    &["Block", "Compared", "Parameters", "Picture", "Run", "Sample", "Side", "State", "Strip", "Triangles", "View"];
 
 /// This file replaces the module `app::view` where the window is not built, so its types have the same names.
 const ALTERNATIVE: &str = "app/no_view.rs";

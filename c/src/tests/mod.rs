@@ -16,6 +16,7 @@ use crate::context::*;
 use crate::image::*;
 use crate::memory::*;
 use crate::reflections::*;
+use crate::triangles::*;
 use ash::vk::{self, Handle};
 use program::Program;
 use std::ffi::{CStr, c_char, c_void};
@@ -247,6 +248,95 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
         ssct_context_trim(context);
         ssct_context_destroy(context);
         assert_eq!((*objects_at).alive, 0);
+    }
+}
+
+/// A mesh of a colour, moved along z.
+fn at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> SsctTriangleMesh {
+    let mut mesh_to_world = WORLD;
+    mesh_to_world[14] = z;
+    SsctTriangleMesh {
+        positions: positions.as_ptr().cast(),
+        indices: indices.as_ptr(),
+        vertex_count: positions.len() as u32,
+        index_count: indices.len() as u32,
+        mesh_to_world,
+        color,
+    }
+}
+
+#[test]
+fn rays_that_leave_the_screen_end_on_triangles() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let numbers = program.image(vk::Format::R32_UINT, SIDE, [0.0; 4], 1);
+    let context = program.context();
+    let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
+    let wall = |indices: &[u32]| at(-1.0, (&positions, indices), [0.25, 0.5, 1.0]);
+    unsafe {
+        let mut triangles = null_mut();
+        let create = |mesh, triangles| ssct_triangles_create(context, mesh, 1, triangles);
+        refused(create(&wall(&[0, 1]), &mut triangles), SsctResult::Usage, "triangle mesh 0 has 2 indices");
+        refused(create(&wall(&[0, 1, 4]), &mut triangles), SsctResult::Usage, "the index 4, and 4 vertices");
+        assert_eq!(create(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles), SsctResult::Ok, "{}", said());
+
+        // Halves of what the mirror shows of the wall, beside its own colour; and that colour alone.
+        let [with, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
+        let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
+        let show = |reflections, frame: &SsctFrame| {
+            let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
+            let texels = program.read(SIDE, |commands| {
+                let result = ssct_reflections_record(reflections, commands, frame, &mut recorded);
+                assert_eq!(result, SsctResult::Ok, "{}", said());
+                recorded.composite.image
+            });
+            texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect::<Vec<_>>()
+        };
+        let alone = made(context, &view(SIDE));
+        let frame = SsctFrame { outputs, ..inputs.frame() };
+        assert!(show(alone, &frame).iter().all(|texel| *texel == without));
+        let given = SsctFrame { triangles, ..frame };
+        let result = ssct_reflections_record(alone, program.commands, &given, null_mut());
+        refused(result, SsctResult::Usage, "buffers, and the reflections were made for nothing");
+        ssct_reflections_destroy(alone);
+        for method in [c"unified", c"traced"] {
+            let reflections = made(context, &SsctReflectionsInfo { triangles, method: method.as_ptr(), ..view(SIDE) });
+            if method == c"unified" {
+                let result = ssct_reflections_record(reflections, program.commands, &given, null_mut());
+                refused(result, SsctResult::Usage, "never uploaded");
+                let result = program.submit(|_, commands| ssct_triangles_record_upload(triangles, commands));
+                assert_eq!(result, SsctResult::Ok, "{}", said());
+            }
+            let shown = show(reflections, &given);
+            assert!(shown.iter().all(|texel| *texel == with), "{method:?}: {:x?}", shown[0]);
+            ssct_reflections_destroy(reflections);
+        }
+        // A mirror that stands a little before the depth that is seen stops its own rays, unless its number is known.
+        let large = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 18.0, 0.0]];
+        let mirror = at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
+        let mut both = null_mut();
+        let meshes = [mirror, wall(&[0, 1, 2, 2, 3, 0])];
+        assert_eq!(ssct_triangles_create(context, meshes.as_ptr(), 2, &mut both), SsctResult::Ok, "{}", said());
+        let result = program.submit(|_, commands| ssct_triangles_record_upload(both, commands));
+        assert_eq!(result, SsctResult::Ok, "{}", said());
+        let given = SsctFrame { triangles: both, ..given };
+        let reflections = made(context, &SsctReflectionsInfo { triangles: both, ..view(SIDE) });
+        let shown = show(reflections, &given);
+        assert!(shown.iter().all(|texel| *texel == [0x3c00, 0x3400, 0x3000]), "{:x?}", shown[0]);
+        let shown = show(reflections, &SsctFrame { triangle_numbers: &numbers, ..given });
+        assert!(shown.iter().all(|texel| *texel == with), "{:x?}", shown[0]);
+        let wrong = SsctImage { format: vk::Format::R32_SFLOAT, ..numbers };
+        let frame = SsctFrame { triangle_numbers: &wrong, ..given };
+        let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
+        refused(result, SsctResult::Usage, "triangle_numbers has the format R32_SFLOAT; it must be R32_UINT");
+        ssct_reflections_destroy(reflections);
+        ssct_triangles_destroy(both);
+        let result = ssct_triangles_record_upload(triangles, program.commands);
+        refused(result, SsctResult::Usage, "uploaded before");
+        let wrong = SsctReflectionsInfo { triangles, method: c"ssct".as_ptr(), ..view(SIDE) };
+        refused(self::create(context, &wrong), SsctResult::Usage, "follows no rays among triangles");
+        ssct_triangles_destroy(triangles);
+        ssct_context_destroy(context);
     }
 }
 

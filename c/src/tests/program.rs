@@ -44,6 +44,7 @@ impl Program {
     pub fn new() -> Self {
         static ONE: Mutex<()> = Mutex::new(());
         let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+        MESSAGES.store(0, Ordering::Relaxed);
         unsafe {
             let entry = ash::Entry::load().unwrap();
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
@@ -122,7 +123,10 @@ impl Program {
 
     /// An image of one value, which is left to be sampled; with six layers it is a cube map's.
     pub fn image(&mut self, format: vk::Format, side: u32, value: [f32; 4], layers: u32) -> SsctImage {
-        let of = (vk::ImageAspectFlags::COLOR, vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST);
+        let of = (
+            vk::ImageAspectFlags::COLOR,
+            vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_DST,
+        );
         let part = vk::ImageSubresourceRange::default().aspect_mask(of.0).level_count(1).layer_count(layers);
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
@@ -174,6 +178,48 @@ impl Program {
             format,
             extent: vk::Extent2D { width: side, height: side },
             ..sized(size_of::<SsctImage>())
+        }
+    }
+
+    /// The texels of an image of half floats, by a frame that leaves it to be copied from.
+    pub fn read(&self, side: u32, record: impl FnOnce(vk::CommandBuffer) -> vk::Image) -> Vec<[u16; 4]> {
+        use vk::MemoryPropertyFlags as P;
+        let texels = (side * side) as usize;
+        let info = vk::BufferCreateInfo::default().size(8 * texels as u64).usage(vk::BufferUsageFlags::TRANSFER_DST);
+        let device = &self.device;
+        unsafe {
+            let buffer = device.create_buffer(&info, None).unwrap();
+            let needs = device.get_buffer_memory_requirements(buffer);
+            let kinds = self.instance.get_physical_device_memory_properties(self.physical);
+            let like = P::HOST_VISIBLE | P::HOST_COHERENT;
+            let fits = |i: &u32| {
+                let is_like = kinds.memory_types[*i as usize].property_flags.contains(like);
+                needs.memory_type_bits >> i & 1 == 1 && is_like
+            };
+            let kind = (0..kinds.memory_type_count).find(fits).unwrap();
+            let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
+            let memory = device.allocate_memory(&info, None).unwrap();
+            device.bind_buffer_memory(buffer, memory, 0).unwrap();
+            self.submit(|device, commands| {
+                let image = record(commands);
+                let part =
+                    vk::ImageSubresourceLayers::default().aspect_mask(vk::ImageAspectFlags::COLOR).layer_count(1);
+                let extent = vk::Extent3D { width: side, height: side, depth: 1 };
+                let copy = vk::BufferImageCopy::default().image_subresource(part).image_extent(extent);
+                let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+                device.cmd_copy_image_to_buffer(commands, image, layout, buffer, &[copy]);
+                let barrier = vk::MemoryBarrier2::default()
+                    .src_stage_mask(vk::PipelineStageFlags2::COPY)
+                    .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+                    .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+                    .dst_access_mask(vk::AccessFlags2::HOST_READ);
+                device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&[barrier]));
+            });
+            let mapped = device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
+            let read = std::slice::from_raw_parts(mapped.cast::<[u16; 4]>(), texels).to_vec();
+            device.destroy_buffer(buffer, None);
+            device.free_memory(memory, None);
+            read
         }
     }
 
