@@ -6,8 +6,8 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
-	test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+.PHONY: all setup build dist package install-c study gpu-study bars test test-wgpu test-drivers test-debian-12 \
+	test-debian-13 test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
 all: build
@@ -28,6 +28,13 @@ package: setup
 dist: setup
 	CARGO="$(CARGO)" scripts/dist.sh
 
+# The libraries for C, with the header and the files of pkg-config and CMake, in the folder PREFIX.
+PREFIX ?= /usr/local
+
+install-c: PROFILE = release
+install-c: setup
+	CARGO="$(CARGO)" scripts/install-c.sh "$(PREFIX)" --profile $(PROFILE)
+
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build
 	"$(BIN)" study -o $(OUT)
@@ -43,7 +50,9 @@ bars: PROFILE = release
 bars: build
 	scripts/bars.sh $(OUT)/bars $(SCENES)
 
+# The interface for C is tested apart: so it is built without what the laboratory turns on.
 test: setup
+	$(CARGO) test --package ssct-c --features compile-shaders
 	$(CARGO) test
 
 # The example on wgpu, which is a package of its own, beside the command.
@@ -125,6 +134,7 @@ lint: setup
 	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
+	$(CARGO) clippy --package ssct-c --features compile-shaders --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct-lab --features tracy -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 
@@ -136,9 +146,10 @@ view: build
 	$(CARGO) build --profile $(PROFILE) --bin ssct-view
 	"$(BIN)" view
 
-# The tables and numbers in README.md and docs/, from the records under benches/runs.
+# The tables and numbers in README.md and docs/, from the records under benches/runs, and the header for C.
 docs: setup
 	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
+	SSCT_WRITE_DOCS=1 $(CARGO) test --package ssct-c --features compile-shaders --test header
 
 doc: setup
 	$(CARGO) doc --no-deps

@@ -16,6 +16,8 @@ packages=(
     glslang-dev             # which is glslang
     spirv-tools             # and the SPIRV-Tools archives
     spirv-headers
+    libvulkan-dev           # Vulkan's headers, for the example in C,
+    cmake pkg-config        # which a test builds by both
     xvfb xdotool            # the window's test, without a screen, with mouse and keys
     # What ssct view loads at run time:
     libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 xkb-data libwayland-client0
@@ -31,9 +33,9 @@ setup: this script knows Debian and Ubuntu. On this system, install by hand:
     with which the shaderc crate builds its own copy on the first `cargo build` (some 10 minutes);
   - a C++ compiler.
 For example:
-  Fedora   sudo dnf install vulkan-loader mesa-vulkan-drivers vulkan-validation-layers libshaderc-devel gcc-c++ git cmake python3
-  Arch     sudo pacman -S vulkan-icd-loader vulkan-swrast vulkan-validation-layers shaderc gcc git cmake python
-  macOS    brew install molten-vk vulkan-loader vulkan-validationlayers shaderc cmake
+  Fedora   sudo dnf install vulkan-loader-devel mesa-vulkan-drivers vulkan-validation-layers libshaderc-devel gcc-c++ pkgconf git cmake python3
+  Arch     sudo pacman -S vulkan-icd-loader vulkan-headers vulkan-swrast vulkan-validation-layers shaderc gcc pkgconf git cmake python
+  macOS    brew install molten-vk vulkan-loader vulkan-headers vulkan-validationlayers shaderc cmake pkgconf
 then
   cargo build --release
 EOF

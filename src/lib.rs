@@ -85,7 +85,8 @@ struct Embedding;
 
 pub use embed::{
     CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, ImageInput,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, methods,
+    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, TriangleMesh,
+    Triangles, methods,
 };
 pub use error::{Error, Result};
 pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures, enable_features};

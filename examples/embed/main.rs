@@ -67,6 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         color: of(&images[2]),
         sky: None,
         captures: None,
+        triangles: None,
+        triangle_numbers: None,
         timed: false,
         outputs: copied,
     };

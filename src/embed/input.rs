@@ -23,7 +23,7 @@ pub struct ImageInput {
     pub format: vk::Format,
     /// Width and height of the part in texels.
     pub extent: [u32; 2],
-    /// What the image was made for; `SAMPLED` must be among it.
+    /// What the image was made for; `SAMPLED` must be among it, of numbers of triangles `STORAGE`.
     pub usage: vk::ImageUsageFlags,
     /// How the caller used it last.
     pub before: ImageUse,
@@ -66,6 +66,35 @@ impl ImageInput {
 
     /// What is wrong with it, if anything, before anything is recorded.
     pub(super) fn check(&self, name: &str, extent: Option<[u32; 2]>) -> Result<()> {
+        self.check_made(name, extent, (vk::ImageUsageFlags::SAMPLED, "SAMPLED"))?;
+        let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
+        let aspects = self.part.aspect_mask;
+        if aspects.intersects(vk::ImageAspectFlags::DEPTH) != is_depth_format(self.format) {
+            return wrong(format!("has the format {:?} and the aspects {aspects:?}", self.format));
+        }
+        if is_integer(self.format) {
+            return wrong(format!("has the format {:?}, whose texels are no floats for a shader", self.format));
+        }
+        Ok(())
+    }
+
+    /// What is wrong with it as an image of numbers of triangles, if anything.
+    pub(super) fn check_numbers(&self, name: &str, extent: [u32; 2]) -> Result<()> {
+        self.check_made(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
+        if self.format != vk::Format::R32_UINT {
+            let format = self.format;
+            return Err(Error::Usage(format!("the input {name} has the format {format:?}; it must be R32_UINT")));
+        }
+        Ok(())
+    }
+
+    /// What is wrong with how it was made and is used, if anything.
+    fn check_made(
+        &self,
+        name: &str,
+        extent: Option<[u32; 2]>,
+        (usage, usage_name): (vk::ImageUsageFlags, &str),
+    ) -> Result<()> {
         let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
         let part = &self.part;
         if self.image.is_null() || self.view.is_null() {
@@ -75,15 +104,8 @@ impl ImageInput {
             let [w, h] = self.extent;
             return wrong(format!("is {w}x{h} pixels; it must be {width}x{height}"));
         }
-        if !self.usage.contains(vk::ImageUsageFlags::SAMPLED) {
-            return wrong("was made without the usage SAMPLED, so that no shader can read it".into());
-        }
-        let is_depth = part.aspect_mask.intersects(vk::ImageAspectFlags::DEPTH);
-        if is_depth != is_depth_format(self.format) {
-            return wrong(format!("has the format {:?} and the aspects {:?}", self.format, part.aspect_mask));
-        }
-        if is_integer(self.format) {
-            return wrong(format!("has the format {:?}, whose texels are no floats for a shader", self.format));
+        if !self.usage.contains(usage) {
+            return wrong(format!("was made without the usage {usage_name}, so that no shader can read it"));
         }
         if self.before.layout == vk::ImageLayout::UNDEFINED || self.after.layout == vk::ImageLayout::UNDEFINED {
             return wrong("has the layout UNDEFINED before or after: its content would be lost".into());

@@ -1,16 +1,18 @@
 //! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles,
 //! [`Reflections`] holds what one view needs and records into a command buffer, [`CaptureCubes`] holds images of the scene
-//! around places that the screen does not show. Nothing here submits, waits or presents.
+//! around places that the screen does not show, [`Triangles`] the scene's meshes. Nothing here submits, waits or presents.
 
 mod camera;
 mod captures;
 mod input;
 mod reflections;
+mod triangles;
 
 pub use camera::{CameraInput, ClipY};
 pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
+pub use triangles::{TriangleMesh, Triangles};
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -62,9 +64,9 @@ impl Context {
 }
 
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
-/// each. `captures` needs [`CaptureCubes`], too.
+/// each. `captures` needs [`CaptureCubes`], too, and `traced` needs [`Triangles`].
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
-    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures).map(|m| (m.name, m.summary))
+    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures || m.takes_triangles).map(|m| (m.name, m.summary))
 }
 
 /// The method of a name. One that needs the scene is refused where it is made.

@@ -2,7 +2,7 @@
 
 use super::camera::Taken;
 use super::input::Borrowed;
-use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, NormalInput};
+use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, NormalInput, Triangles};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::sync::ImageUse;
@@ -10,12 +10,13 @@ use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
 use crate::methods::effect::Effect;
 use crate::methods::{Input, MethodInfo, Setup, Wants};
 use crate::parameter::{Choices, Parameter, Preset};
-use crate::passes::Reflectors;
 use crate::passes::import::{Foreign, ImportPass};
+use crate::passes::triangle_scene::TriangleReading;
+use crate::passes::{GBuffer, Reflectors};
 use ash::vk;
 
 /// What is to be reflected, and how.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct ReflectionsInfo<'a> {
     /// Width and height of the view in pixels.
     pub extent: [u32; 2],
@@ -26,6 +27,8 @@ pub struct ReflectionsInfo<'a> {
     pub parameters: &'a [(&'a str, &'a str)],
     /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without.
     pub captures: Option<u32>,
+    /// Triangles like those that every frame is given; `None` for frames without. Not with captures.
+    pub triangles: Option<&'a Triangles>,
     /// Produces the composite: lit colour plus reflections.
     pub composite: bool,
     /// Produces the reflection alone, for a renderer that adds it up itself.
@@ -44,6 +47,7 @@ impl Default for ReflectionsInfo<'_> {
             method: "unified",
             parameters: &[],
             captures: None,
+            triangles: None,
             composite: true,
             reflection: true,
             hits: false,
@@ -78,6 +82,11 @@ pub struct FrameInput<'a> {
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
     pub captures: Option<&'a CaptureCubes>,
+    /// Triangles of the scene, for rays that the screen loses.
+    pub triangles: Option<&'a Triangles>,
+    /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or `u32::MAX` for none;
+    /// R32_UINT. Without it, some rays meet the surface that they begin on.
+    pub triangle_numbers: Option<ImageInput>,
     /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
     pub timed: bool,
     /// How the caller uses the outputs next.
@@ -123,7 +132,50 @@ pub struct Reflections {
     method: &'static MethodInfo,
     setup: Setup,
     wants: Wants,
-    captures: Option<u32>,
+    beyond: Beyond,
+}
+
+/// What frames are given of the world beyond the screen.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beyond {
+    Nothing,
+    /// Captures with faces of so many texels a side.
+    Captures(u32),
+    /// Triangles that are read so.
+    Triangles(TriangleReading),
+}
+
+impl Beyond {
+    fn of(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
+        match (captures, triangles) {
+            (None, None) => Ok(Self::Nothing),
+            (Some(side), None) => Ok(Self::Captures(side)),
+            // Their number decides nothing once the passes are made.
+            (None, Some(triangles)) => Ok(Self::Triangles(triangles.reading())),
+            (Some(_), Some(_)) => Err(Error::Usage(
+                "captures and triangles are given: the rays that the screen loses go on in one of them".into(),
+            )),
+        }
+    }
+
+    /// Whether passes that were made for this may be given other triangles or captures.
+    fn takes(self, given: Self) -> bool {
+        match (self, given) {
+            (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
+            (made, given) => made == given,
+        }
+    }
+
+    fn said(self) -> String {
+        match self {
+            Self::Nothing => "nothing".into(),
+            Self::Captures(side) => format!("captures with faces of {side} texels a side"),
+            Self::Triangles(TriangleReading { count, geometry_texels, .. }) => {
+                let way = if geometry_texels { "texel" } else { "storage" };
+                format!("triangles, {count} of them, which the device reads from {way} buffers")
+            }
+        }
+    }
 }
 
 impl Reflections {
@@ -145,8 +197,9 @@ impl Reflections {
         }
         let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
         let import = ImportPass::new(gpu, info.extent)?;
-        let effect = effect(&mut frames, method, &setup, wants, info.captures)?;
-        Ok(Self { frames, import, effect, method, setup, wants, captures: info.captures })
+        let beyond = Beyond::of(info.captures, info.triangles)?;
+        let effect = effect(&mut frames, method, &setup, wants, beyond)?;
+        Ok(Self { frames, import, effect, method, setup, wants, beyond })
     }
 
     /// Makes images of another size. The device is done with every frame that was recorded.
@@ -156,7 +209,7 @@ impl Reflections {
     pub fn resize(&mut self, extent: [u32; 2]) -> Result<()> {
         let setup = self.setup.at(extent);
         let import = ImportPass::new(self.frames.gpu(), extent)?;
-        let effect = effect(&mut self.frames, self.method, &setup, self.wants, self.captures)?;
+        let effect = effect(&mut self.frames, self.method, &setup, self.wants, self.beyond)?;
         (self.setup, self.import, self.effect) = (setup, import, effect);
         Ok(())
     }
@@ -189,6 +242,7 @@ impl Reflections {
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
         let taken = self.check(input)?;
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
+        let triangles = input.triangles.map(Triangles::bound).transpose()?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = Borrowed::default();
         let depth = borrowed.take(&gpu, "depth", &input.depth)?;
@@ -197,6 +251,7 @@ impl Reflections {
         let roughness = input.roughness.take(&mut borrowed, &gpu, "roughness")?;
         let color = borrowed.take(&gpu, "color", &input.color)?;
         let sky = input.sky.map(|sky| borrowed.take(&gpu, "sky", &sky)).transpose()?;
+        let numbers = input.triangle_numbers.map(|n| borrowed.take(&gpu, "triangle_numbers", &n)).transpose()?;
         let mode = if input.timed { Mode::Timed } else { Mode::Plain };
         // SAFETY: by the contract.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
@@ -211,11 +266,13 @@ impl Reflections {
             reflectors: input.reflectors,
             leaves_sky_out: false,
         };
-        let gbuffer = self.import.record(&mut frame, &foreign, &taken.camera)?;
+        let imported = self.import.record(&mut frame, &foreign, &taken.camera)?;
+        let gbuffer = GBuffer { triangle: numbers.map(|numbers| borrowed.image(numbers)), ..imported };
         frame.begin_effect();
         let seen = Input {
             sky: sky.map(|sky| borrowed.image(sky)),
             captures: captures.map(|images| images.captures()),
+            triangles,
             ..Input::of_screen(gbuffer, &taken.camera)
         };
         let output = self.effect.record(&mut frame, &seen)?;
@@ -262,13 +319,15 @@ impl Reflections {
         if let Some(sky) = &input.sky {
             sky.check("sky", None)?;
         }
-        let given = input.captures.map(|c| c.extent()[0]);
-        if given != self.captures {
-            let said = |side: Option<u32>| side.map_or("none".into(), |s| format!("faces of {s} texels a side"));
+        if let Some(numbers) = &input.triangle_numbers {
+            numbers.check_numbers("triangle_numbers", extent)?;
+        }
+        let given = Beyond::of(input.captures.map(|c| c.extent()[0]), input.triangles)?;
+        if !self.beyond.takes(given) {
             return Err(Error::Usage(format!(
-                "the captures given are {}; ReflectionsInfo::captures said {}",
-                said(given),
-                said(self.captures)
+                "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",
+                given.said(),
+                self.beyond.said()
             )));
         }
         input.camera.take()
@@ -280,11 +339,12 @@ fn effect(
     method: &MethodInfo,
     setup: &Setup,
     wants: Wants,
-    captures: Option<u32>,
+    beyond: Beyond,
 ) -> Result<Effect> {
-    match captures {
-        Some(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
-        None => Effect::new(frames, method, setup, wants, None),
+    match beyond {
+        Beyond::Captures(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
+        Beyond::Triangles(reading) => Effect::for_triangles(frames, method, setup, wants, reading),
+        Beyond::Nothing => Effect::new(frames, method, setup, wants, None),
     }
 }
 
@@ -309,4 +369,5 @@ const _: () = {
     const fn is_send<T: Send>() {}
     is_send::<Reflections>();
     is_send::<CaptureCubes>();
+    is_send::<Triangles>();
 };

@@ -188,6 +188,31 @@ impl Effect {
         Self::beside(context, info, setup, wants, (false, Some(Captured::from_elsewhere(face, None)), None))
     }
 
+    /// Makes the method and what surrounds it for a G-buffer without its scene, and triangles that each input brings along
+    /// ([`Input::triangles`]) and that are read in a way.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] as for [`Self::new`], and for a method that follows no rays among triangles.
+    pub fn for_triangles(
+        context: &mut FrameContext,
+        info: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        reading: TriangleReading,
+    ) -> Result<Self> {
+        if !info.takes_triangles {
+            let name = info.name;
+            let message =
+                format!("the method {name} follows no rays among triangles; the methods unified and traced do");
+            return Err(Error::Usage(message));
+        }
+        if matches!(setup.effect().beyond, BeyondScreen::None | BeyondScreen::Captures) {
+            let message = "triangles are given, and the parameter beyond says that no ray is followed among them";
+            return Err(Error::Usage(message.into()));
+        }
+        Self::beside(context, info, setup, wants, (false, None, Some(reading)))
+    }
+
     fn beside(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -197,8 +222,10 @@ impl Effect {
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
-        // A method that follows rays in captures needs no scene if the captures are made already.
-        let is_seen = |m: &MethodInfo| has_scene || m.is_screen_space() || (m.takes_captures && captured.is_some());
+        // A method that follows rays in captures or among triangles needs no scene if they are made already.
+        let is_given =
+            |m: &MethodInfo| (m.takes_captures && captured.is_some()) || (m.takes_triangles && triangles.is_some());
+        let is_seen = |m: &MethodInfo| has_scene || m.is_screen_space() || is_given(m);
         if !is_seen(info) {
             return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
         }
@@ -412,7 +439,10 @@ impl Effect {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
         };
-        let triangles = self.triangles.as_ref().map(|t| t.bound(input.scene()?.data)).transpose()?;
+        let triangles = match (&self.triangles, input.triangles) {
+            (Some(prepared), None) => Some(prepared.bound(input.scene()?.data)?),
+            (_, given) => given,
+        };
         let mut input = Input { captures, triangles, gbuffer, behind, frame: frames, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
@@ -479,7 +509,7 @@ fn triangles_for(
 ) -> Result<Option<TriangleReading>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
-    if !is_all && !(info.takes_triangles && effect.beyond() == BeyondScreen::Triangles) {
+    if !(is_all || info.takes_triangles && effect.beyond() == BeyondScreen::Triangles) {
         return Ok(None);
     }
     let refused = || {

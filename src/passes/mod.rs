@@ -43,6 +43,7 @@ pub mod triangle_scene;
 pub mod triangle_trace;
 pub mod unified_gloss;
 pub mod unified_trace;
+pub mod unlit_triangles;
 pub mod visibility;
 
 use crate::error::Result;

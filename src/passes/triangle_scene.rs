@@ -17,6 +17,12 @@ use glam::{DVec3, Mat4};
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
 
+/// Vectors of four words, as geometry and materials are read: their format, and the bytes of one.
+pub(super) const VECTORS: (vk::Format, u64) = (vk::Format::R32G32B32A32_UINT, size_of::<Words>() as u64);
+
+/// Words, as texels of images are read.
+pub(super) const TEXELS: (vk::Format, u64) = (vk::Format::R32_UINT, TEXEL_BYTES);
+
 /// The tree and the records of a scene's triangles, where its meshes stand.
 pub struct TriangleGeometry {
     origin: DVec3,
@@ -50,6 +56,9 @@ struct Map {
 /// The image that stands for one that a material does not have: one white texel, whose place is the first word.
 const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 
+/// Its words: its one level begins at its one texel.
+pub(super) const WHITE_WORDS: [u32; 2] = [1, u32::MAX];
+
 /// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
@@ -66,7 +75,7 @@ pub struct TriangleReading {
 }
 
 /// The materials of a view, as shaders look them up.
-pub struct TriangleTable(TexelBuffer);
+pub struct TriangleTable(pub(super) TexelBuffer);
 
 /// What passes bind of a scene's triangles.
 #[derive(Clone, Copy)]
@@ -119,17 +128,26 @@ impl TriangleGeometry {
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
     pub fn new(context: &mut FrameContext, tree: &Tree, records: &TriangleRecords) -> Result<Self> {
+        Ok(Self::of(tree, records, uploaded(context, "triangles", &Self::vectors(tree, records))?))
+    }
+
+    /// The vectors of its buffer.
+    pub(super) fn vectors(tree: &Tree, records: &TriangleRecords) -> Vec<Words> {
+        [&tree.nodes[..], &records.corners, &records.attributes].concat()
+    }
+
+    /// The geometry in a buffer of its vectors.
+    pub(super) fn of(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
-        let vectors: Vec<Words> = [&tree.nodes[..], &records.corners, &records.attributes].concat();
         let attributes = tree.nodes.len() + records.corners.len();
         let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];
-        Ok(Self {
+        Self {
             origin: tree.origin,
             counts: counts.map(|count| count as i32),
             extent_m: records.extent_m(),
             asks: records.asks(),
-            buffer: uploaded(context, "triangles", bytemuck::cast_slice(&vectors))?,
-        })
+            buffer,
+        }
     }
 
     /// How the device reads it together with some images, with so many lights.
@@ -159,8 +177,7 @@ impl TriangleImages {
     /// [`crate::error::Error::Memory`] without memory.
     pub fn new(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<Self> {
         let gpu: Gpu = context.gpu().clone();
-        // White's one level begins at its one texel.
-        let mut words = vec![1, u32::MAX];
+        let mut words = WHITE_WORDS.to_vec();
         let mut maps = Vec::with_capacity(images.len());
         let levels = |image: &Image| image.levels().min(MAP_LEVELS);
         let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
@@ -188,7 +205,12 @@ impl TriangleImages {
                 Ok(())
             })?;
         }
-        Ok(Self { maps, buffer: TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)? })
+        Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
+    }
+
+    /// No image but the white one, in a buffer of its words.
+    pub(super) fn white(buffer: TexelBuffer) -> Self {
+        Self { maps: Vec::new(), buffer }
     }
 
     /// The table of a view's materials.
@@ -196,6 +218,11 @@ impl TriangleImages {
     /// # Errors
     /// Returns the errors of [`Self::new`].
     pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
+        Ok(TriangleTable(uploaded(context, "materials", &self.rows(materials))?))
+    }
+
+    /// The vectors of a table of materials.
+    pub(super) fn rows(&self, materials: &[Material]) -> Vec<Words> {
         let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
         let of_material = |m: &Material| {
             let (albedo, normal, mask) = (map(m.albedo_map), map(m.normal_map), map(m.alpha_mask));
@@ -211,8 +238,7 @@ impl TriangleImages {
                 [bits, deviation.to_bits(), mask.place, mask.size],
             ]
         };
-        let vectors: Vec<Words> = materials.iter().flat_map(of_material).collect();
-        Ok(TriangleTable(uploaded(context, "materials", bytemuck::cast_slice(&vectors))?))
+        materials.iter().flat_map(of_material).collect()
     }
 }
 
@@ -232,16 +258,25 @@ impl TriangleBuffers<'_> {
 }
 
 /// A buffer of vectors of four words.
-fn uploaded(context: &mut FrameContext, name: &str, bytes: &[u8]) -> Result<TexelBuffer> {
-    let gpu: Gpu = context.gpu().clone();
-    let vector = size_of::<Words>();
+fn uploaded(context: &mut FrameContext, name: &str, vectors: &[Words]) -> Result<TexelBuffer> {
+    let (staging, buffer) = staged(context.gpu(), name, bytemuck::cast_slice(vectors), VECTORS)?;
+    context.once(|frame| frame.copy_buffer("upload", &staging, buffer.buffer(), Access::ComputeStorageRead))?;
+    Ok(buffer)
+}
+
+/// A buffer that is not written yet, and what is to be copied to it.
+pub(super) fn staged(
+    gpu: &Gpu,
+    name: &str,
+    bytes: &[u8],
+    (format, texel): (vk::Format, u64),
+) -> Result<(Buffer, TexelBuffer)> {
     // An empty buffer cannot be bound.
-    let nothing = vec![0; vector];
+    let nothing = vec![0; texel as usize];
     let bytes = if bytes.is_empty() { &nothing } else { bytes };
-    let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
-    let buffer = texel_buffer(&gpu, name, bytes.len() as u64)?;
-    context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
-    TexelBuffer::new(buffer, vk::Format::R32G32B32A32_UINT, vector as u64)
+    let staging = Buffer::upload(gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+    let buffer = texel_buffer(gpu, name, bytes.len() as u64)?;
+    Ok((staging, TexelBuffer::new(buffer, format, texel)?))
 }
 
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {

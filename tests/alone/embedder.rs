@@ -179,6 +179,8 @@ impl Renderer<'_> {
                     color: inputs[3],
                     sky: None,
                     captures: None,
+                    triangles: None,
+                    triangle_numbers: None,
                     timed: false,
                     outputs: ssct::ImageUse::TRANSFER_SOURCE,
                 },

@@ -8,6 +8,7 @@ mod common;
 #[path = "../../fuzz/src/memory.rs"]
 mod memory;
 
+mod c;
 mod drivers;
 mod embedder;
 mod faults;

@@ -240,6 +240,8 @@ impl Theirs {
             color: of(&self.color),
             sky: None,
             captures: None,
+            triangles: None,
+            triangle_numbers: None,
             timed: false,
             outputs: ImageUse::TRANSFER_SOURCE,
         }

@@ -6,6 +6,7 @@
 pub mod engine;
 pub mod folder;
 pub mod html;
+pub mod images;
 
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};

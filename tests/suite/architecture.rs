@@ -83,7 +83,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
 
 /// Names that stand for two public types or more. When the types of an entry are renamed, the entry must go.
 const SHARED_TYPE_NAMES: &[&str] =
-    &["Block", "Compared", "Parameters", "Picture", "Run", "Sample", "Side", "State", "Strip", "View"];
+    &["Block", "Compared", "Parameters", "Picture", "Run", "Sample", "Side", "State", "Strip", "Triangles", "View"];
 
 /// A source file: the folder of its package's sources, its path in it, and its code without comments and unit tests.
 struct Source {

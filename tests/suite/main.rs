@@ -26,6 +26,7 @@ mod dda;
 mod docs;
 mod embed;
 mod embed_example;
+mod embed_triangles;
 mod error_study;
 mod figures;
 mod filters;

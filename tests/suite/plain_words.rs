@@ -5,13 +5,14 @@ use crate::common::repository;
 use std::path::{Path, PathBuf};
 
 /// Folders and files with comments.
-const PLACES: &[&str] = &["benches", "build.rs", "examples", "fuzz", "lab", "scripts", "shaders-glsl", "src", "tests"];
+const PLACES: &[&str] =
+    &["benches", "build.rs", "c", "examples", "fuzz", "lab", "scripts", "shaders-glsl", "src", "tests"];
 
 /// Folders in them with what nobody wrote.
 const SKIPPED: &[&str] = &["target", "corpus", "runs", "golden"];
 
 /// Files of these kinds have comments after slashes.
-const EXTENSIONS: &[&str] = &["rs", "glsl", "frag", "vert", "comp"];
+const EXTENSIONS: &[&str] = &["rs", "c", "h", "glsl", "frag", "vert", "comp"];
 
 /// Beginnings that leave open what a comment is about.
 const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The same", "What there ", "Whether there "];

@@ -74,6 +74,8 @@ fn main() -> Result<()> {
             color: renderer.input(&color)?,
             sky: None,
             captures: None,
+            triangles: None,
+            triangle_numbers: None,
             timed: false,
             outputs: renderer::resource(HALF),
         };

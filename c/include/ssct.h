@@ -1,0 +1,612 @@
+// Glossy reflections in screen space on Vulkan, recorded into your command buffer, on your device, out of your images.
+// docs/embedding.md has a renderer that does so from nothing, and examples/c is one.
+//
+// Written by cbindgen from c/src; `make docs` writes it anew.
+//
+// Structs. A struct that begins with `struct_size` is filled by you, with sizeof of the struct there; its other fields may
+// be zero where a default is named. Later versions add fields at the end: this library takes a longer struct whose fields
+// beyond its own are zero. Pointers in such structs are read during the call alone, but for the functions of SsctMemory.
+//
+// Failures. A function that can fail returns an SsctResult, and `ssct_last_error` has a sentence on it for the thread that
+// called. No fault of the library passes the border as anything else: an object in which one occurred returns
+// SSCT_RESULT_INTERNAL from then on, and can be destroyed. What Vulkan does not tell of a handle cannot be checked, such as
+// the usage that an image was really made with: turn the validation layers on for that.
+//
+// Lifetimes. Instance, device and loader outlive every object. Objects may be destroyed in any order, a context before what
+// was made with it, once the device is done with what was recorded. Output images go with their reflections.
+//
+// Threads. A context may be used by several threads at once. Any other object may be used by any thread, by one
+// at a time; different objects, of one context, too, by different threads at once. A frame reads the capture cubes and
+// the triangles that it is given while it is recorded. Nothing here submits, waits or presents.
+
+
+#ifndef SSCT_H
+#define SSCT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+/// How a call ended. `ssct_last_error` has a sentence on every code but SSCT_RESULT_OK.
+typedef enum SsctResult {
+  /// It did what it is for.
+  SSCT_RESULT_OK = 0,
+  /// An argument is wrong, and the sentence says which. Nothing was done.
+  SSCT_RESULT_USAGE = 1,
+  /// The device cannot be used: it has no Vulkan 1.3, a feature is off, or the queue family does not fit.
+  SSCT_RESULT_NO_DEVICE = 2,
+  /// There is not enough memory on the device or on the host.
+  SSCT_RESULT_MEMORY = 3,
+  /// A Vulkan call failed. The sentence names the call and what the driver returned.
+  SSCT_RESULT_VULKAN = 4,
+  /// The device is lost. Destroying objects is safe.
+  SSCT_RESULT_DEVICE_LOST = 5,
+  /// The device is not done with the frame yet.
+  SSCT_RESULT_NOT_READY = 6,
+  /// The library has a fault. The object of the call does nothing more; destroy it.
+  SSCT_RESULT_INTERNAL = 7,
+} SsctResult;
+
+/// Cubes of images of the scene around places, in which "unified" and "captures" follow the rays that the screen loses. You
+/// draw the faces, hand over each at least once, and again whenever you like.
+typedef struct SsctCaptureCubes SsctCaptureCubes;
+
+/// A device of yours that reflections are recorded for. It destroys nothing of yours.
+typedef struct SsctContext SsctContext;
+
+/// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
+typedef struct SsctReflections SsctReflections;
+
+/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
+/// its mesh's colour. Where something moved, make them anew, and keep the old ones until the device is done.
+typedef struct SsctTriangles SsctTriangles;
+
+/// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
+typedef uint32_t SsctMemoryPlace;
+
+/// A part of a memory object. It is nobody else's until it is released.
+typedef struct SsctMemoryBlock {
+  /// The object.
+  VkDeviceMemory memory;
+  /// Where the part begins, in bytes.
+  uint64_t offset;
+  /// Where the host sees that part; NULL for SSCT_MEMORY_PLACE_DEVICE.
+  void *mapped;
+  /// Whatever you want to know when you get the block back.
+  uint64_t key;
+} SsctMemoryBlock;
+
+/// An allocator of your own, in place of the library's. Its functions are called by the threads that call the library,
+/// but never by two at once for one context.
+typedef struct SsctMemory {
+  /// sizeof(SsctMemory).
+  size_t struct_size;
+  /// Passed to both functions.
+  void *user_data;
+  /// Fills `block` with memory that fits the requirements, for an image or a buffer of that name, and returns NULL; or
+  /// returns a clause that says why there is none, which must stay until the next call. `linear` is false for images of
+  /// optimal tiling.
+  const char *(*allocate)(void *user_data,
+                          const char *name,
+                          const VkMemoryRequirements *requirements,
+                          SsctMemoryPlace place,
+                          bool linear,
+                          struct SsctMemoryBlock *block);
+  /// Takes a block back. What it was for is destroyed.
+  void (*release)(void *user_data, const struct SsctMemoryBlock *block);
+} SsctMemory;
+
+/// A device that you made, with all features on that `ssct_enable_features` turns on.
+typedef struct SsctContextInfo {
+  /// sizeof(SsctContextInfo).
+  size_t struct_size;
+  /// The loader's function, if you loaded it yourself; NULL for the system's loader.
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+  /// The instance, made for Vulkan 1.3.
+  VkInstance instance;
+  /// The physical device.
+  VkPhysicalDevice physical_device;
+  /// The device.
+  VkDevice device;
+  /// The family of the queues that you submit to; it does both graphics and compute.
+  uint32_t queue_family;
+  /// Whether the instance has VK_EXT_debug_utils on: passes and objects then have names.
+  VkBool32 debug_utils;
+  /// The features of Vulkan 1.0 that are on.
+  const VkPhysicalDeviceFeatures *features;
+  /// The features of Vulkan 1.2 that are on; structs that are chained to it are ignored.
+  const VkPhysicalDeviceVulkan12Features *features12;
+  /// The features of Vulkan 1.3 that are on; structs that are chained to it are ignored.
+  const VkPhysicalDeviceVulkan13Features *features13;
+  /// Your allocator; NULL for the library's own.
+  const struct SsctMemory *memory;
+} SsctContextInfo;
+
+/// What a device calls itself. The texts stay until the context is destroyed.
+typedef struct SsctDeviceInfo {
+  /// sizeof(SsctDeviceInfo).
+  size_t struct_size;
+  /// Its name.
+  const char *name;
+  /// Name and version of its driver.
+  const char *driver;
+  /// The highest version of Vulkan that it has, as "1.3.230".
+  const char *api;
+  /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
+  const char *kind;
+} SsctDeviceInfo;
+
+/// A method, and a line on it.
+typedef struct SsctMethod {
+  /// Its name, as in `SsctReflectionsInfo.method`.
+  const char *name;
+  /// What it does.
+  const char *summary;
+} SsctMethod;
+
+/// How you use an image: its layout, and the stages and accesses of the last or the next use. All zero means
+/// SSCT_USE_FRAGMENT_SAMPLED.
+typedef struct SsctImageUse {
+  /// The image's layout.
+  VkImageLayout layout;
+  /// Pipeline stages that touch it.
+  VkPipelineStageFlags2 stages;
+  /// How they access it.
+  VkAccessFlags2 access;
+} SsctImageUse;
+
+/// A common use of an image: one of SSCT_USE_*.
+typedef uint32_t SsctUse;
+
+/// A parameter of a method and its value, as docs/options.md lists them: { "fade", "off" }. "preset" is one of them.
+typedef struct SsctParameter {
+  /// Its name.
+  const char *name;
+  /// Its value as text.
+  const char *value;
+} SsctParameter;
+
+/// The images that are produced: SSCT_OUTPUT_*, combined by `|`.
+typedef uint32_t SsctOutputs;
+
+/// What is to be reflected, and how.
+typedef struct SsctReflectionsInfo {
+  /// sizeof(SsctReflectionsInfo).
+  size_t struct_size;
+  /// Width and height of the view in pixels.
+  VkExtent2D extent;
+  /// A method of `ssct_methods`; NULL for "unified".
+  const char *method;
+  /// Parameters; the others have their published values.
+  const struct SsctParameter *parameters;
+  /// Number of parameters.
+  uint32_t parameter_count;
+  /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without.
+  uint32_t capture_side;
+  /// What is produced; 0 for composite and reflection.
+  SsctOutputs outputs;
+  /// Number of frames that may be under way at once; 0 for 2.
+  uint32_t frames_in_flight;
+  /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+  const struct SsctTriangles *triangles;
+} SsctReflectionsInfo;
+
+/// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
+typedef uint32_t SsctClipY;
+
+/// The camera of a frame, in your conventions, which are read off its matrices: handedness, whether y is up, reversed or
+/// standard depth, a finite or an infinite far plane, and the shift of a jittered projection. A matrix is 16 numbers, column
+/// by column, and is multiplied by column vectors from the right.
+typedef struct SsctCamera {
+  /// sizeof(SsctCamera).
+  size_t struct_size;
+  /// World to view space: a rotation and a translation.
+  float world_to_view[16];
+  /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+  float view_to_clip[16];
+  /// Where the top of the image is in clip space.
+  SsctClipY clip_y;
+} SsctCamera;
+
+/// An image of yours, of which one level and, but for cube maps, one layer is read.
+typedef struct SsctImage {
+  /// sizeof(SsctImage).
+  size_t struct_size;
+  /// The image.
+  VkImage image;
+  /// A view of the part that is read; of a depth image it shows the depth alone. Of a cube map it is an array of the six
+  /// faces.
+  VkImageView view;
+  /// The image's format.
+  VkFormat format;
+  /// Width and height of the part in texels.
+  VkExtent2D extent;
+  /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
+  /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
+  VkImageSubresourceRange part;
+  /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
+  /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
+  VkImageUsageFlags usage;
+  /// How you used it last.
+  struct SsctImageUse before;
+  /// How you use it next; it is in that layout when what was recorded is done.
+  struct SsctImageUse after;
+} SsctImage;
+
+/// The space of normals: one of SSCT_NORMAL_SPACE_*.
+typedef uint32_t SsctNormalSpace;
+
+/// How texels hold unit normals: one of SSCT_NORMAL_ENCODING_*.
+typedef uint32_t SsctNormalEncoding;
+
+/// Normals of yours.
+typedef struct SsctNormals {
+  /// sizeof(SsctNormals).
+  size_t struct_size;
+  /// Where they are.
+  const struct SsctImage *image;
+  /// In which space they are.
+  SsctNormalSpace space;
+  /// How texels hold them.
+  SsctNormalEncoding encoding;
+} SsctNormals;
+
+/// Reflectivity or roughness of a frame: a channel of an image, or one value.
+typedef struct SsctFactor {
+  /// sizeof(SsctFactor).
+  size_t struct_size;
+  /// The image; NULL for one value.
+  const struct SsctImage *image;
+  /// The image's channel, 0 to 3 for red to alpha.
+  uint32_t channel;
+  /// The value for the whole frame, 0 to 1, without an image.
+  float value;
+} SsctFactor;
+
+/// What reflects in a frame, where you know it of the materials that you drew: SSCT_REFLECTORS_*, combined by `|`. What is
+/// known not to be there costs nothing.
+typedef uint32_t SsctReflectors;
+
+/// What a frame shows, and where from.
+typedef struct SsctFrame {
+  /// sizeof(SsctFrame).
+  size_t struct_size;
+  /// Which of the frames under way this is, below `SsctReflectionsInfo.frames_in_flight`: what was recorded with the same
+  /// number before is done.
+  uint32_t slot;
+  /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
+  VkBool32 timed;
+  /// Where the images were seen from.
+  const struct SsctCamera *camera;
+  /// Depth: a depth image, or a colour image with depth in red.
+  const struct SsctImage *depth;
+  /// Normals.
+  const struct SsctNormals *normals;
+  /// The share of the light that is reflected.
+  const struct SsctFactor *reflectivity;
+  /// Roughness; 0 is a mirror.
+  const struct SsctFactor *roughness;
+  /// Lit colour, linear, without reflections.
+  const struct SsctImage *color;
+  /// A cube map of what is seen where nothing stands, in world axes. Without one (NULL), rays that leave the screen to end
+  /// there miss.
+  const struct SsctImage *sky;
+  /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
+  const struct SsctCaptureCubes *captures;
+  /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+  const struct SsctTriangles *triangles;
+  /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
+  /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+  const struct SsctImage *triangle_numbers;
+  /// What reflects, as far as you know it.
+  SsctReflectors reflectors;
+  /// How you use the outputs next.
+  struct SsctImageUse outputs;
+} SsctFrame;
+
+/// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or
+/// destroyed. It can be sampled, and copied from.
+typedef struct SsctOutputImage {
+  /// The image; VK_NULL_HANDLE if there is none.
+  VkImage image;
+  /// A view of its first level.
+  VkImageView view;
+  /// Its format.
+  VkFormat format;
+  /// Width and height in pixels.
+  VkExtent2D extent;
+} SsctOutputImage;
+
+/// A pass that a frame does without.
+typedef struct SsctSkipped {
+  /// Its label.
+  const char *pass;
+  /// Why, in a clause.
+  const char *why;
+} SsctSkipped;
+
+/// What was recorded. Texts and arrays stay until the next frame of the same reflections is recorded, or they are
+/// destroyed.
+typedef struct SsctRecorded {
+  /// sizeof(SsctRecorded).
+  size_t struct_size;
+  /// Lit colour with what is reflected in it, linear, R16G16B16A16_SFLOAT. None if it was not asked for.
+  struct SsctOutputImage composite;
+  /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than 1
+  /// where it fades out. R16G16B16A16_SFLOAT. None if it was not asked for, or nothing reflects.
+  struct SsctOutputImage reflection;
+  /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
+  /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. None if it was not asked for, or the method does not say
+  /// it.
+  struct SsctOutputImage hits;
+  /// The passes that were recorded, in order.
+  const char *const *passes;
+  /// Number of passes.
+  uint32_t pass_count;
+  /// Number of passes that this frame does without.
+  uint32_t skipped_count;
+  /// The passes that this frame does without, and why.
+  const struct SsctSkipped *skipped;
+} SsctRecorded;
+
+/// How long a pass took.
+typedef struct SsctPassTime {
+  /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
+  const char *name;
+  /// Milliseconds that it took.
+  double ms;
+  /// Milliseconds from the frame's first timestamp to the pass's.
+  double start_ms;
+  /// Whether the pass counts towards the method's total.
+  bool counted;
+} SsctPassTime;
+
+/// What captures are to be.
+typedef struct SsctCaptureCubesInfo {
+  /// sizeof(SsctCaptureCubesInfo).
+  size_t struct_size;
+  /// Where each was made, in world space: x, y and z of each place, one after the other.
+  const float *places;
+  /// Number of places, 1 to 8.
+  uint32_t place_count;
+  /// Width and height of each face in texels, 1 to 4096.
+  uint32_t side;
+  /// The projection that all faces were drawn with: a quarter turn, as `SsctCamera.view_to_clip`.
+  float view_to_clip[16];
+  /// Where the top of a face is in its clip space.
+  SsctClipY clip_y;
+  /// How many frames that renew faces may be under way at once; 0 for 2.
+  uint32_t frames_in_flight;
+  /// The least and the greatest corner, six numbers, of a box in world space outside of which nothing stands, so that rays
+  /// that leave it end in the sky; NULL if there is no such box.
+  const float *bounds;
+} SsctCaptureCubesInfo;
+
+/// A face of a capture.
+typedef struct SsctCaptureFace {
+  /// sizeof(SsctCaptureFace).
+  size_t struct_size;
+  /// The capture's number, from 0.
+  uint32_t capture;
+  /// The face's number, 0 to 5: +x -x +y -y +z -z, each as Vulkan lays out a cube map that world directions are looked up
+  /// in.
+  uint32_t face;
+  /// The colour of what stands there, in light that does not depend on the viewer; linear.
+  const struct SsctImage *color;
+  /// Its depth.
+  const struct SsctImage *depth;
+} SsctCaptureFace;
+
+/// A mesh, where it stands, and the colour that it has in reflections. The library keeps no pointer to it.
+typedef struct SsctTriangleMesh {
+  /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
+  const float *positions;
+  /// Three vertices for each triangle; it is seen from both sides.
+  const uint32_t *indices;
+  /// Number of vertices.
+  uint32_t vertex_count;
+  /// Number of indices.
+  uint32_t index_count;
+  /// From the mesh's space to the world, column by column.
+  float mesh_to_world[16];
+  /// The light that comes from it, linear: as lit where it stands, since no light is computed for it.
+  float color[3];
+} SsctTriangleMesh;
+
+/// At y = -w, as Vulkan has it with a viewport of positive height.
+#define SSCT_CLIP_Y_DOWN 0
+
+/// At y = w: the viewport has a negative height.
+#define SSCT_CLIP_Y_UP 1
+
+/// Your view space.
+#define SSCT_NORMAL_SPACE_VIEW 0
+
+/// Your world space.
+#define SSCT_NORMAL_SPACE_WORLD 1
+
+/// x, y and z as they are: floats or signed normalised numbers.
+#define SSCT_NORMAL_ENCODING_FLOAT 0
+
+/// x, y and z, mapped from -1 to 1 to 0 to 1.
+#define SSCT_NORMAL_ENCODING_UNORM 1
+
+/// Two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
+#define SSCT_NORMAL_ENCODING_OCTAHEDRAL 2
+
+/// The octahedral place, mapped to 0 to 1.
+#define SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM 3
+
+/// Sampled in fragment shaders, in SHADER_READ_ONLY_OPTIMAL.
+#define SSCT_USE_FRAGMENT_SAMPLED 0
+
+/// Sampled in compute shaders, in SHADER_READ_ONLY_OPTIMAL.
+#define SSCT_USE_COMPUTE_SAMPLED 1
+
+/// Drawn into as a colour attachment.
+#define SSCT_USE_COLOR_ATTACHMENT 2
+
+/// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+#define SSCT_USE_DEPTH_ATTACHMENT 3
+
+/// Copied or blitted from.
+#define SSCT_USE_TRANSFER_SOURCE 4
+
+/// Copied or blitted to, or cleared.
+#define SSCT_USE_TRANSFER_TARGET 5
+
+/// Lit colour plus reflections.
+#define SSCT_OUTPUT_COMPOSITE 1
+
+/// The reflection alone, for a renderer that adds it up itself.
+#define SSCT_OUTPUT_REFLECTION 2
+
+/// Where each ray ended, if the method can say it.
+#define SSCT_OUTPUT_HITS 4
+
+/// Nothing is known: there may be all. This is always right.
+#define SSCT_REFLECTORS_UNKNOWN 0
+
+/// There may be mirrors: surfaces that reflect with roughness 0.
+#define SSCT_REFLECTORS_MIRRORS 1
+
+/// There may be narrow lobes: roughness above 0, up to 0.2f.
+#define SSCT_REFLECTORS_NARROW 2
+
+/// There may be wide lobes: roughness above 0.2f.
+#define SSCT_REFLECTORS_WIDE 4
+
+/// Every lit surface reflects, so that every pixel without sky does.
+#define SSCT_REFLECTORS_EVERYWHERE 8
+
+/// Nothing reflects. It stands alone.
+#define SSCT_REFLECTORS_NONE 16
+
+/// Memory on the device.
+#define SSCT_MEMORY_PLACE_DEVICE 0
+
+/// Memory that the host writes and the device reads; mapped and coherent.
+#define SSCT_MEMORY_PLACE_UPLOAD 1
+
+/// Memory that the device writes and the host reads; mapped and coherent.
+#define SSCT_MEMORY_PLACE_READBACK 2
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/// Returns the sentence on the last call of this thread that failed: what is wrong, and where. It is empty before any has
+/// failed, in UTF-8, and stays until the next call of this thread fails.
+const char *ssct_last_error(void);
+
+/// Returns the version of the library, as "0.1.0".
+const char *ssct_version(void);
+
+/// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
+/// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
+/// cannot be made.
+enum SsctResult ssct_enable_features(VkPhysicalDeviceFeatures *features,
+                                     VkPhysicalDeviceVulkan12Features *features12,
+                                     VkPhysicalDeviceVulkan13Features *features13);
+
+/// Makes a context of a device, and writes it to `context`; NULL if it fails.
+enum SsctResult ssct_context_create(const struct SsctContextInfo *info, struct SsctContext **context);
+
+/// Destroys a context; NULL is none. What was made with it stays usable, and keeps what it needs.
+void ssct_context_destroy(struct SsctContext *context);
+
+/// Writes what the device calls itself to `info`, whose `struct_size` is set.
+enum SsctResult ssct_context_device_info(const struct SsctContext *context, struct SsctDeviceInfo *info);
+
+/// Returns whether passes can be timed: the queue family has timestamps.
+bool ssct_context_has_timestamps(const struct SsctContext *context);
+
+/// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
+uint64_t ssct_context_allocated_bytes(const struct SsctContext *context);
+
+/// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next compiles
+/// nothing twice.
+void ssct_context_trim(const struct SsctContext *context);
+
+/// Returns the methods that need no more than a G-buffer, and writes how many there are to `count`. "captures" needs
+/// capture cubes, too. The array stays.
+const struct SsctMethod *ssct_methods(uint32_t *count);
+
+/// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
+struct SsctImageUse ssct_image_use(SsctUse of);
+
+/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if it fails. Nothing is
+/// submitted.
+enum SsctResult ssct_reflections_create(const struct SsctContext *context,
+                                        const struct SsctReflectionsInfo *info,
+                                        struct SsctReflections **reflections);
+
+/// Destroys reflections; NULL is none. The device is done with every frame that was recorded.
+void ssct_reflections_destroy(struct SsctReflections *reflections);
+
+/// Makes images of another size. The device is done with every frame that was recorded. If it fails, the old size stays.
+enum SsctResult ssct_reflections_resize(struct SsctReflections *reflections,
+                                        VkExtent2D extent);
+
+/// Forgets the frames that the parameter "history" averages, so that the next one stands alone: after a cut, and after a
+/// command buffer that was thrown away.
+enum SsctResult ssct_reflections_restart_history(struct SsctReflections *reflections);
+
+/// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have been
+/// recorded once, no allocation on the device. Writes what was recorded to `recorded`, whose `struct_size` is set, or
+/// nothing if that is NULL. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer
+/// away.
+///
+/// - The command buffer is recording, outside rendering, for a queue of the context's family.
+/// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is done;
+///   the images hold what you submitted before.
+/// - What was recorded with the same slot before is no longer under way.
+/// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
+///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
+enum SsctResult ssct_reflections_record(struct SsctReflections *reflections,
+                                        VkCommandBuffer commands,
+                                        const struct SsctFrame *frame,
+                                        struct SsctRecorded *recorded);
+
+/// Returns how long each pass of the last frame of a slot took: writes an array and its length, 0 if the frame was not
+/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next such call,
+/// or until the reflections are destroyed.
+enum SsctResult ssct_reflections_times(struct SsctReflections *reflections,
+                                       uint32_t slot,
+                                       const struct SsctPassTime **times,
+                                       uint32_t *count);
+
+/// Makes the images of captures, and writes the object to `cubes`; NULL if it fails. They have no content yet.
+enum SsctResult ssct_capture_cubes_create(const struct SsctContext *context,
+                                          const struct SsctCaptureCubesInfo *info,
+                                          struct SsctCaptureCubes **cubes);
+
+/// Destroys captures; NULL is none. The device is done with every frame that saw them.
+void ssct_capture_cubes_destroy(struct SsctCaptureCubes *cubes);
+
+/// Records taking over a face. Submit it before frames that see it. Slots are counted as those of
+/// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
+enum SsctResult ssct_capture_cubes_record_face(struct SsctCaptureCubes *cubes,
+                                               VkCommandBuffer commands,
+                                               uint32_t slot,
+                                               const struct SsctCaptureFace *face);
+
+/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
+/// it fails. `ssct_triangles_record_upload` fills the buffers.
+enum SsctResult ssct_triangles_create(const struct SsctContext *context,
+                                      const struct SsctTriangleMesh *meshes,
+                                      uint32_t mesh_count,
+                                      struct SsctTriangles **triangles);
+
+/// Destroys triangles; NULL is none. The device is done with every frame that saw them.
+void ssct_triangles_destroy(struct SsctTriangles *triangles);
+
+/// Records copying the triangles to the device: once, before the first frame that sees them.
+enum SsctResult ssct_triangles_record_upload(struct SsctTriangles *triangles, VkCommandBuffer commands);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* SSCT_H */

@@ -1,0 +1,344 @@
+//! What every function has at the border: codes and sentences of failures, structs that begin with their size, texts, and
+//! a net below panics.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// How a call ended. `ssct_last_error` has a sentence on every code but SSCT_RESULT_OK.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SsctResult {
+    /// It did what it is for.
+    Ok = 0,
+    /// An argument is wrong, and the sentence says which. Nothing was done.
+    Usage = 1,
+    /// The device cannot be used: it has no Vulkan 1.3, a feature is off, or the queue family does not fit.
+    NoDevice = 2,
+    /// There is not enough memory on the device or on the host.
+    Memory = 3,
+    /// A Vulkan call failed. The sentence names the call and what the driver returned.
+    Vulkan = 4,
+    /// The device is lost. Destroying objects is safe.
+    DeviceLost = 5,
+    /// The device is not done with the frame yet.
+    NotReady = 6,
+    /// The library has a fault. The object of the call does nothing more; destroy it.
+    Internal = 7,
+}
+
+/// A call's failure.
+#[derive(Debug)]
+pub struct Failure {
+    pub code: SsctResult,
+    pub sentence: String,
+}
+
+pub type Outcome<T> = Result<T, Failure>;
+
+impl Failure {
+    /// A wrong argument.
+    pub fn usage(sentence: impl Into<String>) -> Self {
+        Self { code: SsctResult::Usage, sentence: sentence.into() }
+    }
+
+    fn of_panic(payload: &(dyn Any + Send)) -> Self {
+        let said = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+        let sentence = format!("ssct has a fault, please report it: {}", said.unwrap_or("it does not say what"));
+        Self { code: SsctResult::Internal, sentence }
+    }
+}
+
+impl From<ssct::Error> for Failure {
+    fn from(error: ssct::Error) -> Self {
+        use ash::vk::Result as R;
+        let code = match &error {
+            ssct::Error::NoDevice(_) => SsctResult::NoDevice,
+            ssct::Error::Memory { .. } => SsctResult::Memory,
+            ssct::Error::Vulkan { result, .. } => match *result {
+                R::NOT_READY => SsctResult::NotReady,
+                R::ERROR_DEVICE_LOST => SsctResult::DeviceLost,
+                R::ERROR_OUT_OF_DEVICE_MEMORY | R::ERROR_OUT_OF_HOST_MEMORY => SsctResult::Memory,
+                _ => SsctResult::Vulkan,
+            },
+            _ => SsctResult::Usage,
+        };
+        Self { code, sentence: error.to_string() }
+    }
+}
+
+thread_local! {
+    static LAST: RefCell<CString> = RefCell::default();
+}
+
+/// Returns the sentence on the last call of this thread that failed: what is wrong, and where. It is empty before any has
+/// failed, in UTF-8, and stays until the next call of this thread fails.
+#[unsafe(no_mangle)]
+pub extern "C" fn ssct_last_error() -> *const c_char {
+    LAST.with_borrow(|sentence| sentence.as_ptr())
+}
+
+/// Runs what a function does. Keeps its sentence if it fails, and stops a panic.
+pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
+    // Objects that a panic may have left half changed refuse to be used again (`Guarded`).
+    let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|payload| Err(Failure::of_panic(&*payload)));
+    match ended {
+        Ok(()) => SsctResult::Ok,
+        Err(Failure { code, sentence }) => {
+            LAST.set(text(&sentence));
+            code
+        }
+    }
+}
+
+/// Runs what a function without a code does; the other value stands for it where it fails.
+pub fn or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
+    let mut made = otherwise;
+    guard(|| run().map(|value| made = value));
+    made
+}
+
+/// An object behind a handle, which refuses to be used after a panic in it.
+pub struct Guarded<T> {
+    value: T,
+    is_broken: bool,
+}
+
+impl<T> Guarded<T> {
+    pub fn new(value: T) -> Self {
+        Self { value, is_broken: false }
+    }
+
+    /// The object, to be read.
+    pub fn get(&self) -> Outcome<&T> {
+        if self.is_broken {
+            let sentence = "an earlier fault left this object unusable: destroy it".into();
+            return Err(Failure { code: SsctResult::Internal, sentence });
+        }
+        Ok(&self.value)
+    }
+
+    /// Does something with the object.
+    pub fn with<R>(&mut self, run: impl FnOnce(&mut T) -> Outcome<R>) -> Outcome<R> {
+        self.get()?;
+        self.is_broken = true;
+        let ended = run(&mut self.value);
+        self.is_broken = false;
+        ended
+    }
+}
+
+/// A struct that begins with its size.
+///
+/// # Safety
+/// It is `repr(C)`, its first field is `struct_size: usize`, and any bytes are a value of it.
+pub unsafe trait Growing: Copy {
+    /// Its name in the header.
+    const NAME: &'static str;
+}
+
+/// Reads a struct of the caller's. A longer one than this library's, of a later header, is taken if what this library
+/// does not know of it is zero.
+///
+/// # Safety
+/// The pointer is NULL, or points to a struct of the size that its first field states.
+pub unsafe fn take<T: Growing>(argument: &str, at: *const T) -> Outcome<T> {
+    // SAFETY: by the contract.
+    let size = unsafe { size_of_theirs(argument, at) }?;
+    let known = size_of::<T>();
+    // SAFETY: by the contract, so many bytes are there.
+    let beyond = unsafe { std::slice::from_raw_parts(at.cast::<u8>().add(known), size - known) };
+    if beyond.iter().any(|byte| *byte != 0) {
+        let name = T::NAME;
+        return Err(Failure::usage(format!(
+            "the {name} of the argument {argument} has fields that this library, version {}, does not know",
+            env!("CARGO_PKG_VERSION")
+        )));
+    }
+    // SAFETY: at least as many bytes are there, and any bytes are a value.
+    Ok(unsafe { at.read_unaligned() })
+}
+
+/// Returns the size that a struct of the caller's states.
+///
+/// # Safety
+/// Errors of [`take`].
+pub unsafe fn size_of_theirs<T: Growing>(argument: &str, at: *const T) -> Outcome<usize> {
+    if at.is_null() {
+        return Err(Failure::usage(format!("the argument {argument} is NULL")));
+    }
+    // SAFETY: by the contract, the size comes first.
+    let size = unsafe { at.cast::<usize>().read_unaligned() };
+    let (name, known) = (T::NAME, size_of::<T>());
+    // No struct is longer than a page; what states more was never set.
+    if !(known..=4096).contains(&size) {
+        return Err(Failure::usage(format!(
+            "the struct_size of the {name} of the argument {argument} is {size}; it must be sizeof({name}), which is {known}"
+        )));
+    }
+    Ok(size)
+}
+
+/// Turns a pointer that a call needs into a reference.
+///
+/// # Safety
+/// The pointer is NULL or valid for as long as the call lasts.
+pub unsafe fn needed<'a, T>(argument: &str, at: *const T) -> Outcome<&'a T> {
+    // SAFETY: by the contract.
+    unsafe { at.as_ref() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
+}
+
+/// Turns a pointer that a call writes to into a reference.
+///
+/// # Safety
+/// The pointer is NULL, or valid and nobody else's for as long as the call lasts.
+pub unsafe fn needed_mut<'a, T>(argument: &str, at: *mut T) -> Outcome<&'a mut T> {
+    // SAFETY: by the contract.
+    unsafe { at.as_mut() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
+}
+
+/// Reads an array of the caller's.
+///
+/// # Safety
+/// The pointer is NULL, or points to so many elements that stay for as long as the call lasts.
+pub unsafe fn array<'a, T>(argument: &str, at: *const T, count: u32) -> Outcome<&'a [T]> {
+    match (count, at.is_null()) {
+        (0, _) => Ok(&[]),
+        (_, true) => Err(Failure::usage(format!("the argument {argument} is NULL, and its count is {count}"))),
+        // SAFETY: by the contract.
+        (_, false) => Ok(unsafe { std::slice::from_raw_parts(at, count as usize) }),
+    }
+}
+
+/// Reads a text of the caller's.
+///
+/// # Safety
+/// The pointer is NULL, or points to a text that ends with a zero byte and stays for as long as the call lasts.
+pub unsafe fn text_of<'a>(argument: &str, at: *const c_char) -> Outcome<&'a str> {
+    if at.is_null() {
+        return Err(Failure::usage(format!("the argument {argument} is NULL")));
+    }
+    // SAFETY: by the contract.
+    let text = unsafe { CStr::from_ptr(at) };
+    text.to_str().map_err(|_| Failure::usage(format!("the argument {argument} is no text in UTF-8")))
+}
+
+/// Makes a text for the caller.
+pub fn text(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
+}
+
+/// Makes an object for the caller: a pointer that [`destroy`] takes back.
+///
+/// # Safety
+/// The place to write it to is NULL or valid.
+pub unsafe fn create<T>(argument: &str, to: *mut *mut T, make: impl FnOnce() -> Outcome<T>) -> SsctResult {
+    guard(|| {
+        // SAFETY: by the contract.
+        let to = unsafe { needed_mut(argument, to) }?;
+        *to = std::ptr::null_mut();
+        *to = Box::into_raw(Box::new(make()?));
+        Ok(())
+    })
+}
+
+/// Destroys an object of [`create`]; NULL is none.
+///
+/// # Safety
+/// The pointer is NULL, or of [`create`] and not yet destroyed.
+pub unsafe fn destroy<T>(object: *mut T) {
+    guard(|| {
+        if !object.is_null() {
+            // SAFETY: by the contract.
+            drop(unsafe { Box::from_raw(object) });
+        }
+        Ok(())
+    });
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[repr(C)]
+    #[derive(Clone, Copy)]
+    struct Known {
+        struct_size: usize,
+        value: u32,
+    }
+
+    #[repr(C)]
+    struct Later {
+        known: Known,
+        more: u64,
+    }
+
+    // SAFETY: it is.
+    unsafe impl Growing for Known {
+        const NAME: &'static str = "Known";
+    }
+
+    fn said() -> String {
+        // SAFETY: the function returns a text.
+        unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
+    }
+
+    #[test]
+    fn a_panic_is_a_code_and_a_sentence_and_the_object_does_nothing_more() {
+        let mut object = Guarded::new(1);
+        assert_eq!(guard(|| object.with(|_| panic!("a {}", "fault"))), SsctResult::Internal);
+        assert!(said().contains("a fault"), "{}", said());
+        assert_eq!(guard(|| object.with(|_| Ok(()))), SsctResult::Internal);
+        assert!(said().contains("destroy it"), "{}", said());
+        let mut whole = Guarded::new(1);
+        assert_eq!(guard(|| whole.with(|_| Err::<(), _>(Failure::usage("no")))), SsctResult::Usage);
+        assert_eq!(guard(|| whole.with(|_| Ok(()))), SsctResult::Ok, "an error breaks nothing");
+        assert_eq!(or(7, || panic!("{}", 1)), 7);
+    }
+
+    #[test]
+    fn sentences_are_of_the_thread_whose_call_failed() {
+        guard(|| Err(Failure::usage("here")));
+        std::thread::spawn(|| {
+            assert_eq!(said(), "");
+            guard(|| Err(Failure::usage("there \0 and on")));
+            assert_eq!(said(), "there   and on");
+        })
+        .join()
+        .unwrap();
+        assert_eq!(said(), "here");
+    }
+
+    #[test]
+    fn a_struct_of_another_size_is_taken_or_refused() {
+        let known = Known { struct_size: size_of::<Known>(), value: 5 };
+        // SAFETY: the structs have the sizes that they state, but where nothing but the size is read.
+        unsafe {
+            assert_eq!(take("a", &known).unwrap().value, 5);
+            let refused = |size| take("a", &Known { struct_size: size, ..known }).err().unwrap().sentence;
+            assert!(refused(0).contains("Known of the argument a is 0; it must be sizeof(Known), which is 16"));
+            assert!(refused(8).contains("is 8") && refused(usize::MAX).contains("sizeof"));
+            let later = |more| {
+                let later = Later { known: Known { struct_size: size_of::<Later>(), ..known }, more };
+                take("a", (&raw const later).cast::<Known>())
+            };
+            assert_eq!(later(0).unwrap().value, 5);
+            let sentence = later(9).err().unwrap().sentence;
+            assert!(sentence.contains("does not know"), "{sentence}");
+            assert!(take::<Known>("a", std::ptr::null()).err().unwrap().sentence.contains("a is NULL"));
+        }
+    }
+
+    #[test]
+    fn what_the_driver_says_has_a_code() {
+        use ash::vk::Result as R;
+        let code = |result| Failure::from(ssct::Error::Vulkan { what: "a call".into(), result }).code;
+        assert_eq!(code(R::NOT_READY), SsctResult::NotReady);
+        assert_eq!(code(R::ERROR_DEVICE_LOST), SsctResult::DeviceLost);
+        assert_eq!(code(R::ERROR_OUT_OF_DEVICE_MEMORY), SsctResult::Memory);
+        assert_eq!(code(R::ERROR_INITIALIZATION_FAILED), SsctResult::Vulkan);
+        assert_eq!(Failure::from(ssct::Error::NoDevice(String::new())).code, SsctResult::NoDevice);
+    }
+}

@@ -1,0 +1,135 @@
+//! Images of the scene around places.
+
+use crate::border::{Failure, Growing, Guarded, SsctResult, array, create, destroy, guard, needed, needed_mut, take};
+use crate::context::SsctContext;
+use crate::image::{SsctClipY, SsctImage, clip_y, image};
+use crate::vulkan::VkCommandBuffer;
+use ssct::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
+
+/// Cubes of images of the scene around places, in which "unified" and "captures" follow the rays that the screen loses. You
+/// draw the faces, hand over each at least once, and again whenever you like.
+pub struct SsctCaptureCubes {
+    pub(crate) cubes: Guarded<CaptureCubes>,
+}
+
+/// What captures are to be.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctCaptureCubesInfo {
+    /// sizeof(SsctCaptureCubesInfo).
+    pub struct_size: usize,
+    /// Where each was made, in world space: x, y and z of each place, one after the other.
+    pub places: *const f32,
+    /// Number of places, 1 to 8.
+    pub place_count: u32,
+    /// Width and height of each face in texels, 1 to 4096.
+    pub side: u32,
+    /// The projection that all faces were drawn with: a quarter turn, as `SsctCamera.view_to_clip`.
+    pub view_to_clip: [f32; 16],
+    /// Where the top of a face is in its clip space.
+    pub clip_y: SsctClipY,
+    /// How many frames that renew faces may be under way at once; 0 for 2.
+    pub frames_in_flight: u32,
+    /// The least and the greatest corner, six numbers, of a box in world space outside of which nothing stands, so that rays
+    /// that leave it end in the sky; NULL if there is no such box.
+    pub bounds: *const f32,
+}
+
+/// A face of a capture.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctCaptureFace {
+    /// sizeof(SsctCaptureFace).
+    pub struct_size: usize,
+    /// The capture's number, from 0.
+    pub capture: u32,
+    /// The face's number, 0 to 5: +x -x +y -y +z -z, each as Vulkan lays out a cube map that world directions are looked up
+    /// in.
+    pub face: u32,
+    /// The colour of what stands there, in light that does not depend on the viewer; linear.
+    pub color: *const SsctImage,
+    /// Its depth.
+    pub depth: *const SsctImage,
+}
+
+// SAFETY: the size comes first, and numbers and pointers are all there is.
+unsafe impl Growing for SsctCaptureCubesInfo {
+    const NAME: &'static str = "SsctCaptureCubesInfo";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctCaptureFace {
+    const NAME: &'static str = "SsctCaptureFace";
+}
+
+/// Makes the images of captures, and writes the object to `cubes`; NULL if it fails. They have no content yet.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_capture_cubes_create(
+    context: *const SsctContext,
+    info: *const SsctCaptureCubesInfo,
+    cubes: *mut *mut SsctCaptureCubes,
+) -> SsctResult {
+    let make = || {
+        // SAFETY: the header asks for such pointers.
+        let (context, info) = unsafe { (needed("context", context)?, take("info", info)?) };
+        // SAFETY: as above: three numbers of each place, and six of a box.
+        let (places, bounds) = unsafe {
+            (
+                array("info.places", info.places.cast::<[f32; 3]>(), info.place_count)?,
+                info.bounds.cast::<[[f32; 3]; 2]>().as_ref().copied(),
+            )
+        };
+        let cubes = CaptureCubes::new(
+            &context.context,
+            &CaptureCubesInfo {
+                places,
+                side: info.side,
+                view_to_clip: info.view_to_clip,
+                clip_y: clip_y(info.clip_y)?,
+                bounds,
+                frames_in_flight: frames_in_flight(info.frames_in_flight)?,
+            },
+        )?;
+        Ok(SsctCaptureCubes { cubes: Guarded::new(cubes) })
+    };
+    // SAFETY: the header asks for a valid place.
+    unsafe { create("cubes", cubes, make) }
+}
+
+/// Destroys captures; NULL is none. The device is done with every frame that saw them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_capture_cubes_destroy(cubes: *mut SsctCaptureCubes) {
+    // SAFETY: the header asks for an object that is not yet destroyed.
+    unsafe { destroy(cubes) };
+}
+
+/// Records taking over a face. Submit it before frames that see it. Slots are counted as those of
+/// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_capture_cubes_record_face(
+    cubes: *mut SsctCaptureCubes,
+    commands: VkCommandBuffer,
+    slot: u32,
+    face: *const SsctCaptureFace,
+) -> SsctResult {
+    guard(|| {
+        // SAFETY: the header asks for such pointers.
+        let (cubes, input) = unsafe {
+            let cubes = needed_mut("cubes", cubes)?;
+            let face = take("face", face)?;
+            let (color, depth) = (image("face.color", face.color, 1)?, image("face.depth", face.depth, 1)?);
+            (cubes, CaptureFaceInput { capture: face.capture as usize, face: face.face as usize, color, depth })
+        };
+        // SAFETY: the header asks for what this does of the command buffer, the slot and the images.
+        cubes.cubes.with(|cubes| Ok(unsafe { cubes.record_face(commands, slot as usize, &input) }?))
+    })
+}
+
+/// Number of frames under way; 0 stands for 2.
+pub fn frames_in_flight(count: u32) -> Result<usize, Failure> {
+    match count {
+        0 => Ok(2),
+        1..=64 => Ok(count as usize),
+        _ => Err(Failure::usage(format!("frames_in_flight is {count}; it must be 1 to 64, or 0 for 2"))),
+    }
+}

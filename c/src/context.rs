@@ -1,0 +1,268 @@
+//! The caller's device.
+
+use crate::border::{
+    Failure, Growing, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take, text,
+};
+use crate::memory::{CallersMemory, SsctMemory};
+use crate::vulkan::{
+    PFN_vkGetInstanceProcAddr, VkBool32, VkDevice, VkInstance, VkPhysicalDevice, VkPhysicalDeviceFeatures,
+    VkPhysicalDeviceVulkan12Features, VkPhysicalDeviceVulkan13Features,
+};
+use ash::vk::{self, Handle};
+use ssct::{Context, DeviceHandles, EnabledFeatures};
+use std::ffi::{CString, c_char};
+use std::sync::OnceLock;
+
+/// A device of yours that reflections are recorded for. It destroys nothing of yours.
+pub struct SsctContext {
+    pub(crate) context: Context,
+    device: [CString; 4],
+}
+
+/// A device that you made, with all features on that `ssct_enable_features` turns on.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctContextInfo {
+    /// sizeof(SsctContextInfo).
+    pub struct_size: usize,
+    /// The loader's function, if you loaded it yourself; NULL for the system's loader.
+    pub get_instance_proc_addr: PFN_vkGetInstanceProcAddr,
+    /// The instance, made for Vulkan 1.3.
+    pub instance: VkInstance,
+    /// The physical device.
+    pub physical_device: VkPhysicalDevice,
+    /// The device.
+    pub device: VkDevice,
+    /// The family of the queues that you submit to; it does both graphics and compute.
+    pub queue_family: u32,
+    /// Whether the instance has VK_EXT_debug_utils on: passes and objects then have names.
+    pub debug_utils: VkBool32,
+    /// The features of Vulkan 1.0 that are on.
+    pub features: *const VkPhysicalDeviceFeatures,
+    /// The features of Vulkan 1.2 that are on; structs that are chained to it are ignored.
+    pub features12: *const VkPhysicalDeviceVulkan12Features,
+    /// The features of Vulkan 1.3 that are on; structs that are chained to it are ignored.
+    pub features13: *const VkPhysicalDeviceVulkan13Features,
+    /// Your allocator; NULL for the library's own.
+    pub memory: *const SsctMemory,
+}
+
+/// What a device calls itself. The texts stay until the context is destroyed.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctDeviceInfo {
+    /// sizeof(SsctDeviceInfo).
+    pub struct_size: usize,
+    /// Its name.
+    pub name: *const c_char,
+    /// Name and version of its driver.
+    pub driver: *const c_char,
+    /// The highest version of Vulkan that it has, as "1.3.230".
+    pub api: *const c_char,
+    /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
+    pub kind: *const c_char,
+}
+
+/// A method, and a line on it.
+#[repr(C)]
+pub struct SsctMethod {
+    /// Its name, as in `SsctReflectionsInfo.method`.
+    pub name: *const c_char,
+    /// What it does.
+    pub summary: *const c_char,
+}
+
+// SAFETY: the size comes first, and integers and pointers are all there is.
+unsafe impl Growing for SsctContextInfo {
+    const NAME: &'static str = "SsctContextInfo";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctDeviceInfo {
+    const NAME: &'static str = "SsctDeviceInfo";
+}
+
+/// Returns the version of the library, as "0.1.0".
+#[unsafe(no_mangle)]
+pub extern "C" fn ssct_version() -> *const c_char {
+    concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
+}
+
+/// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
+/// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
+/// cannot be made.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_enable_features(
+    features: *mut VkPhysicalDeviceFeatures,
+    features12: *mut VkPhysicalDeviceVulkan12Features,
+    features13: *mut VkPhysicalDeviceVulkan13Features,
+) -> SsctResult {
+    guard(|| {
+        // SAFETY: the header asks for pointers to such structs.
+        let all = unsafe {
+            (
+                needed_mut("features", features)?,
+                needed_mut("features12", features12)?,
+                needed_mut("features13", features13)?,
+            )
+        };
+        ssct::enable_features(all.0, all.1, all.2);
+        Ok(())
+    })
+}
+
+/// Makes a context of a device, and writes it to `context`; NULL if it fails.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_create(
+    info: *const SsctContextInfo,
+    context: *mut *mut SsctContext,
+) -> SsctResult {
+    let make = || {
+        // SAFETY: the header asks for pointers to such structs, and for handles that belong together.
+        let context = unsafe {
+            let info = take("info", info)?;
+            Context::new(handles(&info)?)?
+        };
+        let told = context.info();
+        let device = [&told.name, &told.driver, &told.api, &told.kind].map(|told| text(told));
+        Ok(SsctContext { context, device })
+    };
+    // SAFETY: the header asks for a valid place.
+    unsafe { create("context", context, make) }
+}
+
+/// Destroys a context; NULL is none. What was made with it stays usable, and keeps what it needs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_destroy(context: *mut SsctContext) {
+    // SAFETY: the header asks for an object that is not yet destroyed.
+    unsafe { destroy(context) };
+}
+
+/// Writes what the device calls itself to `info`, whose `struct_size` is set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_device_info(
+    context: *const SsctContext,
+    info: *mut SsctDeviceInfo,
+) -> SsctResult {
+    guard(|| {
+        // SAFETY: the header asks for such pointers.
+        let (context, struct_size) = unsafe { (needed("context", context)?, size_of_theirs("info", info)?) };
+        let [name, driver, api, kind] = context.device.each_ref().map(|told| told.as_ptr());
+        // SAFETY: as above.
+        unsafe { info.write(SsctDeviceInfo { struct_size, name, driver, api, kind }) };
+        Ok(())
+    })
+}
+
+/// Returns whether passes can be timed: the queue family has timestamps.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_has_timestamps(context: *const SsctContext) -> bool {
+    // SAFETY: the header asks for such a pointer.
+    or(false, || Ok(unsafe { needed("context", context) }?.context.has_timestamps()))
+}
+
+/// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContext) -> u64 {
+    // SAFETY: the header asks for such a pointer.
+    or(0, || Ok(unsafe { needed("context", context) }?.context.allocated_bytes()))
+}
+
+/// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next compiles
+/// nothing twice.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
+    // SAFETY: the header asks for such a pointer.
+    or((), || unsafe { needed("context", context) }.map(|context| context.context.trim()));
+}
+
+/// Returns the methods that need no more than a G-buffer, and writes how many there are to `count`. "captures" needs
+/// capture cubes, too. The array stays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
+    static METHODS: OnceLock<Methods> = OnceLock::new();
+    or(std::ptr::null(), || {
+        let methods = METHODS.get_or_init(Methods::new);
+        // SAFETY: the header asks for a valid place.
+        *unsafe { needed_mut("count", count) }? = methods.rows.len() as u32;
+        Ok(methods.rows.as_ptr())
+    })
+}
+
+struct Methods {
+    /// What the rows point to.
+    _texts: Vec<CString>,
+    rows: Vec<SsctMethod>,
+}
+
+// SAFETY: the pointers are to texts of its own, which nothing changes.
+unsafe impl Send for Methods {}
+// SAFETY: as above.
+unsafe impl Sync for Methods {}
+
+impl Methods {
+    fn new() -> Self {
+        let texts: Vec<_> = ssct::methods().flat_map(|(name, summary)| [text(name), text(summary)]).collect();
+        let row = |pair: &[CString; 2]| SsctMethod { name: pair[0].as_ptr(), summary: pair[1].as_ptr() };
+        let rows = texts.as_chunks::<2>().0.iter().map(row).collect();
+        Self { _texts: texts, rows }
+    }
+}
+
+/// The handles as the door takes them.
+///
+/// # Safety
+/// The handles are NULL or belong together, and pointers are NULL or to such structs.
+unsafe fn handles(info: &SsctContextInfo) -> Result<DeviceHandles, Failure> {
+    for (name, is_null) in [
+        ("instance", info.instance.is_null()),
+        ("physical_device", info.physical_device.is_null()),
+        ("device", info.device.is_null()),
+    ] {
+        if is_null {
+            return Err(Failure::usage(format!("the field {name} of SsctContextInfo is a null handle")));
+        }
+    }
+    // SAFETY: by the contract. Structs that are chained to the features are not looked at.
+    unsafe {
+        let enabled = EnabledFeatures {
+            core: *needed("features", info.features)?,
+            vulkan12: vk::PhysicalDeviceVulkan12Features {
+                p_next: std::ptr::null_mut(),
+                ..*needed("features12", info.features12)?
+            },
+            vulkan13: vk::PhysicalDeviceVulkan13Features {
+                p_next: std::ptr::null_mut(),
+                ..*needed("features13", info.features13)?
+            },
+        };
+        let memory = match info.memory.is_null() {
+            true => None,
+            false => Some(Box::new(CallersMemory::new(&take("memory", info.memory)?)?) as Box<dyn ssct::DeviceMemory>),
+        };
+        let entry = match info.get_instance_proc_addr {
+            Some(get_instance_proc_addr) => ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }),
+            None => ash::Entry::load().map_err(|e| Failure {
+                code: SsctResult::NoDevice,
+                sentence: format!("the system's Vulkan loader cannot be opened: {e}"),
+            })?,
+        };
+        let instance = ash::Instance::load(entry.static_fn(), info.instance);
+        let device = ash::Device::load(instance.fp_v1_0(), info.device);
+        Ok(DeviceHandles {
+            entry,
+            instance,
+            physical: info.physical_device,
+            device,
+            queue_family: info.queue_family,
+            enabled,
+            debug_utils: info.debug_utils != vk::FALSE,
+            memory,
+        })
+    }
+}
+
+const _: () = {
+    const fn is_shared<T: Send + Sync>() {}
+    is_shared::<SsctContext>();
+};

@@ -1,0 +1,285 @@
+//! The caller's images and camera.
+
+use crate::border::{Failure, Growing, Outcome, or, take};
+use crate::vulkan::{
+    VkAccessFlags2, VkExtent2D, VkFormat, VkImage, VkImageLayout, VkImageSubresourceRange, VkImageUsageFlags,
+    VkImageView, VkPipelineStageFlags2,
+};
+use ash::vk;
+use ssct::{CameraInput, ClipY, FactorInput, ImageInput, ImageUse, NormalEncoding, NormalInput, NormalSpace};
+
+/// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
+pub type SsctClipY = u32;
+
+/// At y = -w, as Vulkan has it with a viewport of positive height.
+pub const SSCT_CLIP_Y_DOWN: SsctClipY = 0;
+/// At y = w: the viewport has a negative height.
+pub const SSCT_CLIP_Y_UP: SsctClipY = 1;
+
+/// The space of normals: one of SSCT_NORMAL_SPACE_*.
+pub type SsctNormalSpace = u32;
+
+/// Your view space.
+pub const SSCT_NORMAL_SPACE_VIEW: SsctNormalSpace = 0;
+/// Your world space.
+pub const SSCT_NORMAL_SPACE_WORLD: SsctNormalSpace = 1;
+
+/// How texels hold unit normals: one of SSCT_NORMAL_ENCODING_*.
+pub type SsctNormalEncoding = u32;
+
+/// x, y and z as they are: floats or signed normalised numbers.
+pub const SSCT_NORMAL_ENCODING_FLOAT: SsctNormalEncoding = 0;
+/// x, y and z, mapped from -1 to 1 to 0 to 1.
+pub const SSCT_NORMAL_ENCODING_UNORM: SsctNormalEncoding = 1;
+/// Two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
+pub const SSCT_NORMAL_ENCODING_OCTAHEDRAL: SsctNormalEncoding = 2;
+/// The octahedral place, mapped to 0 to 1.
+pub const SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM: SsctNormalEncoding = 3;
+
+/// A common use of an image: one of SSCT_USE_*.
+pub type SsctUse = u32;
+
+/// Sampled in fragment shaders, in SHADER_READ_ONLY_OPTIMAL.
+pub const SSCT_USE_FRAGMENT_SAMPLED: SsctUse = 0;
+/// Sampled in compute shaders, in SHADER_READ_ONLY_OPTIMAL.
+pub const SSCT_USE_COMPUTE_SAMPLED: SsctUse = 1;
+/// Drawn into as a colour attachment.
+pub const SSCT_USE_COLOR_ATTACHMENT: SsctUse = 2;
+/// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+pub const SSCT_USE_DEPTH_ATTACHMENT: SsctUse = 3;
+/// Copied or blitted from.
+pub const SSCT_USE_TRANSFER_SOURCE: SsctUse = 4;
+/// Copied or blitted to, or cleared.
+pub const SSCT_USE_TRANSFER_TARGET: SsctUse = 5;
+
+/// How you use an image: its layout, and the stages and accesses of the last or the next use. All zero means
+/// SSCT_USE_FRAGMENT_SAMPLED.
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq)]
+pub struct SsctImageUse {
+    /// The image's layout.
+    pub layout: VkImageLayout,
+    /// Pipeline stages that touch it.
+    pub stages: VkPipelineStageFlags2,
+    /// How they access it.
+    pub access: VkAccessFlags2,
+}
+
+/// An image of yours, of which one level and, but for cube maps, one layer is read.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctImage {
+    /// sizeof(SsctImage).
+    pub struct_size: usize,
+    /// The image.
+    pub image: VkImage,
+    /// A view of the part that is read; of a depth image it shows the depth alone. Of a cube map it is an array of the six
+    /// faces.
+    pub view: VkImageView,
+    /// The image's format.
+    pub format: VkFormat,
+    /// Width and height of the part in texels.
+    pub extent: VkExtent2D,
+    /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
+    /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
+    pub part: VkImageSubresourceRange,
+    /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
+    /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
+    pub usage: VkImageUsageFlags,
+    /// How you used it last.
+    pub before: SsctImageUse,
+    /// How you use it next; it is in that layout when what was recorded is done.
+    pub after: SsctImageUse,
+}
+
+/// The camera of a frame, in your conventions, which are read off its matrices: handedness, whether y is up, reversed or
+/// standard depth, a finite or an infinite far plane, and the shift of a jittered projection. A matrix is 16 numbers, column
+/// by column, and is multiplied by column vectors from the right.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctCamera {
+    /// sizeof(SsctCamera).
+    pub struct_size: usize,
+    /// World to view space: a rotation and a translation.
+    pub world_to_view: [f32; 16],
+    /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+    pub view_to_clip: [f32; 16],
+    /// Where the top of the image is in clip space.
+    pub clip_y: SsctClipY,
+}
+
+/// Normals of yours.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctNormals {
+    /// sizeof(SsctNormals).
+    pub struct_size: usize,
+    /// Where they are.
+    pub image: *const SsctImage,
+    /// In which space they are.
+    pub space: SsctNormalSpace,
+    /// How texels hold them.
+    pub encoding: SsctNormalEncoding,
+}
+
+/// Reflectivity or roughness of a frame: a channel of an image, or one value.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctFactor {
+    /// sizeof(SsctFactor).
+    pub struct_size: usize,
+    /// The image; NULL for one value.
+    pub image: *const SsctImage,
+    /// The image's channel, 0 to 3 for red to alpha.
+    pub channel: u32,
+    /// The value for the whole frame, 0 to 1, without an image.
+    pub value: f32,
+}
+
+// SAFETY: the size comes first, and numbers, handles and pointers are all there is.
+unsafe impl Growing for SsctImage {
+    const NAME: &'static str = "SsctImage";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctCamera {
+    const NAME: &'static str = "SsctCamera";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctNormals {
+    const NAME: &'static str = "SsctNormals";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctFactor {
+    const NAME: &'static str = "SsctFactor";
+}
+
+/// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
+#[unsafe(no_mangle)]
+pub extern "C" fn ssct_image_use(of: SsctUse) -> SsctImageUse {
+    let none = SsctImageUse { layout: VkImageLayout::UNDEFINED, stages: 0, access: 0 };
+    or(none, || {
+        let known = match of {
+            SSCT_USE_FRAGMENT_SAMPLED => ImageUse::FRAGMENT_SAMPLED,
+            SSCT_USE_COMPUTE_SAMPLED => ImageUse::COMPUTE_SAMPLED,
+            SSCT_USE_COLOR_ATTACHMENT => ImageUse::COLOR_ATTACHMENT,
+            SSCT_USE_DEPTH_ATTACHMENT => ImageUse::DEPTH_ATTACHMENT,
+            SSCT_USE_TRANSFER_SOURCE => ImageUse::TRANSFER_SOURCE,
+            SSCT_USE_TRANSFER_TARGET => ImageUse::TRANSFER_TARGET,
+            other => return Err(none_of("SSCT_USE_*", "of", other)),
+        };
+        let ImageUse { layout, stages, access } = known;
+        Ok(SsctImageUse { layout, stages: stages.as_raw(), access: access.as_raw() })
+    })
+}
+
+fn none_of(names: &str, field: &str, value: u32) -> Failure {
+    Failure::usage(format!("{field} is {value}, which is none of {names}"))
+}
+
+impl SsctImageUse {
+    /// The use as the door takes it.
+    pub fn taken(self) -> ImageUse {
+        let Self { layout, stages, access } = self;
+        if layout == VkImageLayout::UNDEFINED && stages == 0 && access == 0 {
+            return ImageUse::FRAGMENT_SAMPLED;
+        }
+        let (stages, access) = (vk::PipelineStageFlags2::from_raw(stages), vk::AccessFlags2::from_raw(access));
+        ImageUse { layout, stages, access }
+    }
+}
+
+/// An image as the door takes it; a cube map has six layers.
+///
+/// # Safety
+/// The pointer is NULL or points to such a struct.
+pub unsafe fn image(argument: &str, at: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
+    // SAFETY: by the contract.
+    let SsctImage { image, view, format, extent, mut part, mut usage, before, after, .. } =
+        unsafe { take(argument, at) }?;
+    if part.aspect_mask.is_empty() {
+        part.aspect_mask = aspects(format);
+    }
+    for (count, otherwise) in [(&mut part.level_count, 1), (&mut part.layer_count, layers)] {
+        if *count == 0 {
+            *count = otherwise;
+        }
+    }
+    if usage.is_empty() {
+        usage = VkImageUsageFlags::SAMPLED | VkImageUsageFlags::STORAGE;
+    }
+    let extent = [extent.width, extent.height];
+    Ok(ImageInput { image, view, part, format, extent, usage, before: before.taken(), after: after.taken() })
+}
+
+/// All aspects of a format.
+fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
+    use vk::ImageAspectFlags as A;
+    match format {
+        VkFormat::D16_UNORM | VkFormat::X8_D24_UNORM_PACK32 | VkFormat::D32_SFLOAT => A::DEPTH,
+        VkFormat::D16_UNORM_S8_UINT | VkFormat::D24_UNORM_S8_UINT | VkFormat::D32_SFLOAT_S8_UINT => {
+            A::DEPTH | A::STENCIL
+        }
+        _ => A::COLOR,
+    }
+}
+
+pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
+    match value {
+        SSCT_CLIP_Y_DOWN => Ok(ClipY::Down),
+        SSCT_CLIP_Y_UP => Ok(ClipY::Up),
+        other => Err(none_of("SSCT_CLIP_Y_*", "clip_y", other)),
+    }
+}
+
+/// The camera as the door takes it.
+///
+/// # Safety
+/// Errors of [`image`].
+pub unsafe fn camera(at: *const SsctCamera) -> Outcome<CameraInput> {
+    // SAFETY: by the contract.
+    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", at) }?;
+    Ok(CameraInput { world_to_view, view_to_clip, clip_y: clip_y(y)? })
+}
+
+/// Normals as the door takes them.
+///
+/// # Safety
+/// Errors of [`image`].
+pub unsafe fn normals(at: *const SsctNormals) -> Outcome<NormalInput> {
+    // SAFETY: by the contract.
+    let (normals, image) = unsafe {
+        let normals = take("normals", at)?;
+        (normals, image("normals.image", normals.image, 1)?)
+    };
+    let space = match normals.space {
+        SSCT_NORMAL_SPACE_VIEW => NormalSpace::View,
+        SSCT_NORMAL_SPACE_WORLD => NormalSpace::World,
+        other => return Err(none_of("SSCT_NORMAL_SPACE_*", "normals.space", other)),
+    };
+    let encoding = match normals.encoding {
+        SSCT_NORMAL_ENCODING_FLOAT => NormalEncoding::Float,
+        SSCT_NORMAL_ENCODING_UNORM => NormalEncoding::Unorm,
+        SSCT_NORMAL_ENCODING_OCTAHEDRAL => NormalEncoding::Octahedral,
+        SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM => NormalEncoding::OctahedralUnorm,
+        other => return Err(none_of("SSCT_NORMAL_ENCODING_*", "normals.encoding", other)),
+    };
+    Ok(NormalInput { image, space, encoding })
+}
+
+/// A factor as the door takes it.
+///
+/// # Safety
+/// Errors of [`image`].
+pub unsafe fn factor(argument: &str, at: *const SsctFactor) -> Outcome<FactorInput> {
+    // SAFETY: by the contract.
+    unsafe {
+        let factor = take(argument, at)?;
+        if factor.image.is_null() {
+            return Ok(FactorInput::Constant(factor.value));
+        }
+        Ok(FactorInput::Channel(image(&format!("{argument}.image"), factor.image, 1)?, factor.channel))
+    }
+}

@@ -1,0 +1,140 @@
+//! The caller's allocator.
+
+use crate::border::{Failure, Growing, Outcome, text, text_of};
+use crate::vulkan::{VkDeviceMemory, VkMemoryRequirements};
+use ash::vk;
+use ssct::{DeviceMemory, MemoryBlock, MemoryPlace};
+use std::ffi::{c_char, c_void};
+use std::ptr::NonNull;
+
+/// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
+pub type SsctMemoryPlace = u32;
+
+/// Memory on the device.
+pub const SSCT_MEMORY_PLACE_DEVICE: SsctMemoryPlace = 0;
+/// Memory that the host writes and the device reads; mapped and coherent.
+pub const SSCT_MEMORY_PLACE_UPLOAD: SsctMemoryPlace = 1;
+/// Memory that the device writes and the host reads; mapped and coherent.
+pub const SSCT_MEMORY_PLACE_READBACK: SsctMemoryPlace = 2;
+
+/// A part of a memory object. It is nobody else's until it is released.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctMemoryBlock {
+    /// The object.
+    pub memory: VkDeviceMemory,
+    /// Where the part begins, in bytes.
+    pub offset: u64,
+    /// Where the host sees that part; NULL for SSCT_MEMORY_PLACE_DEVICE.
+    pub mapped: *mut c_void,
+    /// Whatever you want to know when you get the block back.
+    pub key: u64,
+}
+
+/// An allocator of your own, in place of the library's. Its functions are called by the threads that call the library,
+/// but never by two at once for one context.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctMemory {
+    /// sizeof(SsctMemory).
+    pub struct_size: usize,
+    /// Passed to both functions.
+    pub user_data: *mut c_void,
+    /// Fills `block` with memory that fits the requirements, for an image or a buffer of that name, and returns NULL; or
+    /// returns a clause that says why there is none, which must stay until the next call. `linear` is false for images of
+    /// optimal tiling.
+    pub allocate: Option<
+        unsafe extern "C" fn(
+            user_data: *mut c_void,
+            name: *const c_char,
+            requirements: *const VkMemoryRequirements,
+            place: SsctMemoryPlace,
+            linear: bool,
+            block: *mut SsctMemoryBlock,
+        ) -> *const c_char,
+    >,
+    /// Takes a block back. What it was for is destroyed.
+    pub release: Option<unsafe extern "C" fn(user_data: *mut c_void, block: *const SsctMemoryBlock)>,
+}
+
+// SAFETY: the size comes first, and integers and pointers are all there is.
+unsafe impl Growing for SsctMemory {
+    const NAME: &'static str = "SsctMemory";
+}
+
+type Allocate = unsafe extern "C" fn(
+    *mut c_void,
+    *const c_char,
+    *const VkMemoryRequirements,
+    SsctMemoryPlace,
+    bool,
+    *mut SsctMemoryBlock,
+) -> *const c_char;
+
+/// An [`SsctMemory`] with both of its functions.
+pub struct CallersMemory {
+    user_data: *mut c_void,
+    allocate: Allocate,
+    release: unsafe extern "C" fn(*mut c_void, *const SsctMemoryBlock),
+}
+
+impl CallersMemory {
+    pub fn new(memory: &SsctMemory) -> Outcome<Self> {
+        let missing = |field| Failure::usage(format!("the field {field} of SsctMemory is NULL"));
+        Ok(Self {
+            user_data: memory.user_data,
+            allocate: memory.allocate.ok_or_else(|| missing("allocate"))?,
+            release: memory.release.ok_or_else(|| missing("release"))?,
+        })
+    }
+}
+
+// SAFETY: the header says that the functions are called by any thread.
+unsafe impl Send for CallersMemory {}
+
+// SAFETY: the header asks of blocks what this trait does.
+unsafe impl DeviceMemory for CallersMemory {
+    fn allocate(
+        &mut self,
+        name: &str,
+        requirements: &vk::MemoryRequirements,
+        place: MemoryPlace,
+        linear: bool,
+    ) -> Result<MemoryBlock, String> {
+        let place = match place {
+            MemoryPlace::Device => SSCT_MEMORY_PLACE_DEVICE,
+            MemoryPlace::Upload => SSCT_MEMORY_PLACE_UPLOAD,
+            MemoryPlace::Readback => SSCT_MEMORY_PLACE_READBACK,
+        };
+        let mut block =
+            SsctMemoryBlock { memory: vk::DeviceMemory::null(), offset: 0, mapped: std::ptr::null_mut(), key: 0 };
+        let name = text(name);
+        // SAFETY: the function is the caller's for these arguments, which live through the call; it returns NULL or a text.
+        let why = unsafe {
+            let why = (self.allocate)(self.user_data, name.as_ptr(), requirements, place, linear, &mut block);
+            if why.is_null() {
+                None
+            } else {
+                Some(text_of("allocate", why).unwrap_or("it does not say why").to_owned())
+            }
+        };
+        if let Some(why) = why {
+            return Err(why);
+        }
+        let mapped = NonNull::new(block.mapped.cast::<u8>());
+        if place != SSCT_MEMORY_PLACE_DEVICE && mapped.is_none() {
+            // SAFETY: the block is the one that was given.
+            unsafe { (self.release)(self.user_data, &block) };
+            return Err("SsctMemory.allocate left `mapped` NULL for memory that the host uses".into());
+        }
+        Ok(MemoryBlock { memory: block.memory, offset: block.offset, mapped, key: block.key })
+    }
+
+    fn free(&mut self, block: MemoryBlock) {
+        let MemoryBlock { memory, offset, mapped, key } = block;
+        let mapped = mapped.map_or(std::ptr::null_mut(), |at| at.as_ptr().cast());
+        let block = SsctMemoryBlock { memory, offset, mapped, key };
+        // SAFETY: the block is one that the caller gave.
+        unsafe { (self.release)(self.user_data, &block) };
+    }
+}

@@ -1,0 +1,477 @@
+//! The reflections of one view.
+
+use crate::border::{
+    Failure, Growing, Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut, size_of_theirs,
+    take, text, text_of,
+};
+use crate::captures::{SsctCaptureCubes, frames_in_flight};
+use crate::context::SsctContext;
+use crate::image::{SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctNormals, camera, factor, image, normals};
+use crate::triangles::SsctTriangles;
+use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
+use ash::vk;
+use ssct::{CaptureCubes, FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors, Triangles};
+use std::ffi::{CString, c_char};
+
+/// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
+pub struct SsctReflections {
+    reflections: Guarded<Reflections>,
+    /// What `SsctRecorded` of the last frame points to.
+    recorded: Report,
+    /// What `ssct_reflections_times` pointed to last.
+    times: Times,
+}
+
+/// The images that are produced: SSCT_OUTPUT_*, combined by `|`.
+pub type SsctOutputs = u32;
+
+/// Lit colour plus reflections.
+pub const SSCT_OUTPUT_COMPOSITE: SsctOutputs = 1;
+/// The reflection alone, for a renderer that adds it up itself.
+pub const SSCT_OUTPUT_REFLECTION: SsctOutputs = 2;
+/// Where each ray ended, if the method can say it.
+pub const SSCT_OUTPUT_HITS: SsctOutputs = 4;
+
+/// What reflects in a frame, where you know it of the materials that you drew: SSCT_REFLECTORS_*, combined by `|`. What is
+/// known not to be there costs nothing.
+pub type SsctReflectors = u32;
+
+/// Nothing is known: there may be all. This is always right.
+pub const SSCT_REFLECTORS_UNKNOWN: SsctReflectors = 0;
+/// There may be mirrors: surfaces that reflect with roughness 0.
+pub const SSCT_REFLECTORS_MIRRORS: SsctReflectors = 1;
+/// There may be narrow lobes: roughness above 0, up to 0.2f.
+pub const SSCT_REFLECTORS_NARROW: SsctReflectors = 2;
+/// There may be wide lobes: roughness above 0.2f.
+pub const SSCT_REFLECTORS_WIDE: SsctReflectors = 4;
+/// Every lit surface reflects, so that every pixel without sky does.
+pub const SSCT_REFLECTORS_EVERYWHERE: SsctReflectors = 8;
+/// Nothing reflects. It stands alone.
+pub const SSCT_REFLECTORS_NONE: SsctReflectors = 16;
+
+// The number in the comments above; as a constant, it would be of the type double in C.
+const _: () = assert!(ssct::WIDE_ABOVE == 0.2);
+
+/// A parameter of a method and its value, as docs/options.md lists them: { "fade", "off" }. "preset" is one of them.
+#[repr(C)]
+pub struct SsctParameter {
+    /// Its name.
+    pub name: *const c_char,
+    /// Its value as text.
+    pub value: *const c_char,
+}
+
+/// What is to be reflected, and how.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctReflectionsInfo {
+    /// sizeof(SsctReflectionsInfo).
+    pub struct_size: usize,
+    /// Width and height of the view in pixels.
+    pub extent: VkExtent2D,
+    /// A method of `ssct_methods`; NULL for "unified".
+    pub method: *const c_char,
+    /// Parameters; the others have their published values.
+    pub parameters: *const SsctParameter,
+    /// Number of parameters.
+    pub parameter_count: u32,
+    /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without.
+    pub capture_side: u32,
+    /// What is produced; 0 for composite and reflection.
+    pub outputs: SsctOutputs,
+    /// Number of frames that may be under way at once; 0 for 2.
+    pub frames_in_flight: u32,
+    /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+    pub triangles: *const SsctTriangles,
+}
+
+/// What a frame shows, and where from.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctFrame {
+    /// sizeof(SsctFrame).
+    pub struct_size: usize,
+    /// Which of the frames under way this is, below `SsctReflectionsInfo.frames_in_flight`: what was recorded with the same
+    /// number before is done.
+    pub slot: u32,
+    /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
+    pub timed: VkBool32,
+    /// Where the images were seen from.
+    pub camera: *const SsctCamera,
+    /// Depth: a depth image, or a colour image with depth in red.
+    pub depth: *const SsctImage,
+    /// Normals.
+    pub normals: *const SsctNormals,
+    /// The share of the light that is reflected.
+    pub reflectivity: *const SsctFactor,
+    /// Roughness; 0 is a mirror.
+    pub roughness: *const SsctFactor,
+    /// Lit colour, linear, without reflections.
+    pub color: *const SsctImage,
+    /// A cube map of what is seen where nothing stands, in world axes. Without one (NULL), rays that leave the screen to end
+    /// there miss.
+    pub sky: *const SsctImage,
+    /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
+    pub captures: *const SsctCaptureCubes,
+    /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+    pub triangles: *const SsctTriangles,
+    /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
+    /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+    pub triangle_numbers: *const SsctImage,
+    /// What reflects, as far as you know it.
+    pub reflectors: SsctReflectors,
+    /// How you use the outputs next.
+    pub outputs: SsctImageUse,
+}
+
+/// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or
+/// destroyed. It can be sampled, and copied from.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctOutputImage {
+    /// The image; VK_NULL_HANDLE if there is none.
+    pub image: VkImage,
+    /// A view of its first level.
+    pub view: VkImageView,
+    /// Its format.
+    pub format: VkFormat,
+    /// Width and height in pixels.
+    pub extent: VkExtent2D,
+}
+
+/// A pass that a frame does without.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctSkipped {
+    /// Its label.
+    pub pass: *const c_char,
+    /// Why, in a clause.
+    pub why: *const c_char,
+}
+
+/// What was recorded. Texts and arrays stay until the next frame of the same reflections is recorded, or they are
+/// destroyed.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctRecorded {
+    /// sizeof(SsctRecorded).
+    pub struct_size: usize,
+    /// Lit colour with what is reflected in it, linear, R16G16B16A16_SFLOAT. None if it was not asked for.
+    pub composite: SsctOutputImage,
+    /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than 1
+    /// where it fades out. R16G16B16A16_SFLOAT. None if it was not asked for, or nothing reflects.
+    pub reflection: SsctOutputImage,
+    /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
+    /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. None if it was not asked for, or the method does not say
+    /// it.
+    pub hits: SsctOutputImage,
+    /// The passes that were recorded, in order.
+    pub passes: *const *const c_char,
+    /// Number of passes.
+    pub pass_count: u32,
+    /// Number of passes that this frame does without.
+    pub skipped_count: u32,
+    /// The passes that this frame does without, and why.
+    pub skipped: *const SsctSkipped,
+}
+
+/// How long a pass took.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctPassTime {
+    /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
+    pub name: *const c_char,
+    /// Milliseconds that it took.
+    pub ms: f64,
+    /// Milliseconds from the frame's first timestamp to the pass's.
+    pub start_ms: f64,
+    /// Whether the pass counts towards the method's total.
+    pub counted: bool,
+}
+
+// SAFETY: the size comes first, and numbers, handles and pointers are all there is.
+unsafe impl Growing for SsctReflectionsInfo {
+    const NAME: &'static str = "SsctReflectionsInfo";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctFrame {
+    const NAME: &'static str = "SsctFrame";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctRecorded {
+    const NAME: &'static str = "SsctRecorded";
+}
+
+/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if it fails. Nothing is
+/// submitted.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_create(
+    context: *const SsctContext,
+    info: *const SsctReflectionsInfo,
+    reflections: *mut *mut SsctReflections,
+) -> SsctResult {
+    let make = || {
+        // SAFETY: the header asks for such pointers.
+        unsafe {
+            let (context, info) = (needed("context", context)?, take("info", info)?);
+            let method = if info.method.is_null() { "unified" } else { text_of("info.method", info.method)? };
+            let pair =
+                |p: &SsctParameter| Ok((text_of("parameter.name", p.name)?, text_of("parameter.value", p.value)?));
+            let parameters = array("info.parameters", info.parameters, info.parameter_count)?;
+            let parameters: Vec<_> = parameters.iter().map(pair).collect::<Outcome<_>>()?;
+            reflections_of(context, &info, method, (&parameters, triangles(info.triangles)?))
+        }
+    };
+    // SAFETY: the header asks for a valid place.
+    unsafe { create("reflections", reflections, make) }
+}
+
+fn reflections_of(
+    context: &SsctContext,
+    info: &SsctReflectionsInfo,
+    method: &str,
+    (parameters, triangles): (&[(&str, &str)], Option<&Triangles>),
+) -> Outcome<SsctReflections> {
+    let known = SSCT_OUTPUT_COMPOSITE | SSCT_OUTPUT_REFLECTION | SSCT_OUTPUT_HITS;
+    if info.outputs & !known != 0 {
+        return Err(Failure::usage(format!(
+            "info.outputs is {}, which has bits that are none of SSCT_OUTPUT_*",
+            info.outputs
+        )));
+    }
+    let outputs = if info.outputs == 0 { SSCT_OUTPUT_COMPOSITE | SSCT_OUTPUT_REFLECTION } else { info.outputs };
+    let reflections = Reflections::new(
+        &context.context,
+        &ReflectionsInfo {
+            extent: [info.extent.width, info.extent.height],
+            method,
+            parameters,
+            captures: Some(info.capture_side).filter(|side| *side != 0),
+            triangles,
+            composite: outputs & SSCT_OUTPUT_COMPOSITE != 0,
+            reflection: outputs & SSCT_OUTPUT_REFLECTION != 0,
+            hits: outputs & SSCT_OUTPUT_HITS != 0,
+            frames_in_flight: frames_in_flight(info.frames_in_flight)?,
+        },
+    )?;
+    Ok(SsctReflections { reflections: Guarded::new(reflections), recorded: Report::default(), times: Times::default() })
+}
+
+/// Destroys reflections; NULL is none. The device is done with every frame that was recorded.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_destroy(reflections: *mut SsctReflections) {
+    // SAFETY: the header asks for an object that is not yet destroyed.
+    unsafe { destroy(reflections) };
+}
+
+/// Makes images of another size. The device is done with every frame that was recorded. If it fails, the old size stays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_resize(reflections: *mut SsctReflections, extent: VkExtent2D) -> SsctResult {
+    // SAFETY: the header asks for such a pointer.
+    with(|| unsafe { needed_mut("reflections", reflections) }, |r| Ok(r.resize([extent.width, extent.height])?))
+}
+
+/// Forgets the frames that the parameter "history" averages, so that the next one stands alone: after a cut, and after a
+/// command buffer that was thrown away.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut SsctReflections) -> SsctResult {
+    // SAFETY: the header asks for such a pointer.
+    with(
+        || unsafe { needed_mut("reflections", reflections) },
+        |r| {
+            r.restart_history();
+            Ok(())
+        },
+    )
+}
+
+/// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have been
+/// recorded once, no allocation on the device. Writes what was recorded to `recorded`, whose `struct_size` is set, or
+/// nothing if that is NULL. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer
+/// away.
+///
+/// - The command buffer is recording, outside rendering, for a queue of the context's family.
+/// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is done;
+///   the images hold what you submitted before.
+/// - What was recorded with the same slot before is no longer under way.
+/// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
+///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_record(
+    reflections: *mut SsctReflections,
+    commands: VkCommandBuffer,
+    frame: *const SsctFrame,
+    recorded: *mut SsctRecorded,
+) -> SsctResult {
+    guard(|| {
+        // SAFETY: the header asks for such pointers.
+        let (object, input, struct_size) = unsafe {
+            let frame = take("frame", frame)?;
+            let object = needed_mut("reflections", reflections)?;
+            let size = if recorded.is_null() { None } else { Some(size_of_theirs("recorded", recorded)?) };
+            (object, frame_input(&frame)?, size)
+        };
+        if commands == VkCommandBuffer::null() {
+            return Err(Failure::usage("the argument commands is a null handle"));
+        }
+        // SAFETY: the header asks for what this does of the command buffer, the slot and the images.
+        let made = object.reflections.with(|r| Ok(unsafe { r.record(commands, &input) }?))?;
+        object.recorded = Report::new(&made);
+        if let Some(struct_size) = struct_size {
+            // SAFETY: the header asks for a struct of the stated size, which is at least that of this one.
+            unsafe { recorded.write(object.recorded.shown(&made, struct_size)) };
+        }
+        Ok(())
+    })
+}
+
+/// Returns how long each pass of the last frame of a slot took: writes an array and its length, 0 if the frame was not
+/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next such call,
+/// or until the reflections are destroyed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_reflections_times(
+    reflections: *mut SsctReflections,
+    slot: u32,
+    times: *mut *const SsctPassTime,
+    count: *mut u32,
+) -> SsctResult {
+    guard(|| {
+        // SAFETY: the header asks for such pointers.
+        let (object, times, count) = unsafe {
+            (needed_mut("reflections", reflections)?, needed_mut("times", times)?, needed_mut("count", count)?)
+        };
+        let taken = object.reflections.with(|r| Ok(r.times(slot as usize)?))?;
+        let names: Vec<_> = taken.iter().map(|t| text(&t.name)).collect();
+        let row = |(t, name): (&ssct::PassTime, &CString)| SsctPassTime {
+            name: name.as_ptr(),
+            ms: t.ms,
+            start_ms: t.start_ms,
+            counted: t.counted,
+        };
+        let rows = taken.iter().zip(&names).map(row).collect();
+        object.times = Times { _names: names, rows };
+        (*times, *count) = (object.times.rows.as_ptr(), object.times.rows.len() as u32);
+        Ok(())
+    })
+}
+
+/// Does something with the reflections of a handle.
+fn with<'a>(
+    object: impl FnOnce() -> Outcome<&'a mut SsctReflections>,
+    run: impl FnOnce(&mut Reflections) -> Outcome<()>,
+) -> SsctResult {
+    guard(|| object()?.reflections.with(run))
+}
+
+/// The frame as the door takes it.
+///
+/// # Safety
+/// The pointers are NULL or to what they say.
+unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
+    // SAFETY: by the contract.
+    unsafe {
+        Ok(FrameInput {
+            slot: frame.slot as usize,
+            camera: camera(frame.camera)?,
+            depth: image("frame.depth", frame.depth, 1)?,
+            normal: normals(frame.normals)?,
+            reflectivity: factor("frame.reflectivity", frame.reflectivity)?,
+            roughness: factor("frame.roughness", frame.roughness)?,
+            reflectors: reflectors(frame.reflectors)?,
+            color: image("frame.color", frame.color, 1)?,
+            sky: if frame.sky.is_null() { None } else { Some(image("frame.sky", frame.sky, 6)?) },
+            captures: captures(frame.captures)?,
+            triangles: triangles(frame.triangles)?,
+            triangle_numbers: match frame.triangle_numbers.is_null() {
+                true => None,
+                false => Some(image("frame.triangle_numbers", frame.triangle_numbers, 1)?),
+            },
+            timed: frame.timed != vk::FALSE,
+            outputs: frame.outputs.taken(),
+        })
+    }
+}
+
+/// The captures that a frame is given.
+///
+/// # Safety
+/// The pointer is NULL, or valid for as long as the result is used.
+unsafe fn captures<'a>(at: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
+    // SAFETY: by the contract.
+    unsafe { at.as_ref() }.map(|captures| captures.cubes.get()).transpose()
+}
+
+/// The triangles that a frame is given.
+///
+/// # Safety
+/// Errors of [`captures`].
+unsafe fn triangles<'a>(at: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
+    // SAFETY: by the contract.
+    unsafe { at.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
+}
+
+fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {
+    let has = |flag| flags & flag != 0;
+    match flags {
+        SSCT_REFLECTORS_UNKNOWN => Ok(Reflectors::UNKNOWN),
+        SSCT_REFLECTORS_NONE => Ok(Reflectors::default()),
+        1..SSCT_REFLECTORS_NONE => Ok(Reflectors {
+            mirrors: has(SSCT_REFLECTORS_MIRRORS),
+            narrow: has(SSCT_REFLECTORS_NARROW),
+            wide: has(SSCT_REFLECTORS_WIDE),
+            everywhere: has(SSCT_REFLECTORS_EVERYWHERE),
+        }),
+        _ => Err(Failure::usage(format!(
+            "frame.reflectors is {flags}; it is SSCT_REFLECTORS_NONE alone, or other SSCT_REFLECTORS_* combined"
+        ))),
+    }
+}
+
+/// What `SsctRecorded` points to.
+#[derive(Default)]
+struct Report {
+    _texts: Vec<CString>,
+    passes: Vec<*const c_char>,
+    skipped: Vec<SsctSkipped>,
+}
+
+impl Report {
+    fn new(made: &Recorded) -> Self {
+        let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
+        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|t| text(t)).collect();
+        let (passes, skipped) = texts.split_at(made.passes.len());
+        let passes = passes.iter().map(|pass| pass.as_ptr()).collect();
+        let row = |pair: &[CString; 2]| SsctSkipped { pass: pair[0].as_ptr(), why: pair[1].as_ptr() };
+        let skipped = skipped.as_chunks::<2>().0.iter().map(row).collect();
+        Self { _texts: texts, passes, skipped }
+    }
+
+    fn shown(&self, made: &Recorded, struct_size: usize) -> SsctRecorded {
+        SsctRecorded {
+            struct_size,
+            composite: output(made.composite),
+            reflection: output(made.reflection),
+            hits: output(made.hits),
+            passes: self.passes.as_ptr(),
+            pass_count: self.passes.len() as u32,
+            skipped_count: self.skipped.len() as u32,
+            skipped: self.skipped.as_ptr(),
+        }
+    }
+}
+
+fn output(made: Option<OutputImage>) -> SsctOutputImage {
+    let none =
+        OutputImage { image: VkImage::null(), view: VkImageView::null(), format: VkFormat::UNDEFINED, extent: [0, 0] };
+    let OutputImage { image, view, format, extent: [width, height] } = made.unwrap_or(none);
+    SsctOutputImage { image, view, format, extent: VkExtent2D { width, height } }
+}
+
+/// What `ssct_reflections_times` points to.
+#[derive(Default)]
+struct Times {
+    _names: Vec<CString>,
+    rows: Vec<SsctPassTime>,
+}

@@ -1,0 +1,400 @@
+//! The interface as a C program uses it, on a device under the validation layers. `examples/c` is a whole such program; here
+//! is what it does not use, and what is refused.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::undocumented_unsafe_blocks,
+    reason = "a program's own handles"
+)]
+
+mod program;
+
+use crate::border::{SsctResult, ssct_last_error};
+use crate::captures::*;
+use crate::context::*;
+use crate::image::*;
+use crate::memory::*;
+use crate::reflections::*;
+use crate::triangles::*;
+use ash::vk::{self, Handle};
+use program::Program;
+use std::ffi::{CStr, c_char, c_void};
+use std::ptr::{null, null_mut};
+
+/// A struct of zeros but for its size, as `{ .struct_size = sizeof s }` makes one.
+fn sized<T: Copy>(size: usize) -> T {
+    let mut made = std::mem::MaybeUninit::<T>::zeroed();
+    // Every struct of the interface may be zero, and begins with its size.
+    unsafe {
+        made.as_mut_ptr().cast::<usize>().write(size);
+        made.assume_init()
+    }
+}
+
+fn said() -> String {
+    unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
+}
+
+#[track_caller]
+fn refused(result: SsctResult, code: SsctResult, words: &str) {
+    assert!(result == code && said().contains(words), "{result:?}: {}", said());
+}
+
+/// A quarter turn, looked along +z, with y up, and reversed depth without a far plane.
+const CLIP: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0., 1., 0., 0., 0.1, 0.];
+const WORLD: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+
+const SIDE: u32 = 48;
+
+fn view(side: u32) -> SsctReflectionsInfo {
+    let extent = vk::Extent2D { width: side, height: side };
+    SsctReflectionsInfo { extent, ..sized(size_of::<SsctReflectionsInfo>()) }
+}
+
+fn made(context: *const SsctContext, info: &SsctReflectionsInfo) -> *mut SsctReflections {
+    let mut reflections = null_mut();
+    let result = unsafe { ssct_reflections_create(context, info, &mut reflections) };
+    assert_eq!(result, SsctResult::Ok, "{}", said());
+    reflections
+}
+
+fn create(context: *const SsctContext, info: &SsctReflectionsInfo) -> SsctResult {
+    let mut reflections = std::ptr::dangling_mut();
+    let result = unsafe { ssct_reflections_create(context, info, &mut reflections) };
+    assert_eq!(result == SsctResult::Ok, !reflections.is_null());
+    result
+}
+
+/// The inputs of a frame: a mirror that faces the eye, half a metre away.
+struct Inputs {
+    color: SsctImage,
+    depth: SsctImage,
+    normals: (SsctNormals, SsctImage),
+    camera: SsctCamera,
+    factors: [SsctFactor; 2],
+}
+
+impl Inputs {
+    fn new(program: &mut Program, side: u32) -> Box<Self> {
+        let half = vk::Format::R16G16B16A16_SFLOAT;
+        let factor = |value| SsctFactor { value, ..sized(size_of::<SsctFactor>()) };
+        Box::new(Self {
+            color: program.image(half, side, [0.5, 0.25, 0.125, 1.0], 1),
+            depth: program.image(vk::Format::R32_SFLOAT, side, [0.2; 4], 1),
+            normals: (sized(size_of::<SsctNormals>()), program.image(half, side, [0.0, 0.0, -1.0, 0.0], 1)),
+            camera: SsctCamera {
+                struct_size: size_of::<SsctCamera>(),
+                world_to_view: WORLD,
+                view_to_clip: CLIP,
+                clip_y: SSCT_CLIP_Y_UP,
+            },
+            factors: [factor(0.5), factor(0.0)],
+        })
+    }
+
+    fn frame(&mut self) -> SsctFrame {
+        self.normals.0.image = &self.normals.1;
+        SsctFrame {
+            camera: &self.camera,
+            depth: &self.depth,
+            normals: &self.normals.0,
+            reflectivity: &self.factors[0],
+            roughness: &self.factors[1],
+            color: &self.color,
+            ..sized(size_of::<SsctFrame>())
+        }
+    }
+}
+
+#[test]
+fn captures_a_sky_and_times_come_through() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let sky = program.image(vk::Format::R16G16B16A16_SFLOAT, 8, [0.1, 0.2, 0.9, 1.0], 6);
+    let face_color = program.image(vk::Format::R16G16B16A16_SFLOAT, 16, [0.9, 0.1, 0.1, 1.0], 1);
+    let face_depth = program.image(vk::Format::R32_SFLOAT, 16, [0.05; 4], 1);
+    let context = program.context();
+    unsafe {
+        let mut device = sized::<SsctDeviceInfo>(size_of::<SsctDeviceInfo>());
+        assert_eq!(ssct_context_device_info(context, &mut device), SsctResult::Ok);
+        assert!(CStr::from_ptr(device.api).to_str().unwrap().starts_with("1."));
+        let (places, bounds) = ([[0.0_f32; 3]], [[-9.0_f32, -9.0, -9.0], [9.0, 9.0, 9.0]]);
+        let info = SsctCaptureCubesInfo {
+            places: places.as_ptr().cast(),
+            place_count: 1,
+            side: 16,
+            view_to_clip: CLIP,
+            clip_y: SSCT_CLIP_Y_UP,
+            bounds: bounds.as_ptr().cast(),
+            ..sized(size_of::<SsctCaptureCubesInfo>())
+        };
+        let mut cubes = null_mut();
+        assert_eq!(ssct_capture_cubes_create(context, &info, &mut cubes), SsctResult::Ok, "{}", said());
+        let reflections = made(context, &SsctReflectionsInfo { capture_side: 16, ..view(SIDE) });
+        // What holds of all is kept by the objects.
+        ssct_context_destroy(context);
+        let frame = SsctFrame { sky: &sky, captures: cubes, timed: vk::TRUE, ..inputs.frame() };
+        let early = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
+        refused(early, SsctResult::Usage, "face 0 of capture 0 was never handed over");
+        for face in 0..6 {
+            let sized = sized(size_of::<SsctCaptureFace>());
+            let face = SsctCaptureFace { face, color: &face_color, depth: &face_depth, ..sized };
+            let result = program.submit(|_, commands| ssct_capture_cubes_record_face(cubes, commands, 0, &face));
+            assert_eq!(result, SsctResult::Ok, "{}", said());
+        }
+        let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
+        let result =
+            program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, &mut recorded));
+        assert_eq!(result, SsctResult::Ok, "{}", said());
+        assert!(!recorded.composite.image.is_null() && !recorded.reflection.view.is_null());
+        assert!(recorded.hits.image.is_null() && recorded.struct_size == size_of::<SsctRecorded>());
+        let passes = std::slice::from_raw_parts(recorded.passes, recorded.pass_count as usize);
+        let name = |at: *const c_char| CStr::from_ptr(at).to_str().unwrap();
+        assert_eq!(name(passes[0]), "import");
+        let skipped = std::slice::from_raw_parts(recorded.skipped, recorded.skipped_count as usize);
+        assert!(skipped.iter().all(|s| !name(s.pass).is_empty() && !name(s.why).is_empty()) && !skipped.is_empty());
+        let (mut times, mut count) = (null(), 0);
+        assert_eq!(ssct_reflections_times(reflections, 0, &mut times, &mut count), SsctResult::Ok);
+        let times = std::slice::from_raw_parts(times, count as usize);
+        assert_eq!(times.len(), passes.len());
+        assert!(times.iter().all(|t| t.ms >= 0.0) && name(times[0].name) == "import");
+        let far = ssct_reflections_times(reflections, 7, &mut null(), &mut count);
+        refused(far, SsctResult::Usage, "the slot is 7");
+        // Another size refuses the images of the old one.
+        let extent = vk::Extent2D { width: 32, height: 32 };
+        assert_eq!(ssct_reflections_resize(reflections, extent), SsctResult::Ok, "{}", said());
+        assert_eq!(ssct_reflections_restart_history(reflections), SsctResult::Ok);
+        let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
+        refused(result, SsctResult::Usage, "depth is 48x48 pixels; it must be 32x32");
+        ssct_reflections_destroy(reflections);
+        ssct_capture_cubes_destroy(cubes);
+    }
+}
+
+/// Memory objects that live, and whether another is given.
+struct Objects {
+    device: ash::Device,
+    kinds: vk::PhysicalDeviceMemoryProperties,
+    alive: usize,
+    gives: bool,
+}
+
+unsafe extern "C" fn allocate(
+    objects: *mut c_void,
+    name: *const c_char,
+    requirements: *const vk::MemoryRequirements,
+    place: SsctMemoryPlace,
+    _linear: bool,
+    block: *mut SsctMemoryBlock,
+) -> *const c_char {
+    use vk::MemoryPropertyFlags as P;
+    let (objects, requirements) = unsafe { (&mut *objects.cast::<Objects>(), &*requirements) };
+    assert!(!unsafe { CStr::from_ptr(name) }.is_empty());
+    if !objects.gives {
+        return c"nothing is left".as_ptr();
+    }
+    let is_device = place == SSCT_MEMORY_PLACE_DEVICE;
+    let like = if is_device { P::DEVICE_LOCAL } else { P::HOST_VISIBLE | P::HOST_COHERENT };
+    let kinds = objects.kinds.memory_types_as_slice();
+    let fits = |i: &usize| requirements.memory_type_bits >> i & 1 == 1 && kinds[*i].property_flags.contains(like);
+    let kind = (0..kinds.len()).find(fits).unwrap() as u32;
+    let info = vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
+    unsafe {
+        let memory = objects.device.allocate_memory(&info, None).unwrap();
+        let map = || objects.device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
+        let mapped = if is_device { null_mut() } else { map() };
+        *block = SsctMemoryBlock { memory, offset: 0, mapped, key: 42 };
+    }
+    objects.alive += 1;
+    null()
+}
+
+unsafe extern "C" fn release(objects: *mut c_void, block: *const SsctMemoryBlock) {
+    let (objects, block) = unsafe { (&mut *objects.cast::<Objects>(), &*block) };
+    assert_eq!(block.key, 42);
+    unsafe { objects.device.free_memory(block.memory, None) };
+    objects.alive -= 1;
+}
+
+#[test]
+fn memory_comes_from_the_callers_allocator_and_goes_back() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let kinds = unsafe { program.instance.get_physical_device_memory_properties(program.physical) };
+    let mut objects = Objects { device: program.device.clone(), kinds, alive: 0, gives: true };
+    let objects_at: *mut Objects = &mut objects;
+    let memory = SsctMemory {
+        user_data: objects_at.cast(),
+        allocate: Some(allocate),
+        release: Some(release),
+        ..sized(size_of::<SsctMemory>())
+    };
+    unsafe {
+        let mut context = null_mut();
+        let half = SsctMemory { release: None, ..memory };
+        let result = ssct_context_create(&SsctContextInfo { memory: &half, ..program.info() }, &mut context);
+        refused(result, SsctResult::Usage, "release of SsctMemory is NULL");
+        let info = SsctContextInfo { memory: &memory, ..program.info() };
+        assert_eq!(ssct_context_create(&info, &mut context), SsctResult::Ok, "{}", said());
+        let reflections = made(context, &view(SIDE));
+        assert!((*objects_at).alive > 4 && ssct_context_allocated_bytes(context) == 0);
+        let frame = inputs.frame();
+        let result = program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, null_mut()));
+        assert_eq!(result, SsctResult::Ok, "{}", said());
+        (*objects_at).gives = false;
+        refused(create(context, &view(SIDE)), SsctResult::Memory, "nothing is left");
+        ssct_reflections_destroy(reflections);
+        ssct_context_trim(context);
+        ssct_context_destroy(context);
+        assert_eq!((*objects_at).alive, 0);
+    }
+}
+
+/// A mesh of a colour, moved along z.
+fn at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> SsctTriangleMesh {
+    let mut mesh_to_world = WORLD;
+    mesh_to_world[14] = z;
+    SsctTriangleMesh {
+        positions: positions.as_ptr().cast(),
+        indices: indices.as_ptr(),
+        vertex_count: positions.len() as u32,
+        index_count: indices.len() as u32,
+        mesh_to_world,
+        color,
+    }
+}
+
+#[test]
+fn rays_that_leave_the_screen_end_on_triangles() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let numbers = program.image(vk::Format::R32_UINT, SIDE, [0.0; 4], 1);
+    let context = program.context();
+    let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
+    let wall = |indices: &[u32]| at(-1.0, (&positions, indices), [0.25, 0.5, 1.0]);
+    unsafe {
+        let mut triangles = null_mut();
+        let create = |mesh, triangles| ssct_triangles_create(context, mesh, 1, triangles);
+        refused(create(&wall(&[0, 1]), &mut triangles), SsctResult::Usage, "triangle mesh 0 has 2 indices");
+        refused(create(&wall(&[0, 1, 4]), &mut triangles), SsctResult::Usage, "the index 4, and 4 vertices");
+        assert_eq!(create(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles), SsctResult::Ok, "{}", said());
+
+        // Halves of what the mirror shows of the wall, beside its own colour; and that colour alone.
+        let [with, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
+        let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
+        let show = |reflections, frame: &SsctFrame| {
+            let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
+            let texels = program.read(SIDE, |commands| {
+                let result = ssct_reflections_record(reflections, commands, frame, &mut recorded);
+                assert_eq!(result, SsctResult::Ok, "{}", said());
+                recorded.composite.image
+            });
+            texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect::<Vec<_>>()
+        };
+        let alone = made(context, &view(SIDE));
+        let frame = SsctFrame { outputs, ..inputs.frame() };
+        assert!(show(alone, &frame).iter().all(|texel| *texel == without));
+        let given = SsctFrame { triangles, ..frame };
+        let result = ssct_reflections_record(alone, program.commands, &given, null_mut());
+        refused(result, SsctResult::Usage, "buffers, and the reflections were made for nothing");
+        ssct_reflections_destroy(alone);
+        for method in [c"unified", c"traced"] {
+            let reflections = made(context, &SsctReflectionsInfo { triangles, method: method.as_ptr(), ..view(SIDE) });
+            if method == c"unified" {
+                let result = ssct_reflections_record(reflections, program.commands, &given, null_mut());
+                refused(result, SsctResult::Usage, "never uploaded");
+                let result = program.submit(|_, commands| ssct_triangles_record_upload(triangles, commands));
+                assert_eq!(result, SsctResult::Ok, "{}", said());
+            }
+            let shown = show(reflections, &given);
+            assert!(shown.iter().all(|texel| *texel == with), "{method:?}: {:x?}", shown[0]);
+            ssct_reflections_destroy(reflections);
+        }
+        // A mirror that stands a little before the depth that is seen stops its own rays, unless its number is known.
+        let large = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 18.0, 0.0]];
+        let mirror = at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
+        let mut both = null_mut();
+        let meshes = [mirror, wall(&[0, 1, 2, 2, 3, 0])];
+        assert_eq!(ssct_triangles_create(context, meshes.as_ptr(), 2, &mut both), SsctResult::Ok, "{}", said());
+        let result = program.submit(|_, commands| ssct_triangles_record_upload(both, commands));
+        assert_eq!(result, SsctResult::Ok, "{}", said());
+        let given = SsctFrame { triangles: both, ..given };
+        let reflections = made(context, &SsctReflectionsInfo { triangles: both, ..view(SIDE) });
+        let shown = show(reflections, &given);
+        assert!(shown.iter().all(|texel| *texel == [0x3c00, 0x3400, 0x3000]), "{:x?}", shown[0]);
+        let shown = show(reflections, &SsctFrame { triangle_numbers: &numbers, ..given });
+        assert!(shown.iter().all(|texel| *texel == with), "{:x?}", shown[0]);
+        let wrong = SsctImage { format: vk::Format::R32_SFLOAT, ..numbers };
+        let frame = SsctFrame { triangle_numbers: &wrong, ..given };
+        let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
+        refused(result, SsctResult::Usage, "triangle_numbers has the format R32_SFLOAT; it must be R32_UINT");
+        ssct_reflections_destroy(reflections);
+        ssct_triangles_destroy(both);
+        let result = ssct_triangles_record_upload(triangles, program.commands);
+        refused(result, SsctResult::Usage, "uploaded before");
+        let wrong = SsctReflectionsInfo { triangles, method: c"ssct".as_ptr(), ..view(SIDE) };
+        refused(self::create(context, &wrong), SsctResult::Usage, "follows no rays among triangles");
+        ssct_triangles_destroy(triangles);
+        ssct_context_destroy(context);
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let context = program.context();
+    let usage = SsctResult::Usage;
+    unsafe {
+        let mut other = null_mut();
+        refused(ssct_context_create(null(), &mut other), usage, "info is NULL");
+        refused(ssct_context_create(&program.info(), null_mut()), usage, "context is NULL");
+        let info = SsctContextInfo { device: vk::Device::null(), ..program.info() };
+        refused(ssct_context_create(&info, &mut other), usage, "device of SsctContextInfo is a null handle");
+        let none = vk::PhysicalDeviceFeatures::default();
+        let info = SsctContextInfo { features: &none, ..program.info() };
+        refused(ssct_context_create(&info, &mut other), SsctResult::NoDevice, "imageCubeArray");
+        refused(create(null(), &view(SIDE)), usage, "context is NULL");
+        refused(create(context, &SsctReflectionsInfo { struct_size: 0, ..view(SIDE) }), usage, "struct_size");
+        refused(create(context, &SsctReflectionsInfo { method: c"none".as_ptr(), ..view(SIDE) }), usage, "no method");
+        let method = c"\xff".as_ptr();
+        refused(create(context, &SsctReflectionsInfo { method, ..view(SIDE) }), usage, "no text in UTF-8");
+        refused(create(context, &SsctReflectionsInfo { outputs: 8, ..view(SIDE) }), usage, "SSCT_OUTPUT_*");
+        let parameters = [SsctParameter { name: c"fade".as_ptr(), value: c"perhaps".as_ptr() }];
+        let wrong = SsctReflectionsInfo { parameters: parameters.as_ptr(), parameter_count: 1, ..view(SIDE) };
+        refused(create(context, &wrong), usage, "perhaps");
+        refused(create(context, &SsctReflectionsInfo { parameters: null(), ..wrong }), usage, "its count is 1");
+
+        let reflections = made(context, &view(SIDE));
+        let good = inputs.frame();
+        let commands = program.commands;
+        let record = |frame: &SsctFrame| ssct_reflections_record(reflections, commands, frame, null_mut());
+        refused(record(&SsctFrame { camera: null(), ..good }), usage, "camera is NULL");
+        let camera = SsctCamera { clip_y: 9, ..*good.camera };
+        refused(record(&SsctFrame { camera: &camera, ..good }), usage, "none of SSCT_CLIP_Y_*");
+        let normals = SsctNormals { space: 5, ..*good.normals };
+        refused(record(&SsctFrame { normals: &normals, ..good }), usage, "none of SSCT_NORMAL_SPACE_*");
+        refused(record(&SsctFrame { reflectors: 17, ..good }), usage, "SSCT_REFLECTORS_NONE alone");
+        refused(record(&SsctFrame { slot: 2, ..good }), usage, "frames_in_flight is 2");
+        let unsampled = SsctImage { usage: vk::ImageUsageFlags::STORAGE, ..*good.color };
+        refused(record(&SsctFrame { color: &unsampled, ..good }), usage, "SAMPLED");
+        let mut short = sized::<SsctRecorded>(8);
+        let result = ssct_reflections_record(reflections, commands, &good, &mut short);
+        refused(result, usage, "struct_size of the SsctRecorded of the argument recorded is 8");
+        refused(ssct_reflections_record(null_mut(), commands, &good, null_mut()), usage, "reflections is NULL");
+        let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &good, null_mut());
+        refused(result, usage, "commands is a null handle");
+        assert_eq!(ssct_image_use(99).stages, 0);
+        assert!(said().contains("of is 99"), "{}", said());
+
+        let mut count = 0;
+        let methods = std::slice::from_raw_parts(ssct_methods(&mut count), count as usize);
+        assert!(methods.iter().any(|m| CStr::from_ptr(m.name) == c"unified"));
+        assert!(ssct_methods(null_mut()).is_null());
+        assert_eq!(CStr::from_ptr(ssct_version()).to_str(), Ok(env!("CARGO_PKG_VERSION")));
+        ssct_reflections_destroy(reflections);
+        ssct_reflections_destroy(null_mut());
+        ssct_context_destroy(context);
+    }
+}

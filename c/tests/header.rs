@@ -1,0 +1,23 @@
+//! The header in the repository is what cbindgen makes of the sources. With the variable SSCT_WRITE_DOCS set, which
+//! `make docs` sets, the header is written instead.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+#[test]
+fn the_header_is_what_the_sources_say() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
+    let bindings = cbindgen::Builder::new().with_crate(root).with_config(config).generate().unwrap();
+    let mut made = Vec::new();
+    bindings.write(&mut made);
+    let made = String::from_utf8(made).unwrap();
+    let file = root.join("include/ssct.h");
+    if std::env::var_os("SSCT_WRITE_DOCS").is_some() {
+        std::fs::write(&file, made).unwrap();
+        return;
+    }
+    let kept = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(kept == made, "{} is stale: `make docs` writes it anew", file.display());
+}

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Builds the C libraries of ssct, and puts them into a folder with their header and what pkg-config and CMake read:
+# PREFIX/include, PREFIX/lib, PREFIX/lib/pkgconfig and PREFIX/lib/cmake/ssct. It knows Linux.
+#
+# usage: install-c.sh PREFIX [OPTIONS OF cargo build]
+set -euo pipefail
+[ $# -ge 1 ] || { echo 'usage: install-c.sh PREFIX [OPTIONS OF cargo build]' >&2; exit 2; }
+mkdir -p "$1"
+prefix=$(cd "$1" && pwd)
+shift
+cd "$(dirname "$0")/.."
+cargo=${CARGO:-cargo}
+
+# Cargo says where the libraries are.
+messages=$("$cargo" build --package ssct-c --features compile-shaders --message-format json "$@")
+library() { # its extension
+    sed -n '/"name":"ssct_c"/ s/.*"\([^"]*libssct_c\.'"$1"'\)".*/\1/p' <<<"$messages" | tail -n 1
+}
+shared=$(library so) static=$(library a)
+[ -s "$shared" ] && [ -s "$static" ] || { echo 'install-c: Cargo does not say where the libraries are' >&2; exit 1; }
+version=$(sed -n '/^\[workspace\.package\]/,/^\[/ s/^version = "\(.*\)"/\1/p' Cargo.toml)
+
+mkdir -p "$prefix/include" "$prefix/lib/pkgconfig" "$prefix/lib/cmake/ssct"
+install -m 644 c/include/ssct.h "$prefix/include/ssct.h"
+install -m 755 "$shared" "$prefix/lib/libssct_c.so"
+install -m 644 "$static" "$prefix/lib/libssct_c.a"
+fill() { # a template, a file
+    sed "s|@PREFIX@|$prefix|; s|@VERSION@|$version|; s|@PRIVATE@|-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc|" "$1" >"$2"
+}
+fill c/ssct.pc.in "$prefix/lib/pkgconfig/ssct.pc"
+fill c/ssct-config.cmake.in "$prefix/lib/cmake/ssct/ssct-config.cmake"
+echo "install-c: ssct $version is in $prefix" >&2

@@ -1,0 +1,70 @@
+//! The library for C as a user installs it, and `examples/c` as a user builds it, by pkg-config and by CMake. What it shows is
+//! what the command makes of the images that it drew, to the bit.
+
+use crate::alone;
+use crate::common::images::check_composite;
+use crate::common::repository;
+use std::path::Path;
+use std::process::Command;
+
+/// Width and height in `examples/c/hall.h`.
+const SIZE: [u32; 2] = [800, 450];
+
+/// Runs what must succeed in a folder; what it says.
+#[track_caller]
+fn succeed(command: &mut Command, folder: &Path) -> String {
+    let output = command.current_dir(folder).output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {said}");
+    said
+}
+
+#[test]
+fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let prefix = folder.join("prefix");
+    let mut install = Command::new(repository().join("scripts/install-c.sh"));
+    succeed(install.env("CARGO_NET_OFFLINE", "true").arg(&prefix), folder);
+
+    let source = repository().join("examples/c");
+    let build = "cc -std=c11 -O2 -Wall -Wextra -Wpedantic -Werror -o hall \"$SOURCE/main.c\" \
+                 $(pkg-config --cflags --libs ssct vulkan) -lm";
+    let mut shell = Command::new("sh");
+    let shell = shell.args(["-ec", build]).env("SOURCE", &source);
+    succeed(shell.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")), folder);
+    std::fs::create_dir(folder.join("images")).unwrap();
+    let mut hall = Command::new(folder.join("hall"));
+    let hall = hall.args(["out.ppm", "images"]).env("LD_LIBRARY_PATH", prefix.join("lib"));
+    let hall = hall.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation");
+    let enables = "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT";
+    let said = succeed(hall.env("VK_LAYER_ENABLES", enables), folder);
+    assert!(!said.contains("VUID") && !said.contains("SYNC-") && !said.contains("Validation"), "{said}");
+    assert!(said.contains("import"), "passes are timed: {said}");
+    check_composite(folder, SIZE, &["--fade", "off"]);
+
+    // What the documentation shows compiles, and C++ reads the header.
+    let page = std::fs::read_to_string(repository().join("docs/embedding.md")).unwrap();
+    let blocks: Vec<_> = page.split("\n```c\n").skip(1).filter_map(|rest| rest.split("\n```").next()).collect();
+    assert_eq!(blocks.len(), 4, "the three steps, and triangles");
+    let shown = format!("#include <ssct.h>\n#include <stdio.h>\n\n{}\n", blocks.join("\n\n"));
+    std::fs::write(folder.join("shown.c"), shown).unwrap();
+    let mut c = Command::new("cc");
+    let c = c.args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "shown.c", "-I"]);
+    succeed(c.arg(prefix.join("include")), folder);
+    let mut cpp = Command::new("c++");
+    let cpp = cpp.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++"]);
+    succeed(cpp.arg(prefix.join("include/ssct.h")), folder);
+
+    let mut configure = Command::new("cmake");
+    let configure = configure.arg("-S").arg(&source).args(["-B", "built", "-DCMAKE_BUILD_TYPE=Release"]);
+    let mut option = std::ffi::OsString::from("-DCMAKE_PREFIX_PATH=");
+    option.push(&prefix);
+    succeed(configure.arg(option), folder);
+    succeed(Command::new("cmake").args(["--build", "built"]), folder);
+    succeed(Command::new(folder.join("built/hall")).arg("again.ppm"), folder);
+    let picture = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert!(picture("out.ppm").starts_with(b"P6\n800 450\n255\n"));
+    assert!(picture("out.ppm") == picture("again.ppm"), "built by CMake, it shows something else");
+}

@@ -1,0 +1,84 @@
+//! Triangles through the door: what methods make of a G-buffer beside them is what they make of it beside the scene itself.
+
+use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, rmse, view_of_rooms};
+use crate::common::gpu;
+use glam::Mat4;
+use ssct::gpu::FrameContext;
+use ssct::methods::effect::Effect;
+use ssct::methods::setup::BeyondScreen;
+use ssct::methods::unified::{First, UnifiedParams};
+use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::{FrameInput, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
+use ssct_lab::scene::{Scene, Surface, library};
+use ssct_lab::study::{Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [97, 61];
+
+/// The rooms without lights, whose surfaces have one colour each, as meshes of another renderer have.
+fn plain_rooms() -> Scene {
+    let mut scene = library::scene("rooms").unwrap();
+    scene.lights.clear();
+    for material in &mut scene.materials {
+        (material.albedo_map, material.normal_map, material.alpha_mask) = (None, None, None);
+        (material.emission, material.single_sided) = (1.0, false);
+        material.surface = Surface::Lit;
+    }
+    scene
+}
+
+#[test]
+fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = view_of_rooms(&gpu, EXTENT);
+    let scene = plain_rooms();
+    let stage = Stage::new(&gpu, &scene).unwrap();
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let context = engine.context();
+    let positions: Vec<Vec<[f32; 3]>> =
+        scene.meshes.iter().map(|m| m.vertices.iter().map(|v| v.position).collect()).collect();
+    let meshes: Vec<_> = scene
+        .meshes
+        .iter()
+        .zip(&positions)
+        .map(|(mesh, positions)| TriangleMesh {
+            positions,
+            indices: &mesh.indices,
+            mesh_to_world: Mat4::IDENTITY.to_cols_array(),
+            color: scene.materials[mesh.material].albedo.to_array(),
+        })
+        .collect();
+    let mut triangles = Triangles::new(&context, &meshes).unwrap();
+    let commands = engine.begin();
+    // SAFETY: the command buffer is recording; it is submitted and waited for at once.
+    unsafe { triangles.record_upload(commands) }.unwrap();
+    engine.submit(commands).unwrap();
+
+    let mut frames = FrameContext::new(&gpu).unwrap();
+    let images = GBufferImages::upload(&mut frames, &data).unwrap();
+    let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
+    let alone = gbuffer::reflect(&gpu, &data, None, &methods::unified::INFO, &Setup::new(EXTENT)).unwrap();
+    for (method, first) in [("unified", "screen"), ("unified", "triangles"), ("traced", "")] {
+        let first_is = if first == "screen" { First::Screen } else { First::Triangles };
+        let setup = Setup::new(EXTENT)
+            .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
+            .with(|p: &mut UnifiedParams| p.first = first_is);
+        let method_info = methods::find(method).unwrap();
+        let effect = Effect::new(&mut frames, method_info, &setup, Wants::REFLECTION, Some(&shown)).unwrap();
+        let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
+        let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
+        let direct = gbuffer::reflection(&mut frames, &output).unwrap();
+
+        let parameters: &[(&str, &str)] = if first.is_empty() { &[] } else { &[("first", first)] };
+        let with = ReflectionsInfo { triangles: Some(&triangles), parameters, ..info(&data, method) };
+        let mut reflections = Reflections::new(&context, &with).unwrap();
+        let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
+        let recorded = engine.frame(&mut reflections, &frame).unwrap();
+        let reflection = engine.read(&recorded.reflection.unwrap());
+        let differ = bits(&reflection).iter().zip(bits(&direct)).filter(|(a, b)| **a != *b).count();
+        assert_eq!(differ, 0, "{method}, {first} first: rmse {}", rmse(&reflection, &direct));
+        assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {first} first: rays end on triangles");
+    }
+    gpu.check_validation().unwrap();
+}
