@@ -1,7 +1,7 @@
 //! Single numbers of the table that holds the documents' claims against measurements.
 
 use super::captions;
-use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio};
+use super::figures::{Result, csv, figures, greatest, json, least, mean, median, number, percent, ratio};
 use super::records::plain_errors;
 use super::thesis;
 use std::path::Path;
@@ -19,6 +19,20 @@ pub fn time(folder: &Path, [method, other, roughness]: [&str; 3]) -> Result<Stri
     let records = plain_errors(folder)?;
     let times = |method: &str| figures(&records, method, "world", roughness, "time_ms");
     over(&times(method), &times(other))
+}
+
+/// The time of a method at a roughness over its own at another.
+pub fn larger(folder: &Path, [method, roughness, from]: [&str; 3]) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let times = |roughness: &str| figures(&records, method, "world", roughness, "time_ms");
+    over(&times(roughness), &times(from))
+}
+
+/// A figure of a method under small motions of the camera, `ratio` or `deviation`: median over the views and motions.
+pub fn motion(folder: &Path, [field, method, roughness]: [&str; 3]) -> Result<String> {
+    let rows = csv(folder, "motion.csv")?;
+    let own = rows.iter().filter(|r| r["method"] == method && r["roughness"] == roughness);
+    median(&own.map(|r| number(r, field)).collect::<Result<Vec<_>>>()?).map(ratio)
 }
 
 /// The RMSE of a method over another's, against a reference at a roughness.
