@@ -4,7 +4,7 @@ use super::captions;
 use super::figures::{Result, csv, figures, greatest, json, least, mean, median, number, percent, ratio};
 use super::records::plain_errors;
 use super::thesis;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Median over the views of what a method has over what another has.
 fn over(of: &[f64], other: &[f64]) -> Result<String> {
@@ -40,6 +40,16 @@ pub fn error(folder: &Path, [method, other, against, roughness]: [&str; 4]) -> R
     let records = plain_errors(folder)?;
     let errors = |method: &str| figures(&records, method, against, roughness, "rmse");
     over(&errors(method), &errors(other))
+}
+
+/// The RMSE of a method in one run over that in another, against a reference at a roughness: median over the views.
+pub fn error_between(folders: &[PathBuf], [method, against, roughness]: [&str; 3]) -> Result<String> {
+    let [run, other] = folders else { return Err("two runs are compared".to_owned()) };
+    let errors = |folder: &Path| {
+        let records = json(folder, "error.json")?;
+        Ok::<_, String>(figures(&records, method, against, roughness, "rmse"))
+    };
+    over(&errors(run)?, &errors(other)?)
 }
 
 /// A share of the hits of a method's mirrors: `hit_agreement`, `false`, `missed` or `displaced`, mean over the views.

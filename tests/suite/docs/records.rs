@@ -59,6 +59,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["captions"] => captions::captions(first)?,
         ["claim-time", method, over, roughness] => claims::time(first, [method, over, roughness])?,
         ["claim-error", method, over, against, roughness] => claims::error(first, [method, over, against, roughness])?,
+        ["claim-error-of", method, against, roughness] => claims::error_between(folders, [method, against, roughness])?,
         ["claim-hits", share, method] => claims::hits(first, [share, method])?,
         ["claim-caption", figure] => claims::caption(first, figure)?,
         ["claim-5.8", method, roughness] => claims::table_5_8(first, [method, roughness])?,
