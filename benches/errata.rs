@@ -436,6 +436,39 @@ fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_lab::s
     display(&image::render(stage, &shot, false).expect("an image").reflection)
 }
 
+/// Measures a variant on its views of a scene, and prints a row for each. `kept` has images of methods as they stand.
+fn measure(
+    stage: &mut Stage,
+    variant: &Variant,
+    scene: &ssct_lab::scene::Scene,
+    shaders: &Shaders,
+    kept: &mut HashMap<String, Rgb>,
+) {
+    let views: Vec<_> = variant.views.list().into_iter().filter(|(name, _)| *name == scene.name).collect();
+    if views.is_empty() {
+        return;
+    }
+    let both = (variant.both)(&Setup::new(variant.views.size()));
+    let changed = (variant.change)(&both);
+    let recorded = both.recorded(METHODS.iter().find(|m| m.name == variant.method));
+    let key = |view: &str| format!("{} {view} {:?} {recorded:?}", variant.method, variant.views.globals().roughness);
+    for (_, view) in &views {
+        kept.entry(key(view)).or_insert_with(|| side(stage, variant, &both, scene, view));
+    }
+    let replaced = shaders.edited(variant.edits);
+    let gpu = stage.context.gpu().clone();
+    for (shader, code) in &replaced {
+        gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
+    }
+    for (_, view) in &views {
+        let (share, rmse) = difference(&kept[&key(view)], &side(stage, variant, &changed, scene, view));
+        println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
+    }
+    for (shader, _) in &replaced {
+        gpu.shared().replaced_shaders.set(shader, None);
+    }
+}
+
 fn main() {
     let wanted: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
@@ -445,36 +478,9 @@ fn main() {
     for name in library::names() {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-        let mut kept: HashMap<String, Rgb> = HashMap::new();
+        let mut kept = HashMap::new();
         for variant in VARIANTS.iter().filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name)) {
-            let views: Vec<_> = variant.views.list().into_iter().filter(|(scene, _)| scene == name).collect();
-            if views.is_empty() {
-                continue;
-            }
-            let both = (variant.both)(&Setup::new(variant.views.size()));
-            let changed = (variant.change)(&both);
-            let method = METHODS.iter().find(|m| m.name == variant.method);
-            for (_, view) in &views {
-                let key = format!("{view} {:?} {:?}", variant.views.globals().roughness, both.recorded(method));
-                let key = format!("{} {key}", variant.method);
-                if !kept.contains_key(&key) {
-                    let made = side(&mut stage, variant, &both, &scene, view);
-                    kept.insert(key, made);
-                }
-            }
-            let replaced = shaders.edited(variant.edits);
-            for (shader, code) in &replaced {
-                gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
-            }
-            for (_, view) in &views {
-                let key = format!("{view} {:?} {:?}", variant.views.globals().roughness, both.recorded(method));
-                let made = side(&mut stage, variant, &changed, &scene, view);
-                let (share, rmse) = difference(&kept[&format!("{} {key}", variant.method)], &made);
-                println!("{},{},{name},{view},{share:.6},{rmse:.6}", variant.name, variant.method);
-            }
-            for (shader, _) in &replaced {
-                gpu.shared().replaced_shaders.set(shader, None);
-            }
+            measure(&mut stage, variant, &scene, &shaders, &mut kept);
         }
     }
 }
