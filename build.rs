@@ -224,8 +224,16 @@ fn declared_constants(program: &str, constants: &[Constant]) -> (String, String)
         return ("()".into(), String::new());
     }
     let (mut fields, mut entries) = (String::new(), String::new());
-    for Constant { id, name, ty } in constants {
+    let mut defaults = String::new();
+    for Constant { id, name, ty, default } in constants {
         let field = name.to_ascii_lowercase();
+        let value = match *ty {
+            "f32" => format!("f32::from_bits({default})"),
+            "bool" => (*default != 0).to_string(),
+            "i32" => default.cast_signed().to_string(),
+            _ => default.to_string(),
+        };
+        let _ = write!(defaults, "{field}: {value}, ");
         let _ = writeln!(fields, "    /// `{name}`.\n    pub {field}: {ty},");
         let bits = match *ty {
             "f32" => format!("self.{field}.to_bits()"),
@@ -238,7 +246,8 @@ fn declared_constants(program: &str, constants: &[Constant]) -> (String, String)
     let name = format!("{program}Constants");
     let text = format!(
         "/// Specialization constants of [`{program}`].\n#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {name} {{\n{fields}}}\n\
-         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ vec![{entries}] }}\n}}\n"
+         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ vec![{entries}] }}\n}}\n\
+         /// The values that the shader gives them.\nimpl Default for {name} {{\n    fn default() -> Self {{ Self {{ {defaults}}} }}\n}}\n"
     );
     (name, text)
 }

@@ -50,7 +50,7 @@ impl Serialize for Value {
 choices! {
     /// Whose constants a published method uses.
     pub enum Preset {
-        /// What the thesis prints, and the author's value where it prints nothing.
+        /// What the thesis prints; the author's value where it prints nothing, and for the cone's angle.
         Published = "published",
         /// The author's own program.
         Author = "author",

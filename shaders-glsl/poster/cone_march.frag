@@ -28,10 +28,6 @@ layout(binding = 8) uniform FILTERED behind_color;
 
 layout(push_constant) uniform PosterBlock {
     float first_step;       // as a part of the screen's height at the pixel's depth
-    float step_increase;    // factor from step to step
-    int step_count;
-    int search_count;       // steps of the binary search
-    float search_decrease;  // factor from step to step
     float epsilon;          // of a hit-point, as a part of its depth
     int edge_retries;       // how often a step that leaves the screen is halved
     float fade_start;
@@ -39,6 +35,12 @@ layout(push_constant) uniform PosterBlock {
     int fade;               // 0: no fade
     float thickness;        // of a layer, in metres of view depth; with LAYERS alone
 } poster;
+
+// Numbers of the print, which `published` leaves as they are.
+layout(constant_id = 20) const float STEP_INCREASE = 1.5;
+layout(constant_id = 21) const int STEP_COUNT = 100;
+layout(constant_id = 22) const int SEARCH_COUNT = 30;
+layout(constant_id = 23) const float SEARCH_DECREASE = 0.5;
 
 layout(constant_id = 0) const bool HITS = false;   // whether out_hit is wanted
 layout(constant_id = 1) const bool LAYERS = false; // whether there is a second layer
@@ -72,8 +74,11 @@ float ScreenHeight(float z) {
     return 2.0 * z / camera.view_to_clip[1][1];
 }
 
-// Level at which one texel (figure 1: a quad) is as large as the cone's cross-section, after a path of
-// some length at a depth: the side of the square that the solid angle cuts out there, in pixels.
+// Print: Technical Approach.
+// 8: "for each texture access to the depth buffer, we first compute the current path length and solid angle of the cone to
+// compute the MIP-level"
+// Departure: the level at which one texel (figure 1: a quad) is as large as the cone's cross-section: the side of the square
+// that the solid angle cuts out at the path's length, in pixels at that depth.
 float Level(float solidAngle, float pathLength, float z) {
     float side = sqrt(solidAngle) * pathLength * camera.resolution.y / ScreenHeight(z);
     return log2(max(side, 1.0));
@@ -99,15 +104,22 @@ float DepthDelta(Cone cone, float pathLength, int layer) {
     return Filtered(filtered_depth, texCoord, level).r - Q.z;
 }
 
-// "If Q is within a defined epsilon we found our final hit-point"; else there is none: -1.
+// 5: "and further refine the hit position Q with a binary search of 30 steps, decreasing the step size by a factor of 0.5 in
+// each iteration"
 float BinarySearch(Cone cone, float pathLength, float stride, int layer) {
-    for (int i = 0; i < poster.search_count; ++i) {
+    for (int i = 0; i < SEARCH_COUNT; ++i) {
+        // 6: "If Q is within a defined epsilon we found our final hit-point"
+        // Departure: epsilon, which is not printed, is a part of the depth.
         float delta = DepthDelta(cone, pathLength, layer);
         if (abs(delta) <= poster.epsilon * At(cone, pathLength).z)
             return pathLength;
+
+        // 5: the next step
         pathLength += delta > 0.0 ? stride : -stride;
-        stride *= poster.search_decrease;
+        stride *= SEARCH_DECREASE;
     }
+    // 7: no hit-point after the search: -1
+    // Departure: the print does not say what follows then.
     return -1.0;
 }
 
@@ -125,15 +137,19 @@ bool Stands(Cone cone, float pathLength, int layer) {
 }
 
 // The length of the path to the hit-point, -1 for none, and the layer that it lies on.
+// 2: "ray-march through the image from P in the reflected viewing direction V_R with continuously increasing step size by a
+// factor of 1.5 for a maximum of 100 steps"
 float ConeMarch(Cone cone, out int layer) {
     layer = 0;
     bvec2 wasBehind = bvec2(false);
     float previous = 0.0;
     float stride = poster.first_step * ScreenHeight(cone.origin.z);
     int edgeHits = 0;
-    for (int i = 0; i < poster.step_count; ++i) {
+    for (int i = 0; i < STEP_COUNT; ++i) {
         float pathLength = previous + stride;
         vec3 Q = At(cone, pathLength);
+
+        // Departure: a step that leaves the screen is a miss, or is halved; the print does not speak of it.
         if (Q.z <= camera.near_plane || Q.z >= camera.far_plane || LeftScreen(Project(Q).xy)) {
             if (edgeHits >= poster.edge_retries)
                 return -1.0;
@@ -142,9 +158,14 @@ float ConeMarch(Cone cone, out int layer) {
             continue;
         }
         edgeHits = 0;
-        // Back to the midpoint of Q_N and Q_N-1; what is left of the step lies within half of it.
+
+        // 3, 4: "If we step through the depth buffer (i.e. the current cone positions Z is behind the sampled depth), a
+        // hit-point is detected. We go back to the midpoint of the current position Q_N and the previous position Q_N-1"
+        // Departure: what is left of the step lies within half of it, so that the search begins with a quarter.
         if (!LAYERS && DepthDelta(cone, pathLength, 0) < 0.0)
             return BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride, 0);
+
+        // Departure: with two layers of depth, each is searched where the ray went behind it.
         for (int l = 0; LAYERS && l < 2; ++l) {
             bool isBehind = DepthDelta(cone, pathLength, l) < 0.0;
             if (isBehind && !wasBehind[l]) {
@@ -156,8 +177,10 @@ float ConeMarch(Cone cone, out int layer) {
             }
             wasBehind[l] = isBehind;
         }
+
+        // 2: the next step
         previous = pathLength;
-        stride *= poster.step_increase;
+        stride *= STEP_INCREASE;
     }
     return -1.0;
 }
@@ -172,7 +195,8 @@ void main() {
     if (material.r <= REFLECTS_ABOVE || dot(normal, normal) <= NO_NORMAL)
         return;
 
-    // Position from the linear depth, along the pixel's line of sight.
+    // 1: "we reconstruct the position P of each pixel in world space and its normal N from the GBuffer"
+    // Departure: in view space, along the pixel's line of sight.
     vec2 texCoord = gl_FragCoord.xy / camera.resolution;
     vec4 sight = camera.clip_to_view * vec4(texCoord * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.5, 1.0);
     float z = Filtered(filtered_depth, texCoord, 0.0).r;
@@ -192,8 +216,10 @@ void main() {
     vec3 Q = At(cone, pathLength);
     vec3 hit = Project(Q);
     float level = Level(cone.solidAngle, pathLength, Q.z);
-    // What faces away from the cone sends nothing along it. Seen a pixel further on: where surfaces meet,
-    // the texel of the hit-point may still be the surface that the cone began on.
+
+    // 9: "After we found a hit point Q, we also access the filtered normal"
+    // Departure: not said what for. What faces away from the cone sends nothing along it. Seen a pixel further on: where
+    // surfaces meet, the texel of the hit-point may still be the surface that the cone began on.
     vec2 across = (hit.xy - texCoord) * camera.resolution;
     vec2 beyond = hit.xy + across / (max(length(across), 1e-6) * camera.resolution);
     bool isSecond = LAYERS && layer == 1;
@@ -202,6 +228,9 @@ void main() {
         return;
     if (HITS)
         out_hit = vec4(hit, PATH_LINEAR);
+
+    // 10: "and color texture to compute the final incident radiance of the cone, which we add as secondary contribution to the
+    // pixel's radiance"
     float fade = poster.fade != 0 ? BorderFade(hit.xy, poster.fade_start, poster.fade_end) : 1.0;
     vec3 color = isSecond ? Filtered(behind_color, hit.xy, level).rgb : Filtered(filtered_color, hit.xy, level).rgb;
     out_reflection = vec4(color, fade);

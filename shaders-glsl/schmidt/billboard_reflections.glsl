@@ -54,30 +54,39 @@ vec2 TexelCount(int i)
 float BillboardLod(int i, vec3 wsPosition, float t);
 bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t);
 
-// Listing 3: intersect a triangle with a ray. (u, v) on the parallelogram of its edges, and t.
+// Print: listing 3.
+// 1-4: Intersect a triangle with a given ray
 vec3 IntersectTriangle(in vec3 rayOrigin, in vec3 rayDirect, in vec3 vert0, in vec3 vert1, in vec3 vert2)
 {
+    // 5-14: (u, v) are the barycentric coordinates, t is the distance
     float t, u, v;
     vec3 edge0, edge1;
     float det, inv_det;
 
+    // 16-18: Calculate edges
     edge0 = vert1 - vert0;
     edge1 = vert2 - vert0;
 
+    // 20, 21: Calculate p vector (P = D x E_2)
     vec3 pvec = cross(rayDirect, edge1);
 
-    // Kept (erratum B8): 0 for a ray along the plane.
+    // 23-26: Calculate determinant and inverse of determinant
+    // Erratum B8, kept: 0 for a ray along the plane.
     det = dot(edge0, pvec);
     inv_det = 1.0 / det;
 
+    // 28-31: Calculate t vector (T = O - V_0), and the u parameter
     vec3 tvec = rayOrigin - vert0;
     u = dot(tvec, pvec) * inv_det;
 
+    // 33-36: Calculate q vector (Q = T x E_0), and the v parameter
     vec3 qvec = cross(tvec, edge0);
     v = dot(rayDirect, qvec) * inv_det;
 
+    // 38, 39: Calculate distance
     t = dot(edge1, qvec) * inv_det;
 
+    // 41-43: Return results
     return vec3(u, v, t);
 }
 
@@ -85,49 +94,56 @@ vec3 IntersectTriangle(in vec3 rayOrigin, in vec3 rayDirect, in vec3 vert0, in v
 float shownDistance = 1e30;
 float shownAlpha = 0.0;
 
-// Lines 11 to 32 of listing 2: where a ray meets the quad of a billboard.
+// Print: listing 2.
+// 11-20: Initial billboard (triangle is sufficient); build reflected ray
 vec3 IntersectBillboard(in int i, in vec3 rayOrigin, in vec3 rayDirect)
 {
     vec3 vert0 = vec3( 0.5, 0.0,  0.5);
     vec3 vert1 = vec3(-0.5, 0.0, -0.5);
     vec3 vert2 = vec3(-0.5, 0.0,  0.5);
 
+    // 22-27: Transform billboard to world space
     vert0 = (Impostor[i].ModelMatrix * vec4(vert0, 1.0)).xyz;
     vert1 = (Impostor[i].ModelMatrix * vec4(vert1, 1.0)).xyz;
     vert2 = (Impostor[i].ModelMatrix * vec4(vert2, 1.0)).xyz;
 
+    // 29-32: Intersect the billboard and get texture coordinates
     return IntersectTriangle(rayOrigin, rayDirect, vert2, vert0, vert1);
 }
 
-// Listing 2.
+// 1-5: Billboard reflections
 vec4 BillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
 {
     vec4 reflectedColor = vec4(0.0);
 
+    // 7-10: For every Billboard in the scene
     for (int i = 0; i < billboardCount; i++)
     {
         vec3 uvt = IntersectBillboard(i, wsPosition, wsReflectVec);
 
-        // Kept (erratum B1): one billboard behind the pixel hides all that follow in the list.
+        // 34-37: Break, if the distance is lower than 0.001
+        // Erratum B1, kept: one billboard behind the pixel hides all that follow in the list. The order "unbroken" goes on.
         if (uvt.z <= 0.001 && order == ORDER_PRINTED)
             break;
-        // Departure of the order "unbroken".
         if (uvt.z <= 0.001)
             continue;
 
+        // 39-44: Check if texture coordinates are valid between 0.0 and 1.0
+        // Departure, off by default: what hides the billboard, which the conclusion asks for.
         if (uvt.x > 0.0 && uvt.x < 1.0 &&
             uvt.y > 0.0 && uvt.y < 1.0)
         {
-            // Departure, off by default: the improvement that the conclusion asks for.
             if (Occluded(wsPosition, wsReflectVec, uvt.z))
                 continue;
 
+            // 45-48: Check alpha channel of billboard texture; get texture for billboard and do alpha blending
+            // Errata B2, B3, kept: the last in the list wins, not the nearest, and where it is transparent it blackens what
+            // an earlier one gave; the image is read twice.
             float lod = BillboardLod(i, wsPosition, uvt.z);
             float alpha = Texel(i, uvt.xy, lod).a;
-            // Kept (errata B2, B3): the last in the list wins, not the nearest, and where it is
-            // transparent it blackens what an earlier one gave; the image is read twice.
             reflectedColor.rgb = Texel(i, uvt.xy, lod).rgb * alpha;
-            // Erratum B5: as printed a stays 0 and says of no pixel that it was hit.
+
+            // Erratum B5: printed, a stays 0 and says of no pixel that it was hit.
             reflectedColor.a = alpha > 0.0 ? 1.0 : 0.0;
             if (GLOW) {
                 shownDistance = uvt.z;
@@ -136,6 +152,7 @@ vec4 BillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
         }
     }
 
+    // 49-53: return reflectedColor
     return reflectedColor;
 }
 

@@ -29,23 +29,25 @@ struct Box {
     vec3 max;
 };
 
-// Listing 1. Departure: it samples the map itself; here the caller does, with the roughness, and so
-// gets the corrected vector.
+// Print: listing 1.
+// 1-3: Parallax corrected cube mapping
+// Departure: box and position of the map are arguments, as there are two maps.
 vec3 ParallaxCorrecteCubeMapping(in vec3 wsPosition, in vec3 wsReflectionVector, Box AABB, vec3 wsCubeMapPosition) {
-    // Intersect with first AABB plane
+    // 4, 5: Intersect with first AABB plane
     vec3 firstPlaneIntersection = (AABB.max - wsPosition) / wsReflectionVector;
-    // Intersect with second AABB plane
+    // 6, 7: Intersect with second AABB plane
     vec3 secondPlaneIntersection = (AABB.min - wsPosition) / wsReflectionVector;
 
-    // Furthest plane of each axis, and of these the nearest. Erratum, kept: a position outside the box
-    // gets a distance that means nothing.
+    // 9-11: the furthest plane of each axis, and of these the nearest
+    // Erratum, kept: a position outside the box gets a distance that means nothing.
     vec3 furthesPlane = max(firstPlaneIntersection, secondPlaneIntersection);
     float distance = min(min(furthesPlane.x, furthesPlane.y), furthesPlane.z);
 
+    // 13: wsIntersection
     vec3 wsIntersection = wsPosition + distance * wsReflectionVector;
 
-    // Calculate parallax-corrected reflection vector
-    // wsCubeMapPosition is the position from where the cube map was generated (reference point)
+    // 15-23: Calculate parallax-corrected reflection vector; sample cube map texture with it
+    // Departure: line 20 samples the map; here the caller does, with the roughness.
     return wsIntersection - wsCubeMapPosition;
 }
 

@@ -1,15 +1,9 @@
 // The cone that a roughness stands for (thesis 4.2.8, Eq. 4.5).
 
-#include "common/constants.glsl"
-
-// Eq. 4.5. Errata: arccos, not cos; and the exponent must fall with roughness. The thesis prints
-// no range of exponents: alpha is the lobe that a roughness stands for everywhere in this project
-// (docs/definitions.md, "Surfaces"), which makes the angle the author's, half the roughness.
+// Erratum: Eq. 4.5 is printed with a cosine for the arc cosine and an exponent that grows with roughness. This is the half
+// angle of the author's program. Eq. 4.5 with its arc cosine gives it back for the exponent of the lobe that a roughness
+// means everywhere in this project (docs/definitions.md, "Surfaces"), so that the share 1 - xi of that lobe lies within the
+// cone. "For a perfect specular reflection the power would need to be infinite", and the angle is 0.
 float ConeAngle(float roughness) {
-    if (roughness <= 0.0)
-        return 0.0; // "for a perfect specular reflection the power would need to be infinite"
-    float alpha = log(XI) / log(cos(0.5 * roughness)) - 1.0;
-    if (alpha > 1e5)
-        return 0.5 * roughness; // the arccos of nearly 1 has no digits left; this is its limit
-    return acos(pow(XI, 1.0 / (alpha + 1.0)));
+    return 0.5 * max(roughness, 0.0);
 }

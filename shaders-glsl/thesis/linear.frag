@@ -29,7 +29,7 @@ void main() {
     float stride = thesis.linear_march_stride;
     vec3 hit;
     if (FIXED)
-        hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.linear_march_count);
+        hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride);
     else
         hit = LinearRayMarch(pixel.P_ss + dir * stride, dir, stride);
     if (HITS)

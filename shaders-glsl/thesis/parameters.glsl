@@ -1,5 +1,5 @@
-// Parameters of the thesis's passes. The presets `published` and `author` fill them
-// (src/methods/thesis.rs says which value comes from where).
+// Parameters of the thesis's passes, beside the constants of linear_ray_march.glsl. The presets `published` and `author`
+// fill them (src/methods/thesis.rs says which value comes from where).
 
 layout(std140, binding = 0) uniform ThesisBlock {
     mat4 projection;               // M_proj: view to clip, standard depth
@@ -13,13 +13,8 @@ layout(std140, binding = 0) uniform ThesisBlock {
     int start_level;               // of the Hi-Z traversal
     int max_level;                 // coarsest Hi-Z level
     int iterations;                // bound of the Hi-Z traversal
-    int linear_march_count;        // LINEAR_MARCH_COUNT
     float linear_march_stride;     // first step, in screen space
-    float linear_march_increase;   // LINEAR_MARCH_INCREASE
-    int binary_search_count;       // BINARY_SEARCH_COUNT
-    float binary_search_decrease;  // BINARY_SEARCH_DECREASE
     float binary_search_first;     // first step, in units of the march's stride
-    float depth_delta_epsilon;     // DEPTH_DELTA_EPSILON
     int cone_samples;              // circles of the cone
     int cone_lengthened;           // 1: the first triangle is lengthened by its base
     int cone_interpolated;         // 1: alpha of Eq. 4.5 is interpolated between the next two
@@ -29,7 +24,6 @@ layout(std140, binding = 0) uniform ThesisBlock {
     float fade_end;                // I_end of Eq. 4.7
     float fade_towards_camera;     // hzct: factor of its fade; 0: none
     int fade;                      // 0: no fade at all
-    int uniform_march_count;       // sslr: steps
     float uniform_stride_min;      // sslr: step at roughness 0, in screen space
     float uniform_stride_max;      // sslr: step at roughness 1
     float uniform_march_back;      // sslr: share of the last step that the hit goes back by

@@ -14,18 +14,24 @@ struct Trace {
     float roughness;
 };
 
-// Alg. 6. Erratum: it tests R_direction after Eq. 4.4 has made its z 1; V_ss.z is what is meant.
+// Print: §4.2.10, Alg. 6.
+// 1: RayTrace(R)
 vec3 RayTrace(vec3 P_ss, vec3 V_ss, out float path) {
+    // 2: if R_direction_z <= epsilon then; Check if the ray points towards the camera
+    // Erratum: Eq. 4.4 has made the z of R_direction 1; V_ss.z is what is meant.
     if (V_ss.z <= thesis.view_direction_epsilon) {
+        // 3: LinearRayMarch(R); Use fallback method
+        // Departure: `hzct` has none. The march's direction has unit length, so that the stride is one of screen space
+        // (author's program).
         if (!FALLBACK) {
             path = PATH_UNTRACED;
             return INVALID_RAY;
         }
-        // Unit length, so that the stride is one of screen space (author's program).
         vec3 hit = LinearRayMarch(P_ss, normalize(V_ss), thesis.linear_march_stride);
         path = hit == INVALID_RAY ? PATH_LINEAR_MISS : PATH_LINEAR;
         return hit;
     }
+    // 4, 5: else HiZRayTrace(R); Use primary ray tracing method
     bool exhausted;
     vec3 hit = HiZRayTrace(P_ss, V_ss, exhausted);
     path = hit == INVALID_RAY ? PATH_MISS : exhausted ? PATH_EXHAUSTED : PATH_HI_Z;

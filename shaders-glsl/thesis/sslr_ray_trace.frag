@@ -25,10 +25,10 @@ void main() {
     if (!pixel.reflects)
         return;
 
-    // "The higher the roughness the larger the step size" (both ends: author's program).
+    // "The higher the roughness the larger the step size" (both ends, and the host's LINEAR_MARCH_COUNT: author's program).
     float stride = mix(thesis.uniform_stride_min, thesis.uniform_stride_max, pixel.roughness);
     vec3 dir = normalize(pixel.V_ss);
-    vec3 hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.uniform_march_count);
+    vec3 hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride);
     if (HITS)
         out_hit = vec4(hit, PATH_LINEAR_MISS);
     if (hit == INVALID_RAY)

@@ -1,7 +1,6 @@
 #version 460
 #pragma program(SslrReflection)
-// `sslr`, stage 3: the reflection from the mip level that roughness and ray length ask for (thesis
-// 4.3.3, the listing). Line 6 and 10 of the listing are the composite.
+// `sslr`, stage 3: the reflection from the mip level that roughness and ray length ask for (thesis 4.3.3, the listing).
 
 layout(binding = 0) uniform sampler2D rayTraceColorBuffer; // blurred, trilinear; a: ray length
 layout(binding = 1) uniform sampler2D maskBuffer;
@@ -15,17 +14,23 @@ layout(push_constant) uniform SslrReflectionBlock {
 
 layout(location = 0) out vec4 out_reflection; // colour; a: 1 where a ray hit
 
+// Print: §4.3.3, listing.
 void main() {
     vec2 texCoord = gl_FragCoord.xy / sslr.resolution;
     float roughness = texelFetch(materialBuffer, ivec2(gl_FragCoord.xy), 0).g;
 
-    // Determine MIP lod for reflection color
+    // 1-3: Determine MIP lod for reflection color
+    // Departure: times a factor, which is 1 as published (--spreading-factor).
     float spreading = textureLod(rayTraceColorBuffer, texCoord, 0.0).a * sslr.spreadingFactor;
     float mipLod = sslr.mipCount * roughness * spreading;
 
+    // 5-7: Sample final scene- and ray-trace colors
+    // Departure: line 6, the scene's colour, is the composite's.
     vec3 rayTraceColor = textureLod(rayTraceColorBuffer, texCoord, mipLod).rgb;
 
-    // A miss has length 0 and reads its own black pixel, but for the rounding of the filter's weights.
+    // 9, 10: Add reflection color times 'reflectivity' factor
+    // Departure: the composite adds it. A miss has length 0 and reads its own black pixel, but for the rounding of the
+    // filter's weights.
     bool hit = texelFetch(maskBuffer, ivec2(gl_FragCoord.xy), 0).r > 0.0;
     out_reflection = hit ? vec4(rayTraceColor, 1.0) : vec4(0.0);
 }

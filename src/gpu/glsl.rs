@@ -185,6 +185,8 @@ pub struct Constant {
     pub name: String,
     /// Its type in Rust.
     pub ty: &'static str,
+    /// The bits of the value that the shader gives it; 0 or 1 for a `bool`.
+    pub default: u32,
 }
 
 /// Finds a module's interface; `name` is what errors call it.
@@ -401,7 +403,11 @@ impl<'a> Reflection<'a> {
             let (true, Some(result), Some(ty)) = (is_one, i.result_id, i.result_type) else { continue };
             let Some(id) = self.decoration(result, Decoration::SpecId) else { continue };
             let name = self.names.get(&result).cloned().unwrap_or_default();
-            found.push(Constant { id, name, ty: self.component(ty)? });
+            let default = match i.operands.first() {
+                Some(Operand::LiteralBit32(bits)) => *bits,
+                _ => u32::from(i.class.opcode == Op::SpecConstantTrue),
+            };
+            found.push(Constant { id, name, ty: self.component(ty)?, default });
         }
         found.sort();
         Ok(found)

@@ -21,7 +21,7 @@ pub const INFO: MethodInfo = MethodInfo {
                 let block = cone.fill(hi_z.fill(block));
                 ThesisBlock { fade_towards_camera: camera_fade, ..block }
             };
-            Ok(Box::new(ThesisMethod::new(gpu, making, drawn, false, Box::new(fill))?))
+            Ok(Box::new(ThesisMethod::new(gpu, making, drawn, None, Box::new(fill))?))
         },
     )
 };

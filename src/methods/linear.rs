@@ -51,7 +51,7 @@ impl LinearMethod {
         let (extent, parameters) = (making.setup.extent, making.setup.of::<LinearParams>());
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, extent)?,
-            trace: LinearTracePass::new(gpu, extent, parameters.march, making.hits)?,
+            trace: LinearTracePass::new(gpu, extent, parameters.march, parameters.numbers.numbers(), making.hits)?,
             numbers: parameters.numbers,
             fade: making.setup.effect().fade,
         })

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::cone_march::ConeMarchPass;
+use crate::passes::cone_march::{ConeMarchPass, MarchSteps};
 use crate::passes::filtered_gbuffer::FilteredGBufferPass;
 use crate::passes::{Content, PosterFilter};
 
@@ -69,16 +69,18 @@ impl PosterMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
         let layers = p.layers.has_second();
+        let steps = MarchSteps {
+            step_increase: p.march_increase,
+            step_count: p.march_steps as i32,
+            search_count: p.search_steps as i32,
+            search_decrease: p.search_decrease,
+        };
         let filter = || FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter, p.edge_tolerance);
         Ok(Self {
             filter: filter()?,
             behind_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
-            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, making.hits, layers)?,
+            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, steps, making.hits, layers)?,
             parameters: PosterBlock {
-                step_increase: p.march_increase,
-                step_count: p.march_steps as i32,
-                search_count: p.search_steps as i32,
-                search_decrease: p.search_decrease,
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,
                 // The thesis's Eq. 4.7 has these two numbers.

@@ -11,7 +11,7 @@ use crate::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::passes::{Content, GBuffer, Hits, MarchNumbers, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -24,7 +24,8 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hermanns 2015, ch. 4",
         |gpu, making| {
             let parameters: SsctParams = making.setup.of();
-            Ok(Box::new(ThesisMethod::new(gpu, making, parameters.drawn, true, parameters.filling())?))
+            let march = Some(parameters.march.numbers());
+            Ok(Box::new(ThesisMethod::new(gpu, making, parameters.drawn, march, parameters.filling())?))
         },
     )
 };
@@ -82,8 +83,14 @@ pub struct ThesisMethod {
 }
 
 impl ThesisMethod {
-    /// With the linear fallback (`ssct`) or without (`hzct`).
-    pub(super) fn new(gpu: &Gpu, making: &Making, drawn: ThesisDrawing, fallback: bool, fill: Fill) -> Result<Self> {
+    /// With a linear march as the fallback (`ssct`) or without (`hzct`).
+    pub(super) fn new(
+        gpu: &Gpu,
+        making: &Making,
+        drawn: ThesisDrawing,
+        march: Option<MarchNumbers>,
+        fill: Fill,
+    ) -> Result<Self> {
         let extent = making.setup.extent;
         Ok(Self {
             hi_z: HiZPass::new(gpu, extent, drawn.hi_z_maximum)?,
@@ -94,7 +101,7 @@ impl ThesisMethod {
                 drawn.chain_filter,
                 (drawn.chain_mask, drawn.chain_mask_tolerance),
             )?,
-            trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,
+            trace: ThesisTracePass::new(gpu, extent, march, drawn.split, making.hits)?,
             fade: making.setup.effect().fade,
             fill,
         })
@@ -116,7 +123,7 @@ impl ThesisMethod {
             behind: false,
         };
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };
-        Self::new(gpu, &making, drawn, true, parameters.filling())
+        Self::new(gpu, &making, drawn, Some(parameters.march.numbers()), parameters.filling())
     }
 
     /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].

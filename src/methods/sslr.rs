@@ -65,7 +65,7 @@ struct SslrMethod {
 impl SslrMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (extent, parameters) = (making.setup.extent, making.setup.of::<SslrParams>());
-        let trace = SslrTracePass::new(gpu, extent, making.hits)?;
+        let trace = SslrTracePass::new(gpu, extent, parameters.march.uniform_steps, making.hits)?;
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, extent)?,
             chain: MaskChainPass::new(gpu, extent, trace.formats(), parameters.mask_filter)?,

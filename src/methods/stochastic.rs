@@ -110,8 +110,9 @@ impl StochasticMethod {
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
-                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, shown)?;
-                Walk::Thesis(HiZPass::new(gpu, extent, false)?, setup.of(), trace)
+                let of: SsctParams = setup.of();
+                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, of.march.numbers(), shown)?;
+                Walk::Thesis(HiZPass::new(gpu, extent, false)?, of, trace)
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;

@@ -3,6 +3,7 @@
 
 use crate::gpu::shader::ThesisBlock;
 use crate::parameter::{Parameter, Preset, choices, parameters};
+use crate::passes::MarchNumbers;
 use crate::scene::Camera;
 
 /// A bound for loops that the thesis leaves unbounded (docs/definitions.md, "Time").
@@ -57,13 +58,14 @@ parameters! {
 }
 
 choices! {
-    /// Which exponent α of Eq. 4.5 a roughness ϱ stands for. The equation is printed with an α that grows with ϱ, so that
+    /// The half angle of the cone of a roughness ϱ. Eq. 4.5 cannot serve as it is printed: with its α, which grows with ϱ,
     /// mirrors have the widest cones.
     pub enum ConeAngle {
-        /// The exponent of the lobe that ϱ means everywhere in this project: the angle is ϱ/2, as in the author's program.
+        /// The author's: ϱ/2. It is the angle of Eq. 4.5, with an arc cosine, for the lobe that ϱ means everywhere in this
+        /// project.
         Lobe = "lobe",
-        /// The equation's interpolation with its ends swapped, from `cone_alpha_max` for mirrors to `cone_alpha_min`; and
-        /// no angle at all for an α above 1000 (§4.2.8).
+        /// The nearest to print that serves: Eq. 4.5 with an arc cosine and with the ends of its interpolation swapped, from
+        /// `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above 1000 (§4.2.8).
         Interpolated = "interpolated",
     }
 }
@@ -71,10 +73,10 @@ choices! {
 parameters! {
     /// Parameters of the cone trace (thesis Alg. 5).
     pub struct ConeParams {
-        /// The exponent of Eq. 4.5 that a roughness stands for.
+        /// The cone's angle for a roughness: the author's, since Eq. 4.5 is wrong in print, or the nearest to print.
         cone_angle: ConeAngle = Parameter::new(ConeAngle::Lobe)
             .sweep(Preset::Published, &[ConeAngle::Interpolated])
-            .source("Eq. 4.5"),
+            .source("not Eq. 4.5, which is wrong in print; the author's program"),
         /// The exponent of the roughest surfaces, where it is interpolated.
         cone_alpha_min: f32 = Parameter::new(0.1).between(0.0, 1e4).source(UNPRINTED),
         /// The exponent of mirrors, where it is interpolated.
@@ -138,17 +140,19 @@ impl HiZParams {
 }
 
 impl MarchParams {
-    /// Fills in what the linear march reads.
+    /// Fills in what the linear march reads of the block.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
-        ThesisBlock {
-            linear_march_stride: self.march_stride,
+        ThesisBlock { linear_march_stride: self.march_stride, binary_search_first: self.search_first, ..block }
+    }
+
+    /// Returns the numbers that the listings define as constants.
+    pub fn numbers(&self) -> MarchNumbers {
+        MarchNumbers {
             linear_march_count: self.march_steps as i32,
             linear_march_increase: self.march_increase,
             binary_search_count: self.search_steps as i32,
             binary_search_decrease: self.search_decrease,
-            binary_search_first: self.search_first,
             depth_delta_epsilon: self.search_tolerance,
-            ..block
         }
     }
 }
@@ -168,10 +172,9 @@ impl ConeParams {
 }
 
 impl UniformMarchParams {
-    /// Fills in what the uniform march reads.
+    /// Fills in what the uniform march reads of the block.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock {
-            uniform_march_count: self.uniform_steps as i32,
             uniform_stride_min: self.uniform_stride_min,
             uniform_stride_max: self.uniform_stride_max,
             uniform_march_back: self.uniform_back,

@@ -8,6 +8,19 @@ use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu, Sampled};
 use crate::scene::Camera;
 
+/// The numbers of the march that the poster prints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MarchSteps {
+    /// What each step of the march is longer by than the one before, as a factor.
+    pub step_increase: f32,
+    /// Steps of the march at most.
+    pub step_count: i32,
+    /// Steps of the binary search at most.
+    pub search_count: i32,
+    /// What each step of the search is shorter by than the one before, as a factor.
+    pub search_decrease: f32,
+}
+
 /// Pipeline and images of one size, by the kind of images that it goes through.
 pub enum ConeMarchPass {
     /// Through mip chains.
@@ -18,14 +31,25 @@ pub enum ConeMarchPass {
 
 impl ConeMarchPass {
     /// With an image of the hits, or without; through two layers of depth, or one.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool, layers: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        extent: [u32; 2],
+        filter: PosterFilter,
+        steps: MarchSteps,
+        hits: bool,
+        layers: bool,
+    ) -> Result<Self> {
+        let MarchSteps { step_increase, step_count, search_count, search_decrease } = steps;
+        // Two types with the same fields, as they are two programs.
+        macro_rules! pass {
+            ($constants:ident) => {{
+                let constants = $constants { hits, layers, step_increase, step_count, search_count, search_decrease };
+                TracedPass::new(gpu, extent, &constants, hits)?
+            }};
+        }
         Ok(match filter {
-            PosterFilter::Mip | PosterFilter::EdgeAware => {
-                Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits, layers }, hits)?)
-            }
-            PosterFilter::Volume => {
-                Self::Volume(TracedPass::new(gpu, extent, &ConeMarchVolumeConstants { hits, layers }, hits)?)
-            }
+            PosterFilter::Mip | PosterFilter::EdgeAware => Self::Mip(pass!(ConeMarchMipConstants)),
+            PosterFilter::Volume => Self::Volume(pass!(ConeMarchVolumeConstants)),
         })
     }
 

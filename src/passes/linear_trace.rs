@@ -1,7 +1,7 @@
 //! The linear marches of thesis §4.2.2 for every ray, and a mirror lookup where they end.
 
 use super::traced::TracedPass;
-use super::{GBuffer, HiZ, Hits, Reflection};
+use super::{GBuffer, HiZ, Hits, MarchNumbers, Reflection, march_constants};
 use crate::error::Result;
 use crate::gpu::programs::{Linear, LinearConstants};
 use crate::gpu::shader::ThesisBlock;
@@ -23,8 +23,8 @@ pub struct LinearTracePass(TracedPass<Linear<'static>>);
 
 impl LinearTracePass {
     /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, hits: bool) -> Result<Self> {
-        let constants = LinearConstants { fixed: march == LinearMarch::Fixed, hits };
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, numbers: MarchNumbers, hits: bool) -> Result<Self> {
+        let constants = march_constants!(LinearConstants { fixed: march == LinearMarch::Fixed, hits }, numbers);
         Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 

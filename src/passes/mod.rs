@@ -47,6 +47,7 @@ pub mod unlit_triangles;
 pub mod visibility;
 
 use crate::error::Result;
+use crate::gpu::programs::LinearConstants;
 use crate::gpu::shader::{CameraBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Target};
 use crate::math::constants;
@@ -83,6 +84,51 @@ pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [
 fn unwanted_hits(gpu: &Gpu) -> Result<Image> {
     stored_target(gpu, "unwanted hits", HITS, [1, 1])
 }
+
+/// The numbers of the linear march that the thesis prints (§4.2.2). They are constants of every program that includes
+/// `thesis/linear_ray_march.glsl`, whose values are the default.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MarchNumbers {
+    /// Steps of the march at most.
+    pub linear_march_count: i32,
+    /// What each step of the march is longer by than the one before, as a factor.
+    pub linear_march_increase: f32,
+    /// Steps of the binary search at most.
+    pub binary_search_count: i32,
+    /// What each step of the search is shorter by than the one before, as a factor.
+    pub binary_search_decrease: f32,
+    /// How near to a surface the search ends, in standard depth.
+    pub depth_delta_epsilon: f32,
+}
+
+impl Default for MarchNumbers {
+    fn default() -> Self {
+        let printed = LinearConstants::default();
+        Self {
+            linear_march_count: printed.linear_march_count,
+            linear_march_increase: printed.linear_march_increase,
+            binary_search_count: printed.binary_search_count,
+            binary_search_decrease: printed.binary_search_decrease,
+            depth_delta_epsilon: printed.depth_delta_epsilon,
+        }
+    }
+}
+
+/// Makes the constants of a program that includes `thesis/linear_ray_march.glsl`: its own, and [`MarchNumbers`].
+macro_rules! march_constants {
+    ($constants:ident { $($own:ident $(: $value:expr)?),* }, $march:expr) => {{
+        let march: $crate::passes::MarchNumbers = $march;
+        $constants {
+            $($own $(: $value)?,)*
+            linear_march_count: march.linear_march_count,
+            linear_march_increase: march.linear_march_increase,
+            binary_search_count: march.binary_search_count,
+            binary_search_decrease: march.binary_search_decrease,
+            depth_delta_epsilon: march.depth_delta_epsilon,
+        }
+    }};
+}
+use march_constants;
 
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]

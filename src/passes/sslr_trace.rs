@@ -21,16 +21,17 @@ pub struct SslrTracePass {
 }
 
 impl SslrTracePass {
-    /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], hits: bool) -> Result<Self> {
+    /// With so many steps at most, and with an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], steps: u32, hits: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         let image =
             |name, format, levels| Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage });
         let levels = image::full_chain(extent);
         let formats = [COLOR, MASK, if hits { HITS } else { vk::Format::UNDEFINED }];
+        let constants = SslrRayTraceConstants { hits, linear_march_count: steps as i32, ..Default::default() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, formats, &SslrRayTraceConstants { hits })?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, formats, &constants)?,
             color: image("ray trace color", COLOR, levels)?,
             mask: image("mask", MASK, levels)?,
             hits: hits.then(|| image("hits", HITS, 1)).transpose()?,

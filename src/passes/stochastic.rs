@@ -2,7 +2,7 @@
 //! them (Stachowiak 2015).
 
 use super::lost::Beyond;
-use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, Pyramid, Reflection, stored_target};
+use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
 use crate::error::Result;
 use crate::gpu::program::Fragment;
 use crate::gpu::programs::{
@@ -116,8 +116,9 @@ impl StochasticTrace<StochasticThesis<'static>> {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], (sky, hits): (bool, bool)) -> Result<Self> {
-        Self::of(gpu, extent, &StochasticThesisConstants { fallback: true, sky, hits }, hits)
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: MarchNumbers, (sky, hits): (bool, bool)) -> Result<Self> {
+        let constants = march_constants!(StochasticThesisConstants { fallback: true, sky, hits }, march);
+        Self::of(gpu, extent, &constants, hits)
     }
 
     /// A ray for each pixel.

@@ -1,7 +1,7 @@
 //! Ray tracing and cone tracing of `ssct` and `hzct` (thesis §4.2.2, 4.2.7–4.2.10), in one shader
 //! as the thesis combined them, or split in two.
 
-use super::{ColorChain, GBuffer, HITS, HiZ, Hits, Reflection, Visibility};
+use super::{ColorChain, GBuffer, HITS, HiZ, Hits, MarchNumbers, Reflection, Visibility, march_constants};
 use crate::error::{Error, Result};
 use crate::gpu::programs::{ConeTrace, RayTrace, RayTraceConstants, Ssct, SsctConstants};
 use crate::gpu::shader::ThesisBlock;
@@ -36,18 +36,24 @@ pub struct TraceInput<'a> {
 }
 
 impl ThesisTracePass {
-    /// With or without the linear fallback; combined or split; with an image of the hits or without, which the split
-    /// pass has in any case.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], fallback: bool, split: bool, hits: bool) -> Result<Self> {
+    /// With or without a linear march as the fallback; combined or split; with an image of the hits or without, which the
+    /// split pass has in any case.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: Option<MarchNumbers>, split: bool, hits: bool) -> Result<Self> {
+        let (fallback, march) = (march.is_some(), march.unwrap_or_default());
         let image = |name, format| Image::target(gpu, name, format, extent);
         let stages = if split {
             Stages::Split {
-                trace: GraphicsPipeline::fullscreen_with(gpu, [HITS], &RayTraceConstants { fallback })?,
+                trace: GraphicsPipeline::fullscreen_with(
+                    gpu,
+                    [HITS],
+                    &march_constants!(RayTraceConstants { fallback }, march),
+                )?,
                 cone: GraphicsPipeline::fullscreen(gpu, [REFLECTION])?,
             }
         } else {
             let formats = [REFLECTION, if hits { HITS } else { vk::Format::UNDEFINED }];
-            Stages::Combined(GraphicsPipeline::fullscreen_with(gpu, formats, &SsctConstants { fallback, hits })?)
+            let constants = march_constants!(SsctConstants { fallback, hits }, march);
+            Stages::Combined(GraphicsPipeline::fullscreen_with(gpu, formats, &constants)?)
         };
         Ok(Self {
             stages,

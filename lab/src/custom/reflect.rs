@@ -286,7 +286,8 @@ fn constants(code: &SpirvCode) -> Vec<Constant> {
             Some((Component::Int, _)) => "i32",
             _ => "u32",
         };
-        found.push(Constant { id, name: code.name(made.word(1)).to_owned(), ty });
+        let default = if ty == "bool" { u32::from(made.opcode == op::SPEC_CONSTANT_TRUE) } else { made.word(2) };
+        found.push(Constant { id, name: code.name(made.word(1)).to_owned(), ty, default });
     }
     found.sort();
     found

@@ -1,10 +1,10 @@
 //! Single numbers of the table that holds the documents' claims against measurements.
 
 use super::captions;
-use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio};
+use super::figures::{Result, csv, figures, greatest, json, least, mean, median, number, percent, ratio};
 use super::records::plain_errors;
 use super::thesis;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Median over the views of what a method has over what another has.
 fn over(of: &[f64], other: &[f64]) -> Result<String> {
@@ -21,11 +21,35 @@ pub fn time(folder: &Path, [method, other, roughness]: [&str; 3]) -> Result<Stri
     over(&times(method), &times(other))
 }
 
+/// The time of a method at a roughness over its own at another.
+pub fn larger(folder: &Path, [method, roughness, from]: [&str; 3]) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let times = |roughness: &str| figures(&records, method, "world", roughness, "time_ms");
+    over(&times(roughness), &times(from))
+}
+
+/// A figure of a method under small motions of the camera, `ratio` or `deviation`: median over the views and motions.
+pub fn motion(folder: &Path, [field, method, roughness]: [&str; 3]) -> Result<String> {
+    let rows = csv(folder, "motion.csv")?;
+    let own = rows.iter().filter(|r| r["method"] == method && r["roughness"] == roughness);
+    median(&own.map(|r| number(r, field)).collect::<Result<Vec<_>>>()?).map(ratio)
+}
+
 /// The RMSE of a method over another's, against a reference at a roughness.
 pub fn error(folder: &Path, [method, other, against, roughness]: [&str; 4]) -> Result<String> {
     let records = plain_errors(folder)?;
     let errors = |method: &str| figures(&records, method, against, roughness, "rmse");
     over(&errors(method), &errors(other))
+}
+
+/// The RMSE of a method in one run over that in another, against a reference at a roughness: median over the views.
+pub fn error_between(folders: &[PathBuf], [method, against, roughness]: [&str; 3]) -> Result<String> {
+    let [run, other] = folders else { return Err("two runs are compared".to_owned()) };
+    let errors = |folder: &Path| {
+        let records = json(folder, "error.json")?;
+        Ok::<_, String>(figures(&records, method, against, roughness, "rmse"))
+    };
+    over(&errors(run)?, &errors(other)?)
 }
 
 /// A share of the hits of a method's mirrors: `hit_agreement`, `false`, `missed` or `displaced`, mean over the views.

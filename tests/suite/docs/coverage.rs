@@ -33,10 +33,10 @@ const SCHMIDT: Numbered = &[
     ("equation", &[("", 1, 28)]),
     ("listing", &[("", 1, 5)]),
     ("table", &[("", 1, 1)]),
-    ("section", &[("5.2.", 1, 2), ("5.3.", 1, 1), ("5.4.", 1, 2)]),
+    ("section", &[("5.2.", 1, 2), ("5.3.", 1, 2), ("5.4.", 1, 2)]),
 ];
 
-const STATES: [&str; 5] = ["faithful", "erratum: ", "measured outlook: ", "missing", "background"];
+const STATES: [&str; 6] = ["faithful", "stand-in: ", "erratum: ", "measured outlook: ", "missing", "background"];
 
 /// The rows of each document, in the page's order.
 fn documents() -> Vec<Vec<Row>> {
@@ -61,7 +61,7 @@ fn named(place: &str) -> BTreeSet<(String, String)> {
         let word = word.trim_end_matches(',');
         kind = match word {
             "figure" | "figures" => "figure",
-            "algorithm" => "algorithm",
+            "algorithm" | "Alg." => "algorithm",
             "listing" => "listing",
             "table" => "table",
             "Eq." | "Ineq." => "equation",
@@ -89,6 +89,7 @@ fn a_place_is_read_as_it_is_meant() {
     assert_eq!(all("figures 4.1, 4.2"), "figure 4.1; figure 4.2");
     assert_eq!(all("figures 5.1 to 5.3"), "figure 5.1; figure 5.2; figure 5.3");
     assert_eq!(all("§2.4, Ineq. 2.5"), "equation 2.5; section 2.4");
+    assert_eq!(all("§4.2.4, Alg. 3, Eq. 4.1"), "algorithm 3; equation 4.1; section 4.2.4");
 }
 
 #[test]
@@ -129,6 +130,79 @@ fn every_row_says_where_it_is_and_its_erratum_exists() {
         }
     }
     assert!(errata > 40, "only {errata} errata");
+}
+
+/// The scenes that `ssct figures` draws each figure in, by the figure's number and by its name with the document's.
+fn scenes_of_figures() -> BTreeMap<String, BTreeSet<String>> {
+    let mut scenes: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in ["thesis", "schmidt"] {
+        let plates = fs::read_to_string(root().join(format!("lab/src/app/figures/plates/{file}.rs"))).unwrap();
+        for plate in plates.split("source: Document::").skip(1) {
+            let document = plate.split(',').next().unwrap().to_lowercase();
+            let number = plate.split("number: \"").nth(1).unwrap().split('"').next().unwrap();
+            let named = plate.split("--scene ").skip(1).map(|after| after.split(' ').next().unwrap().to_owned());
+            let named: BTreeSet<String> = named.collect();
+            assert!(!named.is_empty(), "figure {number} of {document} is drawn in no scene");
+            scenes.insert(format!("{document}-{number}"), named.clone());
+            // The poster's one figure has the number of none of the others'.
+            scenes.insert(number.to_owned(), named);
+        }
+    }
+    assert!(scenes.len() > 60, "only {} figures", scenes.len() / 2);
+    scenes
+}
+
+/// The figures that a cell names: `ssct figures --only 4.1,4.2`.
+fn figures_named(here: &str) -> Vec<&str> {
+    let after = here.split("figures --only ").skip(1);
+    after.flat_map(|rest| rest.split(['`', ' ']).next().unwrap().split(',')).collect()
+}
+
+#[test]
+fn a_figure_in_a_generated_scene_is_a_stand_in_and_names_the_scene() {
+    let scenes = scenes_of_figures();
+    let mut drawn = BTreeSet::new();
+    for Row { place, here, state } in documents().into_iter().flatten() {
+        for figure in figures_named(&here) {
+            // A sketch that is drawn elsewhere is named beside it.
+            if state == "background" {
+                continue;
+            }
+            drawn.insert(figure.to_owned());
+            assert!(
+                state.starts_with("stand-in: "),
+                "{place}: figure {figure} is drawn in {:?}: {state}",
+                scenes[figure]
+            );
+            for scene in &scenes[figure] {
+                assert!(state.contains(&format!("`{scene}`")), "{place}: figure {figure} is drawn in {scene}: {state}");
+            }
+        }
+        let is_measured = here.contains("ssct time --table") || here.contains("ssct path");
+        assert!(
+            !is_measured || state.starts_with("stand-in: "),
+            "{place}: its numbers are of another machine: {state}"
+        );
+    }
+    let all = scenes.keys().filter(|name| !name.contains('-') || name.starts_with("poster"));
+    let missing: Vec<_> = all.filter(|name| !drawn.contains(*name) && *name != "2").collect();
+    assert!(missing.is_empty(), "drawn, and in no row: {missing:?}");
+}
+
+#[test]
+fn what_an_erratum_is_about_is_not_called_faithful() {
+    let mut about = 0;
+    for (rows, folder) in documents().into_iter().zip(["thesis", "poster", "schmidt"]) {
+        let page = fs::read_to_string(root().join("shaders-glsl").join(folder).join("ERRATA.md")).unwrap();
+        let places = page.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+        let errata: BTreeSet<_> = places.flat_map(named).filter(|(kind, _)| kind != "section").collect();
+        about += errata.len();
+        for Row { place, state, .. } in rows.iter().filter(|r| r.state == "faithful") {
+            let wrong: Vec<_> = named(place).intersection(&errata).cloned().collect();
+            assert!(wrong.is_empty(), "{place} is {state}, and errata are about {wrong:?}");
+        }
+    }
+    assert!(about > 15, "errata are about {about} algorithms, equations and listings");
 }
 
 /// The pieces of code of the page.

@@ -5,8 +5,8 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, ends, films, follow, large_gltf, layers, motion, outlook, stochastic,
-    stress, thesis,
+    beside, beyond, captions, claims, dda, ends, errata, films, follow, large_gltf, layers, motion, outlook,
+    stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,6 +28,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["search"] => thesis::search(first)?,
         ["cone-angle"] => thesis::cone_angle(first)?,
         ["unneeded"] => thesis::unneeded(first)?,
+        ["erratum", variant] => errata::erratum(first, variant)?,
         ["times-beyond"] => beyond::times_beyond(folders)?,
         ["gain"] => beyond::gain(folders)?,
         ["fallbacks"] => beyond::fallbacks(folders)?,
@@ -58,10 +59,13 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["captions"] => captions::captions(first)?,
         ["claim-time", method, over, roughness] => claims::time(first, [method, over, roughness])?,
         ["claim-error", method, over, against, roughness] => claims::error(first, [method, over, against, roughness])?,
+        ["claim-error-of", method, against, roughness] => claims::error_between(folders, [method, against, roughness])?,
         ["claim-hits", share, method] => claims::hits(first, [share, method])?,
         ["claim-caption", figure] => claims::caption(first, figure)?,
         ["claim-5.8", method, roughness] => claims::table_5_8(first, [method, roughness])?,
         ["claim-rougher", method] => claims::rougher(first, method)?,
+        ["claim-larger", method, roughness, from] => claims::larger(first, [method, roughness, from])?,
+        ["claim-motion", field, method, roughness] => claims::motion(first, [field, method, roughness])?,
         ["claim-scaling", method, size] => claims::scaling(first, [method, size])?,
         ["schmidt-scenes"] => captions::scenes()?,
         ["frame-rates"] => captions::frame_rates(first)?,

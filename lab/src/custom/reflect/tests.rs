@@ -76,7 +76,7 @@ fn inputs_outputs_constants_and_workgroups_are_found() {
     assert_eq!(of.inputs.iter().map(|i| (i.name.as_str(), i.numbers)).collect::<Vec<_>>(), [("at", 2)]);
     assert_eq!(reflect(&of.words, true).expect("an interface").inputs[0].location, 0);
     assert_eq!(of.outputs.len(), 1);
-    assert_eq!(of.constants, [Constant { id: 4, name: "many".to_owned(), ty: "i32" }]);
+    assert_eq!(of.constants, [Constant { id: 4, name: "many".to_owned(), ty: "i32", default: 2 }]);
     let compute = "#version 450\nlayout(local_size_x = 8, local_size_y = 4) in;\nshared vec4 kept[16];\n\
         layout(std430, binding = 0) readonly buffer K { vec4 head; uint list[]; } k;\n\
         layout(binding = 1, r32f) uniform image2D made;\nvoid main() { kept[0] = k.head; imageStore(made, ivec2(0), kept[0]); }\n";

@@ -1,0 +1,486 @@
+//! Measures what the departures from print change: each line of `VARIANTS` changes one thing of a method back, or on, in
+//! a copy of its shaders or by its parameters, and the image is held against that of the method as it stands. Prints a
+//! table in CSV to standard output, a row for each variant and view: `share` is the share of pixels of which a channel of the
+//! display image differs by more than 1/255, and `rmse` the root mean square difference of that image. The pages of errata
+//! (`shaders-glsl/*/ERRATA.md`) show medians and maxima over the views.
+//!
+//! Usage: `cargo bench --bench errata [-- VARIANT…]`
+
+#![allow(clippy::expect_used)]
+
+use ssct::gpu::shader::Shader;
+use ssct::gpu::{DeviceQuery, Gpu, glsl, programs};
+use ssct::methods::billboard::BillboardParams;
+use ssct::methods::ibr::IbrParams;
+use ssct::methods::poster::PosterParams;
+use ssct::methods::sslr::{DepthSampling, SslrParams};
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::thesis::{ConeAngle, ConeParams, HiZParams, MarchParams};
+use ssct::methods::{METHODS, Setup, Wants};
+use ssct::passes::PosterFilter;
+use ssct::passes::billboard::{Blur, Occlusion, Order};
+use ssct::passes::mask_chain::MaskFilter;
+use ssct_lab::report::images::{Rgb, display};
+use ssct_lab::scene::library;
+use ssct_lab::study::{Globals, Shot, Stage, image};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A change of parameters.
+type Change = fn(&Setup) -> Setup;
+
+/// One departure: what its row shows, where it is measured, and the two sides.
+struct Variant {
+    name: &'static str,
+    method: &'static str,
+    views: Views,
+    /// Parameters of both sides.
+    both: Change,
+    /// Parameters of the changed side, after those of both.
+    change: Change,
+    /// File below `shaders-glsl`, the text that stands there once, and what stands in its place on the changed side.
+    edits: &'static [(&'static str, &'static str, &'static str)],
+}
+
+/// The views of a variant, with their size and materials.
+#[derive(Clone, Copy, PartialEq)]
+enum Views {
+    /// All of the rooms and `hall` of the atrium at roughness and normal deviation 0.1.
+    Gloss,
+    /// Views of `Gloss` with roughness 0.
+    GlossMirrors,
+    /// Five of the rooms and `hall` at roughness 0.
+    Mirrors,
+    /// Views of `Mirrors`, and `ceiling`.
+    MirrorsAndCeiling,
+    /// Four of the street and one of the museum, with their own roughness.
+    Billboards,
+}
+
+impl Views {
+    fn list(self) -> Vec<(&'static str, &'static str)> {
+        let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|v| ("rooms", v));
+        let hall = ("atrium", "hall");
+        match self {
+            Self::Mirrors => [&mirrors[..], &[hall]].concat(),
+            Self::Gloss | Self::GlossMirrors | Self::MirrorsAndCeiling => {
+                [&mirrors[..], &[("rooms", "ceiling"), hall]].concat()
+            }
+            Self::Billboards => {
+                [&["street", "car", "puddles", "signs"].map(|v| ("street", v))[..], &[("museum", "museum")]].concat()
+            }
+        }
+    }
+
+    fn size(self) -> [u32; 2] {
+        if self == Self::Billboards { [640, 360] } else { [960, 540] }
+    }
+
+    fn globals(self) -> Globals {
+        let (roughness, normal_deviation) = match self {
+            Self::Gloss => (Some(0.1), Some(0.1)),
+            Self::GlossMirrors => (Some(0.0), Some(0.1)),
+            Self::Mirrors | Self::MirrorsAndCeiling => (Some(0.0), None),
+            Self::Billboards => (None, Some(0.1)),
+        };
+        Globals { roughness, normal_deviation, ..Globals::default() }
+    }
+}
+
+const SAME: Change = Setup::clone;
+
+const fn edited(
+    name: &'static str,
+    method: &'static str,
+    views: Views,
+    edits: &'static [(&'static str, &'static str, &'static str)],
+) -> Variant {
+    Variant { name, method, views, both: SAME, change: SAME, edits }
+}
+
+const fn changed(name: &'static str, method: &'static str, views: Views, change: Change) -> Variant {
+    Variant { name, method, views, both: SAME, change, edits: &[] }
+}
+
+const MARCH: &str = "thesis/linear_ray_march.glsl";
+const HI_Z: &str = "thesis/hi_z_ray_trace.glsl";
+const CONE: &str = "thesis/cone_trace.glsl";
+const ANGLE: &str = "thesis/cone_angle.glsl";
+const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
+const POSTER: &str = "poster/cone_march.frag";
+const HALF: &str = "return 0.5 * max(roughness, 0.0);";
+const RIGHT_EQ_28: &[(&str, &str, &str)] =
+    &[(SCHMIDT, "camera.near_plane - z *", "camera.near_plane - (2.0 * z - 1.0) *")];
+
+/// Parameters of the order "nearest", which others are held against.
+const NEAREST: Change = |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest);
+
+const VARIANTS: &[Variant] = &[
+    changed("ibr-0.1", "ibr", Views::Billboards, |s| s.with(|p: &mut IbrParams| p.ibr_depth = 0.1)),
+    changed("ibr-2", "ibr", Views::Billboards, |s| s.with(|p: &mut IbrParams| p.ibr_depth = 2.0)),
+    changed("ibr-64", "ibr", Views::Billboards, |s| s.with(|p: &mut IbrParams| p.ibr_side = 64)),
+    edited(
+        "equal-hits",
+        "linear",
+        Views::Gloss,
+        &[(
+            MARCH,
+            "if (ray.z > depth)\n            return BinarySearch",
+            "if (ray.z >= depth)\n            return BinarySearch",
+        )],
+    ),
+    edited(
+        "search-off-screen",
+        "ssct",
+        Views::Gloss,
+        &[(
+            MARCH,
+            "        // Departure: a search that leaves the screen has nothing left to refine (author's program).\n        if (LeftScreen(ray.xy))",
+            "        if (false)",
+        )],
+    ),
+    edited(
+        "linear-nearest",
+        "linear",
+        Views::Gloss,
+        &[
+            (
+                MARCH,
+                "float depth = textureLod(hiZBuffer, ray.xy, 0.0).r;\n\n        // 15-19",
+                "float depth = texelFetch(hiZBuffer, ivec2(ray.xy * thesis.resolution), 0).r;\n\n        // 15-19",
+            ),
+            (
+                MARCH,
+                "float depth = textureLod(hiZBuffer, ray.xy, 0.0).r;\n\n        // 37-40",
+                "float depth = texelFetch(hiZBuffer, ivec2(ray.xy * thesis.resolution), 0).r;\n\n        // 37-40",
+            ),
+        ],
+    ),
+    edited(
+        "linear-from-pixel",
+        "linear",
+        Views::Gloss,
+        &[(
+            "thesis/linear.frag",
+            "LinearRayMarch(pixel.P_ss + dir * stride, dir, stride)",
+            "LinearRayMarch(pixel.P_ss, dir, stride)",
+        )],
+    ),
+    edited(
+        "sslr-off-screen",
+        "sslr",
+        Views::Gloss,
+        &[(
+            MARCH,
+            "as the text says of practice.\n        if (LeftScreen(ray.xy))",
+            "as the text says of practice.\n        if (false)",
+        )],
+    ),
+    changed("search-tolerance", "ssct", Views::Gloss, |s| s.with(|p: &mut MarchParams| p.search_tolerance = 2e-4)),
+    changed("search-first", "ssct", Views::Gloss, |s| {
+        s.with(|p: &mut MarchParams| (p.search_tolerance, p.search_first) = (2e-4, 0.25 / 1.5))
+    }),
+    edited(
+        "linearize",
+        "ssct",
+        Views::Gloss,
+        &[("thesis/visibility.frag", "range.near_plane - z *", "range.near_plane - (2.0 * z - 1.0) *")],
+    ),
+    edited(
+        "step-back",
+        "ssct",
+        Views::Gloss,
+        &[(HI_Z, "max(ray.z, GetCellMinimumDepthPlane(ray.xy, level))", "GetCellMinimumDepthPlane(ray.xy, level)")],
+    ),
+    edited(
+        "planes",
+        "ssct",
+        Views::Gloss,
+        &[(
+            HI_Z,
+            "CrossedCellBoundary(cellIndex, GetCell(temporaryRay, cellCount));",
+            "GetCellBoundaryDepthPlane(rayOrigin, rayDirection, cellIndex, cellCount, crossStep, crossOffset) < minimumPlane;",
+        )],
+    ),
+    edited(
+        "hi-z-off-screen",
+        "ssct",
+        Views::Gloss,
+        &[(HI_Z, "        if (LeftScreen(ray.xy))\n            return INVALID_RAY;", "")],
+    ),
+    changed("cross-offset", "ssct", Views::Gloss, |s| s.with(|p: &mut HiZParams| p.cross_offset = 0.001)),
+    edited("cosine", "ssct", Views::Gloss, &[(ANGLE, HALF, "return cos(cos(0.5 * roughness));")]),
+    edited(
+        "growing-alpha",
+        "ssct",
+        Views::Gloss,
+        &[(ANGLE, HALF, "return acos(pow(0.244, 1.0 / (mix(0.1, 1024.0, roughness) + 1.0)));")],
+    ),
+    changed("interpolated", "ssct", Views::Gloss, |s| {
+        s.with(|p: &mut ConeParams| p.cone_angle = ConeAngle::Interpolated)
+    }),
+    edited("no-cone", "ssct", Views::Gloss, &[(ANGLE, HALF, "return 0.0;")]),
+    changed("lengthened", "ssct", Views::Gloss, |s| s.with(|p: &mut ConeParams| p.cone_lengthened = true)),
+    edited(
+        "level-of-height",
+        "ssct",
+        Views::Gloss,
+        &[(
+            CONE,
+            "r * max(thesis.resolution.x, thesis.resolution.y)",
+            "r * min(thesis.resolution.x, thesis.resolution.y)",
+        )],
+    ),
+    edited(
+        "no-fallback",
+        "ssct",
+        Views::Gloss,
+        &[(
+            "thesis/ray_trace.glsl",
+            "if (V_ss.z <= thesis.view_direction_epsilon)",
+            "if (1.0 <= thesis.view_direction_epsilon)",
+        )],
+    ),
+    changed("sslr-nearest", "sslr", Views::Gloss, |s| {
+        s.with(|p: &mut SslrParams| p.depth_sampling = DepthSampling::Nearest)
+    }),
+    changed("sslr-nearest-mirrors", "sslr", Views::GlossMirrors, |s| {
+        s.with(|p: &mut SslrParams| p.depth_sampling = DepthSampling::Nearest)
+    }),
+    changed("sslr-hardware", "sslr", Views::Gloss, |s| {
+        s.with(|p: &mut SslrParams| p.mask_filter = MaskFilter::Hardware)
+    }),
+    edited(
+        "sigma-1",
+        "sslr",
+        Views::Gloss,
+        &[
+            ("common/constants.glsl", "GAUSSIAN_0 = 0.474", "GAUSSIAN_0 = 0.39905"),
+            ("common/constants.glsl", "GAUSSIAN_1 = 0.233", "GAUSSIAN_1 = 0.24204"),
+            ("common/constants.glsl", "GAUSSIAN_2 = 0.028", "GAUSSIAN_2 = 0.05400"),
+            ("common/constants.glsl", "GAUSSIAN_3 = 0.002", "GAUSSIAN_3 = 0.00443"),
+        ],
+    ),
+    changed("spreading", "sslr", Views::Gloss, |s| s.with(|p: &mut SslrParams| p.spreading_factor = 10.0)),
+    changed("poster-retries", "poster", Views::Gloss, |s| s.with(|p: &mut PosterParams| p.edge_retries = 3)),
+    edited(
+        "poster-any-facing",
+        "poster",
+        Views::Gloss,
+        &[(POSTER, "if (dot(facing, cone.direction) >= 0.0)", "if (false)")],
+    ),
+    edited(
+        "poster-at-hit",
+        "poster",
+        Views::Gloss,
+        &[(POSTER, "vec2 beyond = hit.xy +", "vec2 beyond = hit.xy + 0.0 *")],
+    ),
+    changed("poster-volume", "poster", Views::Gloss, |s| {
+        s.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::Volume)
+    }),
+    changed("poster-edge-aware", "poster", Views::Gloss, |s| {
+        s.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::EdgeAware)
+    }),
+    edited("ssr-eq-28", "ssr", Views::Mirrors, RIGHT_EQ_28),
+    edited("ssr-fast-eq-28", "ssr-fast", Views::Mirrors, RIGHT_EQ_28),
+    edited(
+        "ssr-fast-step",
+        "ssr-fast",
+        Views::MirrorsAndCeiling,
+        &[(
+            SCHMIDT,
+            "float initialStep = pixelSize.y;",
+            "float initialStep = pixelSize.y * min(pixelSize.x, pixelSize.y);",
+        )],
+    ),
+    edited(
+        "ssr-steps",
+        "ssr",
+        Views::Mirrors,
+        &[(
+            SCHMIDT,
+            "int sampleCount = max(int(camera.resolution.x), int(camera.resolution.y));",
+            "int sampleCount = 2 * max(int(camera.resolution.x), int(camera.resolution.y));",
+        )],
+    ),
+    edited(
+        "ssr-fast-behind",
+        "ssr-fast",
+        Views::Mirrors,
+        &[(SCHMIDT, "if (delta < 0.002) {", "if (delta < 0.002 && currentDepth > sampledDepth) {")],
+    ),
+    edited(
+        "ssr-fast-break",
+        "ssr-fast",
+        Views::Mirrors,
+        &[(SCHMIDT, "        // 79-81: count++", "        if (hit.w == PATH_LINEAR) break;")],
+    ),
+    Variant {
+        name: "ssr-fast-blur",
+        method: "ssr-fast",
+        views: Views::Mirrors,
+        both: |s| s.with(|p: &mut SsrFastParams| p.distance_blur = true),
+        change: SAME,
+        edits: &[(SCHMIDT, "int counter = 0;", "int counter = 1;")],
+    },
+    edited(
+        "pccm-outside",
+        "pccm",
+        Views::Mirrors,
+        &[(
+            "schmidt/pccm.frag",
+            "    return wsIntersection - wsCubeMapPosition;",
+            "    return distance < 0.0 ? wsReflectionVector : wsIntersection - wsCubeMapPosition;",
+        )],
+    ),
+    changed("billboard-unbroken", "billboard", Views::Billboards, |s| {
+        s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken)
+    }),
+    Variant {
+        both: |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken),
+        ..changed("billboard-nearest", "billboard", Views::Billboards, NEAREST)
+    },
+    Variant {
+        both: NEAREST,
+        ..changed("billboard-occlusion", "billboard", Views::Billboards, |s| {
+            s.with(|p: &mut BillboardParams| p.billboard_occlusion = Occlusion::Depth)
+        })
+    },
+    Variant {
+        both: NEAREST,
+        ..changed("billboard-roughness", "billboard", Views::Billboards, |s| {
+            s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Roughness)
+        })
+    },
+    Variant {
+        both: NEAREST,
+        ..changed("billboard-distance", "billboard", Views::Billboards, |s| {
+            s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Distance)
+        })
+    },
+    Variant {
+        both: NEAREST,
+        ..changed("billboard-glow", "billboard", Views::Billboards, |s| {
+            s.with(|p: &mut BillboardParams| (p.billboard_glow, p.billboard_glow_width) = (0.5, 0.5))
+        })
+    },
+];
+
+/// The folder of shaders, and a compiler for changed copies of it.
+struct Shaders {
+    root: PathBuf,
+    compiler: shaderc::Compiler,
+}
+
+impl Shaders {
+    fn new() -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl");
+        Self { root, compiler: shaderc::Compiler::new().expect("a compiler") }
+    }
+
+    /// The programs whose code some edits change, with their new code.
+    fn edited(&self, edits: &[(&str, &str, &str)]) -> Vec<(&'static Shader, Arc<[u8]>)> {
+        if edits.is_empty() {
+            return Vec::new();
+        }
+        let copy = tempfile::tempdir().expect("a folder");
+        self.copy_to(copy.path());
+        for (file, from, to) in edits {
+            let path = copy.path().join(file);
+            let text = std::fs::read_to_string(&path).expect("a shader");
+            assert_eq!(text.matches(from).count(), 1, "{file}: {from}");
+            std::fs::write(&path, text.replace(from, to)).expect("a changed shader");
+        }
+        let compiled = |&shader: &&'static Shader| {
+            let path = copy.path().join(shader.file);
+            let made =
+                glsl::compile(&self.compiler, copy.path(), &path, shader.defines).expect("a shader that compiles");
+            let bytes: Arc<[u8]> = made.words.iter().flat_map(|w| w.to_le_bytes()).collect();
+            let is_edited = edits.iter().any(|(file, ..)| made.files.iter().any(|f| f.ends_with(file)));
+            is_edited.then_some((shader, bytes))
+        };
+        let found: Vec<_> = programs::ALL.iter().filter_map(compiled).collect();
+        assert!(!found.is_empty(), "no program has {}", edits[0].0);
+        found
+    }
+
+    fn copy_to(&self, to: &Path) {
+        for folder in std::fs::read_dir(&self.root).expect("the shaders").flatten() {
+            let target = to.join(folder.file_name());
+            std::fs::create_dir(&target).expect("a folder");
+            for file in std::fs::read_dir(folder.path()).expect("a folder").flatten() {
+                std::fs::copy(file.path(), target.join(file.file_name())).expect("a shader");
+            }
+        }
+    }
+}
+
+/// Share of pixels that differ by more than 1 of 255 in a channel, and the root mean square difference.
+fn difference(a: &Rgb, b: &Rgb) -> (f64, f64) {
+    let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
+    let pixels = a.bytes.chunks_exact(3).zip(b.bytes.chunks_exact(3));
+    let (count, all) = (pixels.filter(|p| differs(*p)).count(), a.bytes.len() / 3);
+    let square = |(a, b): (&u8, &u8)| ((f64::from(*a) - f64::from(*b)) / 255.0).powi(2);
+    let sum: f64 = a.bytes.iter().zip(&b.bytes).map(square).sum();
+    (count as f64 / all as f64, (sum / a.bytes.len() as f64).sqrt())
+}
+
+/// Renders one side of a variant on a view.
+fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_lab::scene::Scene, view: &str) -> Rgb {
+    let method = METHODS.iter().find(|m| m.name == variant.method).expect("a method");
+    let view = scene.view(view).expect("a view");
+    let materials = variant.views.globals().materials(scene, view);
+    let shot = Shot::new(stage, method, setup, Wants::REFLECTION, view.camera(scene, variant.views.size()), materials)
+        .expect("a shot");
+    display(&image::render(stage, &shot, false).expect("an image").reflection)
+}
+
+/// Measures a variant on its views of a scene, and prints a row for each. `kept` has images of methods as they stand.
+fn measure(
+    stage: &mut Stage,
+    variant: &Variant,
+    scene: &ssct_lab::scene::Scene,
+    shaders: &Shaders,
+    kept: &mut HashMap<String, Rgb>,
+) {
+    let views: Vec<_> = variant.views.list().into_iter().filter(|(name, _)| *name == scene.name).collect();
+    if views.is_empty() {
+        return;
+    }
+    let both = (variant.both)(&Setup::new(variant.views.size()));
+    let changed = (variant.change)(&both);
+    let recorded = both.recorded(METHODS.iter().find(|m| m.name == variant.method));
+    let key = |view: &str| format!("{} {view} {:?} {recorded:?}", variant.method, variant.views.globals().roughness);
+    for (_, view) in &views {
+        kept.entry(key(view)).or_insert_with(|| side(stage, variant, &both, scene, view));
+    }
+    let replaced = shaders.edited(variant.edits);
+    let gpu = stage.context.gpu().clone();
+    for (shader, code) in &replaced {
+        gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
+    }
+    for (_, view) in &views {
+        let (share, rmse) = difference(&kept[&key(view)], &side(stage, variant, &changed, scene, view));
+        println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
+    }
+    for (shader, _) in &replaced {
+        gpu.shared().replaced_shaders.set(shader, None);
+    }
+}
+
+fn main() {
+    let wanted: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let shaders = Shaders::new();
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("variant,method,scene,view,share,rmse");
+    for name in library::names() {
+        let scene = library::scene(name).expect("a built-in scene");
+        let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+        let mut kept = HashMap::new();
+        for variant in VARIANTS.iter().filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name)) {
+            measure(&mut stage, variant, &scene, &shaders, &mut kept);
+        }
+    }
+}

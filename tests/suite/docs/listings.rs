@@ -1,0 +1,259 @@
+//! The page that sets each printed step of the documents beside the lines of the shaders that follow it (`docs/listings.md`).
+//! It is made from marks in the shaders: `// Print: §4.2.7, Alg. 4.` names what is printed, and a comment that begins with
+//! printed lines, as `// 8, 9: …` or `// 10-13: …`, says of which lines the code below it is, up to the next mark, a blank
+//! line or the end of a function. Comments that begin with "Erratum" or "Departure" stand between print and code.
+
+use super::{keep, root, shown};
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// What is printed: its name in the marks, and how many lines it has.
+type Item = (&'static str, u32);
+
+/// A document's title, the folder of its shaders, and what is printed in it.
+const DOCUMENTS: &[(&str, &str, &[Item])] = &[
+    (
+        "Hermanns 2015, the thesis",
+        "thesis",
+        &[
+            ("§4.2.2, first listing", 17),
+            ("§4.2.2, second listing", 54),
+            ("§4.2.2, Alg. 2", 17),
+            ("§4.2.4, Alg. 3", 7),
+            ("§4.2.5, Eq. 4.2", 1),
+            ("§4.2.5, listing", 26),
+            ("§4.2.7, Eq. 4.4", 2),
+            ("§4.2.7, Alg. 4", 12),
+            ("§4.2.7, listing", 49),
+            ("§4.2.8, Eq. 4.5", 3),
+            ("§4.2.8, Eq. 4.6", 2),
+            ("§4.2.8, Alg. 5", 12),
+            ("§4.2.9, Eq. 4.7", 4),
+            ("§4.2.10, Alg. 6", 5),
+            ("§4.3.2, listing", 8),
+            ("§4.3.3, listing", 10),
+        ],
+    ),
+    ("Hermanns and Franke 2014, the poster", "poster", &[("Technical Approach", 10)]),
+    (
+        "Schmidt 2013",
+        "schmidt",
+        &[
+            ("listing 1", 23),
+            ("listing 2", 53),
+            ("listing 3", 43),
+            ("§5.4.1, Eq. 28", 1),
+            ("listing 4", 93),
+            ("listing 5", 81),
+        ],
+    ),
+];
+
+/// A step: the printed lines and what they say, what differs, and the code.
+#[derive(Debug, Default, PartialEq)]
+struct Step {
+    lines: Vec<RangeInclusive<u32>>,
+    print: String,
+    differs: Vec<String>,
+    code: Vec<String>,
+}
+
+/// The printed lines at the beginning of a comment, and what follows: `8, 9-11: words`.
+fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
+    let (lines, words) = comment.split_once(": ")?;
+    let range = |part: &str| {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        Some(first.parse().ok()?..=last.parse().ok()?)
+    };
+    Some((lines.split(", ").map(range).collect::<Option<_>>()?, words))
+}
+
+/// The steps of a shader, each with the name of what is printed.
+fn steps(shader: &str) -> Vec<(String, Step)> {
+    let (mut found, mut item, mut open): (Vec<(String, Step)>, Option<String>, Option<Step>) = (Vec::new(), None, None);
+    // What a comment line that goes on adds to: the printed words, or what differs.
+    let mut goes_on = "";
+    let end = |open: &mut Option<Step>, item: &Option<String>, found: &mut Vec<(String, Step)>| {
+        if let (Some(step), Some(item)) = (open.take(), item) {
+            found.push((item.clone(), step));
+        }
+    };
+    for line in shader.lines() {
+        let comment = line.trim_start().strip_prefix("// ");
+        let mark = comment.filter(|_| item.is_some()).and_then(marked);
+        if let Some(printed) = comment.and_then(|c| c.strip_prefix("Print: ")) {
+            end(&mut open, &item, &mut found);
+            item = Some(printed.trim_end_matches('.').to_owned());
+        } else if let Some((lines, words)) = mark {
+            end(&mut open, &item, &mut found);
+            open = Some(Step { lines, print: words.to_owned(), ..Step::default() });
+            goes_on = "print";
+        } else if comment.is_some_and(|c| ["Departure", "Erratum", "Errata"].iter().any(|w| c.starts_with(w)))
+            && item.is_some()
+        {
+            let step = open.get_or_insert_default();
+            step.differs.push(comment.unwrap_or_default().to_owned());
+            goes_on = "differs";
+        } else if let (Some(words), Some(step), "print" | "differs") = (comment, &mut open, goes_on) {
+            let text = if goes_on == "print" { Some(&mut step.print) } else { step.differs.last_mut() };
+            *text.unwrap() += &format!(" {words}");
+        } else if line.trim().is_empty() {
+            end(&mut open, &item, &mut found);
+            goes_on = "";
+        } else if let Some(step) = &mut open {
+            step.code.push(line.to_owned());
+            goes_on = "";
+            if line == "}" {
+                end(&mut open, &item, &mut found);
+            }
+        }
+    }
+    end(&mut open, &item, &mut found);
+    found
+}
+
+/// Path below the root, and the steps, of each shader of a folder, by name.
+fn marks(folder: &str) -> Vec<(String, Vec<(String, Step)>)> {
+    let entries = fs::read_dir(root().join("shaders-glsl").join(folder)).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).filter(|p| !p.ends_with("ERRATA.md")).collect();
+    paths.sort();
+    let named = |path: &PathBuf| {
+        let name = format!("shaders-glsl/{folder}/{}", path.file_name().unwrap().to_string_lossy());
+        (name, steps(&fs::read_to_string(path).unwrap()))
+    };
+    paths.iter().map(named).filter(|(_, steps)| !steps.is_empty()).collect()
+}
+
+/// The rows of the errata of the thesis about something printed, with links that lead on from `docs/`.
+fn errata(page: &str, item: &str) -> Vec<String> {
+    let (section, name) = item.split_once(", ").unwrap_or((item, ""));
+    let about = |place: &str| {
+        let mut parts = place.split(", ");
+        let both = name.ends_with("listing") && place.ends_with("both listings");
+        parts.next() == Some(section) && (both || parts.any(|part| part == name))
+    };
+    let link = |text: String| text.replace("](../../docs/", "](").replace("](../", "](../shaders-glsl/");
+    let row = |line: &str| {
+        let (place, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
+        about(place).then(|| link(format!("| {}\n", without_comments(rest))))
+    };
+    page.lines().filter_map(row).collect()
+}
+
+/// A text without its comments of HTML, which mark what records say.
+fn without_comments(text: &str) -> String {
+    let mut parts = text.split("<!-- ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |kept, part| kept + part.split_once("-->").unwrap().1)
+}
+
+/// The lines of code without the indentation that they share.
+fn unindented(code: &[String]) -> String {
+    let margin = code.iter().map(|l| l.len() - l.trim_start().len()).min().unwrap_or(0);
+    code.iter().map(|l| format!("{}\n", &l[margin..])).collect()
+}
+
+/// One thing that is printed, with its steps in the order of the lines.
+fn section(item: &str, folder: &str, shaders: &[(String, Vec<(String, Step)>)], page: &str) -> String {
+    let mut files: Vec<&str> = Vec::new();
+    let mut steps: Vec<&Step> = Vec::new();
+    for (file, found) in shaders {
+        let own: Vec<&Step> = found.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
+        if !own.is_empty() {
+            files.push(file);
+            steps.extend(own);
+        }
+    }
+    // A step without printed lines stays behind the one that it follows.
+    let mut last = 0;
+    let first_line = |step: &&Step| step.lines.first().map_or(0, |r| *r.start());
+    let mut keyed: Vec<(u32, &Step)> = Vec::new();
+    for step in steps {
+        last = if step.lines.is_empty() { last } else { first_line(&step) };
+        keyed.push((last, step));
+    }
+    keyed.sort_by_key(|(line, _)| *line);
+    let files: Vec<String> = files.iter().map(|f| format!("`{f}`")).collect();
+    let mut text = format!("### {item}\n\nIn {}.\n\n", files.join(", "));
+    for (_, step) in keyed {
+        let range = |r: &RangeInclusive<u32>| match (r.start(), r.end()) {
+            (a, b) if a == b => a.to_string(),
+            (a, b) => format!("{a} to {b}"),
+        };
+        let lines: Vec<String> = step.lines.iter().map(range).collect();
+        if lines.is_empty() {
+            text += "**not printed**\n\n";
+        } else {
+            text += &format!("**{}**: `{}`\n\n", lines.join(", "), step.print.replace('`', "'"));
+        }
+        for differs in &step.differs {
+            text += &format!("> {differs}\n\n");
+        }
+        if !step.code.is_empty() {
+            text += &format!("```glsl\n{}```\n\n", unindented(&step.code));
+        }
+    }
+    let rows = errata(page, item);
+    if !rows.is_empty() && folder == "thesis" {
+        text += &format!("| printed | here | effect |\n|---|---|---|\n{}\n", rows.concat());
+    }
+    text
+}
+
+#[test]
+fn the_page_of_listings_is_what_the_marks_say() {
+    let mut text = "# Print and shader, step by step\n\nThis page sets each step of the printed listings, algorithms and \
+        equations beside the lines of the shaders that follow it. A bold number is the printed line; behind it stands what the \
+        print says there, often shortened. Then comes what differs, and then this program's code. Below each item of the thesis \
+        stand the rows of its [errata](../shaders-glsl/thesis/ERRATA.md); those of the others are \
+        [here](../shaders-glsl/schmidt/ERRATA.md) and [here](../shaders-glsl/poster/ERRATA.md). The poster has no listing: \
+        its numbers count the steps of its text. The page is made from marks in the shaders (`make docs`).\n\n"
+        .to_owned();
+    for (title, folder, items) in DOCUMENTS {
+        let name = format!("shaders-glsl/{folder}/ERRATA.md");
+        let page = shown(&name, &fs::read_to_string(root().join(&name)).unwrap()).0;
+        let shaders = marks(folder);
+        text += &format!("## {title}\n\n");
+        text += &items.iter().map(|(item, _)| section(item, folder, &shaders, &page)).collect::<String>();
+    }
+    keep(&root().join("docs/listings.md"), &format!("{}\n", text.trim_end()));
+}
+
+#[test]
+fn marks_name_every_printed_line() {
+    for (_, folder, items) in DOCUMENTS {
+        let shaders = marks(folder);
+        let all: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
+        for (name, _) in &all {
+            assert!(
+                items.iter().any(|(item, _)| item == name),
+                "shaders-glsl/{folder}: {name} is not known to be printed"
+            );
+        }
+        for (item, count) in *items {
+            let of = all.iter().filter(|(name, _)| name == item);
+            let mut lines: Vec<u32> = of.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
+            lines.sort_unstable();
+            lines.dedup();
+            assert_eq!(lines.first().zip(lines.last()), Some((&1, count)), "{folder}, {item}: {lines:?}");
+            // Listings have blank lines, two of them at most in a row.
+            let gap = if item.contains("listing") { 3 } else { 1 };
+            let whole = lines.windows(2).all(|pair| pair[1] - pair[0] <= gap);
+            assert!(whole, "{folder}, {item}: lines are missing in {lines:?}");
+        }
+    }
+}
+
+#[test]
+fn marks_are_read_as_they_are_meant() {
+    let shader = "// Print: Alg. 1.\n// 1, 2: begin\n// and more\nvoid f() {\n    // 3-5: loop\n    // Departure: none\n    // at all.\n    \
+        for (;;);\n\n    // Departure: alone.\n    g();\n}\nint unmarked;\n";
+    let found = steps(shader);
+    let [(item, one), (_, two), (_, three)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((item.as_str(), one.print.as_str()), ("Alg. 1", "begin and more"));
+    assert_eq!((&one.lines[..], &one.code[..]), (&[1..=1, 2..=2][..], &["void f() {".to_owned()][..]));
+    assert_eq!((&two.lines[..], &two.differs[..]), (&[3..=5][..], &["Departure: none at all.".to_owned()][..]));
+    assert_eq!((&three.lines[..], three.code.len()), (&[][..], 2));
+    assert_eq!(marked("Eq. 4.4: direction"), None);
+}
