@@ -16,7 +16,7 @@ use super::path::PathOptions;
 use super::precision::PrecisionOptions;
 use super::truth::TruthOptions;
 use super::video::VideoOptions;
-use super::view::ViewOptions;
+use super::view::ViewArguments;
 use clap::{Parser, Subcommand};
 
 /// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
@@ -36,7 +36,7 @@ pub enum Command {
     /// Show, time and judge the built-in scenes, and write a page.
     Study(StudyOptions),
     /// Fly through a scene in a window.
-    View(ViewOptions),
+    View(ViewArguments),
     /// Time every pass on the GPU.
     Time(TimeOptions),
     /// Measure run time against error.

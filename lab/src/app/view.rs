@@ -12,13 +12,13 @@ const PROGRAM: &str = "ssct-view";
 /// Options of `ssct view`, which are handed on.
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true, disable_version_flag = true)]
-pub struct ViewOptions {
+pub struct ViewArguments {
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }
 
 /// Runs the window's program in place of this one.
-pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
+pub fn run(options: &ViewArguments) -> anyhow::Result<()> {
     let program = beside(std::env::current_exe().ok().as_deref());
     let mut command = Command::new(program.unwrap_or_else(|| PROGRAM.into()));
     let error = replace(command.args(&options.arguments));
