@@ -9,12 +9,14 @@ fn main() {
 /// working tree that differs.
 fn commit() -> String {
     let git = |args: &[&str]| {
-        let output = std::process::Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
+        // Reading must not write: a status that refreshed the index would have the next build run this again.
+        let mut git = std::process::Command::new("git");
+        let output = git.arg("--no-optional-locks").args(args).output().ok().filter(|o| o.status.success())?;
         Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
     // The index changes with every commit and checkout; in a worktree it is not under `.git`. The
     // sources decide whether the tree differs.
-    for sources in ["src", "../src", "../shaders-glsl", "../build.rs"] {
+    for sources in ["src", "truth/src", "../src", "../shaders-glsl", "../build.rs"] {
         println!("cargo:rerun-if-changed={sources}");
     }
     for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--path-format=absolute", "--git-path", f]))

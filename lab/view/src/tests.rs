@@ -56,7 +56,7 @@ pub(super) fn state() -> State {
 /// Copies the shaders to a folder, where they can be edited.
 pub(super) fn copied_shaders(folder: &Path) -> PathBuf {
     let root = folder.join("shaders");
-    copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders-glsl")), &root);
+    copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders-glsl")), &root);
     root
 }
 
