@@ -35,9 +35,10 @@ const MESSENGER: &str = "VK_EXT_debug_utils carries these very messages";
 pub const ALLOWED: &[Allowed] = &[
     Allowed { id: "UNASSIGNED-BestPractices-pipeline-stage-flags", versions: 0..LAYER_1_4, reason: FULL_BARRIERS },
     Allowed {
-        // The layer of 1.4.309 says it of ALL_COMMANDS, that of 1.4.341 no longer.
+        // The layer of 1.4.309 says it of ALL_COMMANDS, and a younger one no longer, which a browser brings and which calls
+        // itself 1.4.0.
         id: "BestPractices-pipeline-stage-flags2-compute",
-        versions: LAYER_1_4..vk::make_api_version(0, 1, 4, 310),
+        versions: vk::make_api_version(0, 1, 4, 1)..vk::make_api_version(0, 1, 4, 310),
         reason: FULL_BARRIERS,
     },
     Allowed {
