@@ -207,7 +207,7 @@ fn loss(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
     let is_not = |usual: f32| numbers().any(|v| v != usual);
     // The option -halo stands before the number.
-    let opacity = rest.strip_prefix("-halo").unwrap_or(rest).trim().split_whitespace().next();
+    let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
     match keyword {
         "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|v| v < 1.0) => Some(TRANSPARENCY),
         "tr" if is_not(0.0) => Some(TRANSPARENCY),
