@@ -1,6 +1,6 @@
 //! `ssct-view`: a window for viewing methods and tuning their parameters. `ssct view` starts it.
 //!
-//! [`state`] holds what the user changes, as plain data. [`viewer`] renders a frame whenever the state asks for
+//! [`state`](mod@state) holds what the user changes, as plain data. [`viewer`] renders a frame whenever the state asks for
 //! a different one. [`panel`] displays and changes the state. [`window`] connects both to the window system by
 //! [`presentation`], and [`script`] runs them without a user.
 
