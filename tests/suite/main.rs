@@ -63,5 +63,7 @@ mod unified;
 mod unified_stages;
 mod validation;
 mod video;
+#[cfg(unix)]
+mod view_command;
 mod world_shared_scenes;
 mod world_vs_gbuffer;

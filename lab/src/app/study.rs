@@ -3,7 +3,7 @@
 
 use super::cli::StudyOptions;
 use super::error_cells::{Plan as ErrorPlan, QUICK_ROUGHNESS, QUICK_SIZE};
-use super::run::Run;
+use super::run::{Last, Run};
 use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, Shown, TRUTH_FOLDER};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use crate::study::error::Variant;
 use crate::study::journal::Journal;
 use crate::study::table::{self, Compared, compare};
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, TimeRecord, other_devices};
+use crate::study::{Globals, Stage, TimeRecord, other_devices};
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -233,7 +233,7 @@ struct Written {
     page_bytes: usize,
 }
 
-impl Study<'_> {
+impl<'a> Study<'a> {
     /// The page.
     fn index(&self) -> PathBuf {
         self.pictures.path().join("index.html")
@@ -241,8 +241,9 @@ impl Study<'_> {
 
     /// Makes every part, and writes the page after each but the last.
     fn measure(&self, journal: &mut Journal, made: &mut Made) -> anyhow::Result<()> {
+        let mut last = Last::default();
         for (n, part) in self.parts.iter().enumerate() {
-            self.make(part, journal, made)?;
+            self.make(part, journal, made, &mut last)?;
             made.parts = n + 1;
             if made.parts < self.parts.len() {
                 self.write(journal, made)?;
@@ -254,12 +255,20 @@ impl Study<'_> {
         Ok(())
     }
 
-    fn make(&self, part: &Part, journal: &mut Journal, made: &mut Made) -> anyhow::Result<()> {
+    /// Makes a part. The views of a scene follow one another, so that its stage is kept as long as they last.
+    fn make(
+        &self,
+        part: &Part<'a>,
+        journal: &mut Journal,
+        made: &mut Made,
+        last: &mut Last<&'a str, Stage>,
+    ) -> anyhow::Result<()> {
         let (folder, step) = (self.pictures.path(), &mut || progress::step(&self.bar));
         match part {
             Part::Pictures(scene, view) => {
-                let shown = Shown { gpu: self.gpu, scene, view, size: self.plan.size, methods: &self.plan.methods };
-                made.views.push(study_pictures::of_view(&shown, folder, step)?);
+                let shown = Shown { scene, view, size: self.plan.size, methods: &self.plan.methods };
+                let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
+                made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
             Part::Errors(cells) => {
@@ -267,7 +276,8 @@ impl Study<'_> {
                 cells.measure(self.gpu, journal, None, Some(&images), &mut || self.bar.inc(1))?;
             }
             Part::Figures(scene) => {
-                made.figures = study_pictures::of_thesis(self.gpu, scene, folder, self.plan.size)?;
+                let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
+                made.figures = study_pictures::of_thesis(stage, scene, folder, self.plan.size)?;
                 step()?;
             }
             Part::OtherDevices(scene) => {

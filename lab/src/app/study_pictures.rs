@@ -2,7 +2,7 @@
 
 use super::reference;
 use crate::error::Result;
-use crate::gpu::{Gpu, Pixels};
+use crate::gpu::Pixels;
 use crate::methods::setup::CaptureCount;
 use crate::methods::{self, EffectParams, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
@@ -29,8 +29,6 @@ pub const GLOSSY: Globals = table::factors(0.1, 1.0);
 
 /// A view, and the methods that it is shown by.
 pub struct Shown<'a> {
-    /// The device.
-    pub gpu: &'a Gpu,
     /// The scene.
     pub scene: &'a Scene,
     /// The view.
@@ -41,15 +39,15 @@ pub struct Shown<'a> {
     pub methods: &'a [&'static MethodInfo],
 }
 
-/// A view: lit only, the truth, every method, and `unified` with captures. `step` is called after each of them.
-pub fn of_view(of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) -> Result<Gallery> {
-    let Shown { gpu, scene, view, size, methods } = *of;
+/// A view on its scene's stage: lit only, the truth, every method, and `unified` with captures. `step` is called after each of
+/// them.
+pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) -> Result<Gallery> {
+    let Shown { scene, view, size, methods } = *of;
     let plain = Setup::new(size);
     let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
     let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
     let with_captures = "unified with four captures, roughness 0.1".to_owned();
     let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();
-    let mut stage = Stage::new(gpu, scene)?;
     let camera = view.camera(scene, size);
     let materials = GLOSSY.materials(scene, view);
     let mut pictures = Vec::new();
@@ -61,8 +59,8 @@ pub fn of_view(of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) 
         Ok(())
     };
     for (n, (method, name, setup, caption)) in shown.iter().enumerate() {
-        let shot = Shot::new(&mut stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
-        let rendered = image::render(&mut stage, &shot, false)?;
+        let shot = Shot::new(stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
+        let rendered = image::render(stage, &shot, false)?;
         if n == 0 {
             let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
             picture(&lit, LIT, "direct light only".into())?;
@@ -82,7 +80,7 @@ pub fn of_view(of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) 
 }
 
 /// Figures 4.4, 4.5, 4.9 and 4.10 on a scene that has a view `corridor`.
-pub fn of_thesis(gpu: &Gpu, scene: &Scene, folder: &Path, size: [u32; 2]) -> Result<Vec<Picture>> {
+pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &Path, size: [u32; 2]) -> Result<Vec<Picture>> {
     let wanted = [
         (
             Figure::VisibilityChain,
@@ -113,15 +111,14 @@ pub fn of_thesis(gpu: &Gpu, scene: &Scene, folder: &Path, size: [u32; 2]) -> Res
             "Figure 4.10: first five levels of the mask buffer of SSLR",
         ),
     ];
-    let mut stage = Stage::new(gpu, scene)?;
     let mut pictures = Vec::new();
     for (figure, stem, extent, view, caption) in wanted {
         let view = scene.view(view)?;
         let camera = view.camera(scene, extent);
         let setup = figure.setup(&Setup::new(extent));
         let method = methods::find(figure.method())?;
-        let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
-        if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
+        let shot = Shot::new(stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
+        if let Some(all) = image::render(stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;
             pictures.push(Picture { file, name: stem.to_owned(), caption: caption.to_owned() });

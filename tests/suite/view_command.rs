@@ -1,0 +1,33 @@
+//! `ssct view`, which hands everything on to the window's program. The window itself is tested in tests/window.
+
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
+    // Hard links must stay on one file system, and a program finds itself by the name of its link.
+    let program = Path::new(env!("CARGO_BIN_EXE_ssct"));
+    let folder = tempfile::tempdir_in(program.parent().unwrap()).unwrap();
+    let own = folder.path().join("ssct");
+    std::fs::hard_link(program, &own).unwrap();
+    let view = |arguments: &[&str]| {
+        let output = Command::new(&own).arg("view").args(arguments).env("PATH", folder.path()).output().unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code(), out, err)
+    };
+    let (status, out, said) = view(&["--frames", "1"]);
+    assert_eq!((status, out.as_str(), said.lines().count()), (Some(1), "", 1), "{said}");
+    assert!(said.contains("no window") && said.contains("`make view` builds it"), "{said}");
+    // Everything is handed on, the help as well.
+    let window = folder.path().join("ssct-view");
+    symlink("/bin/echo", &window).unwrap();
+    assert_eq!(view(&["-h", "--scene", "rooms"]), (Some(0), "-h --scene rooms\n".into(), String::new()));
+    std::fs::remove_file(&window).unwrap();
+    symlink("/bin/false", &window).unwrap();
+    assert_eq!(view(&[]), (Some(1), String::new(), String::new()), "the status is the window's");
+    std::fs::remove_file(&window).unwrap();
+    symlink(folder.path(), &window).unwrap();
+    let (status, _, said) = view(&[]);
+    assert!(status == Some(1) && said.contains("cannot be started"), "{said}");
+}
