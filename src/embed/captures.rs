@@ -106,7 +106,7 @@ impl CaptureCubes {
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.
     ///
     /// # Safety
-    /// Errors of [`Reflections::record`](super::Reflections::record).
+    /// The contract is that of [`Reflections::record`](super::Reflections::record).
     pub unsafe fn record_face(
         &mut self,
         commands: vk::CommandBuffer,

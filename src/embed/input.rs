@@ -23,7 +23,7 @@ pub struct ImageInput {
     pub format: vk::Format,
     /// Width and height of the part in texels.
     pub extent: [u32; 2],
-    /// What the image was made for; `SAMPLED` must be among it, of numbers of triangles `STORAGE`.
+    /// What the image was made for; `SAMPLED` must be among it, and `STORAGE` for an image of triangle numbers.
     pub usage: vk::ImageUsageFlags,
     /// How the caller used it last.
     pub before: ImageUse,

@@ -150,7 +150,6 @@ impl Beyond {
         match (captures, triangles) {
             (None, None) => Ok(Self::Nothing),
             (Some(side), None) => Ok(Self::Captures(side)),
-            // Their number decides nothing once the passes are made.
             (None, Some(triangles)) => Ok(Self::Triangles(triangles.reading())),
             (Some(_), Some(_)) => Err(Error::Usage(
                 "captures and triangles are given: the rays that the screen loses go on in one of them".into(),
@@ -158,7 +157,8 @@ impl Beyond {
         }
     }
 
-    /// Whether passes that were made for this may be given other triangles or captures.
+    /// Whether passes that were made for this may be given that: as many triangles as the caller likes, since their number
+    /// decides nothing once the passes are made.
     fn takes(self, given: Self) -> bool {
         match (self, given) {
             (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },

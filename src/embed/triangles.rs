@@ -41,7 +41,7 @@ impl Triangles {
     /// them. It needs the crate's feature `tree`.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the mesh that is none, and why; [`Error::Memory`].
+    /// [`Error::Usage`] with the number of a mesh that is wrong, and why; [`Error::Memory`] without memory.
     #[cfg(feature = "tree")]
     pub fn new(context: &Context, meshes: &[TriangleMesh]) -> Result<Self> {
         let meshes: Vec<(Mesh, Material)> =
@@ -60,7 +60,7 @@ impl Triangles {
     /// [`Error::Usage`] if it was recorded before; [`Error::Vulkan`] from the device.
     ///
     /// # Safety
-    /// Errors of [`Reflections::record`](super::Reflections::record).
+    /// The contract is that of [`Reflections::record`](super::Reflections::record).
     pub unsafe fn record_upload(&mut self, commands: vk::CommandBuffer) -> Result<()> {
         if self.is_recorded {
             return Err(Error::Usage("the triangles were uploaded before: make others where something moved".into()));
