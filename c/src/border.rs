@@ -163,7 +163,7 @@ pub unsafe fn take<T: Growing>(argument: &str, at: *const T) -> Outcome<T> {
 /// Returns the size that a struct of the caller's states.
 ///
 /// # Safety
-/// Errors of [`take`].
+/// The contract is that of [`take`].
 pub unsafe fn size_of_theirs<T: Growing>(argument: &str, at: *const T) -> Outcome<usize> {
     if at.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));

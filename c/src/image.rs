@@ -237,7 +237,7 @@ pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
 /// The camera as the door takes it.
 ///
 /// # Safety
-/// Errors of [`image`].
+/// The contract is that of [`image`].
 pub unsafe fn camera(at: *const SsctCamera) -> Outcome<CameraInput> {
     // SAFETY: by the contract.
     let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", at) }?;
@@ -247,7 +247,7 @@ pub unsafe fn camera(at: *const SsctCamera) -> Outcome<CameraInput> {
 /// Normals as the door takes them.
 ///
 /// # Safety
-/// Errors of [`image`].
+/// The contract is that of [`image`].
 pub unsafe fn normals(at: *const SsctNormals) -> Outcome<NormalInput> {
     // SAFETY: by the contract.
     let (normals, image) = unsafe {
@@ -272,7 +272,7 @@ pub unsafe fn normals(at: *const SsctNormals) -> Outcome<NormalInput> {
 /// A factor as the door takes it.
 ///
 /// # Safety
-/// Errors of [`image`].
+/// The contract is that of [`image`].
 pub unsafe fn factor(argument: &str, at: *const SsctFactor) -> Outcome<FactorInput> {
     // SAFETY: by the contract.
     unsafe {

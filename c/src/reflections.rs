@@ -406,7 +406,7 @@ unsafe fn captures<'a>(at: *const SsctCaptureCubes) -> Outcome<Option<&'a Captur
 /// The triangles that a frame is given.
 ///
 /// # Safety
-/// Errors of [`captures`].
+/// The contract is that of [`captures`].
 unsafe fn triangles<'a>(at: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
     // SAFETY: by the contract.
     unsafe { at.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()

@@ -295,7 +295,7 @@ pub(super) fn open_device(
 /// A device of somebody else, with all that its handles share.
 ///
 /// # Safety
-/// Errors of [`Gpu::of_others`](super::Gpu::of_others).
+/// The contract is that of [`Gpu::of_others`](super::Gpu::of_others).
 pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     let DeviceHandles { entry, instance, physical, device, queue_family, enabled, debug_utils, memory } = device;
     // SAFETY: by the contract, the physical device belongs to the instance.
