@@ -29,6 +29,8 @@
 //!     color,
 //!     sky: None,
 //!     captures: None,
+//!     triangles: None,
+//!     triangle_numbers: None,
 //!     timed: false,
 //!     outputs: ssct::ImageUse::FRAGMENT_SAMPLED,
 //! };
