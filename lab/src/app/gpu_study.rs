@@ -6,8 +6,8 @@ use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::setup::CaptureCount;
-use crate::methods::unified::UnifiedParams;
+use crate::methods::setup::{BeyondScreen, CaptureCount};
+use crate::methods::unified::{First, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::passes::tiles::TileStage;
@@ -32,6 +32,9 @@ const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 
 /// Roughness values at which the passes of `unified` are compared, so that each is among them.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
+
+/// Roughness values at which the screen and the triangles are asked first: a mirror, and a narrow lobe.
+const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
 /// Side of the image that is copied, in texels of four bytes: larger than caches.
 const COPIED: u32 = 4096;
@@ -104,7 +107,8 @@ impl Plan {
         // Without captures the method `captures` shows nothing.
         let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
         let plain = Variant::of(&plain, &setup).into_iter();
-        let variants = plain.chain(Variant::of(&[&unified::INFO, &captures::INFO], &captured)).collect();
+        let beyond = [among_triangles(&setup, First::Auto)].into_iter();
+        let variants = plain.chain(beyond).chain(Variant::of(&[&unified::INFO, &captures::INFO], &captured)).collect();
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
@@ -113,6 +117,13 @@ impl Plan {
         let variants = Variant::of(&table_5_8::methods(), &Setup::new(self.size));
         let globals = table_5_8::ROUGHNESS.map(|roughness| table_5_8::factors(roughness, 1.0)).to_vec();
         self.time(gpu, place, variants, self.table_sizes.clone(), globals)
+    }
+
+    /// `unified` with its rays asked of the screen first, and of the scene's triangles: which is cheaper depends on the
+    /// number of triangles and on the device.
+    fn first<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
+        let variants = [First::Screen, First::Triangles].map(|first| among_triangles(&Setup::new(self.size), first));
+        self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
     }
 
     /// `unified` with every pass as a fragment shader, and as a compute shader.
@@ -125,6 +136,12 @@ impl Plan {
         let variants = [TileStage::Fragment, TileStage::Compute].map(of).to_vec();
         self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
     }
+}
+
+/// `unified`, whose rays end among the scene's triangles.
+fn among_triangles(setup: &Setup, first: First) -> Variant {
+    let setup = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles);
+    Variant { method: &unified::INFO, setup: setup.with(|p: &mut UnifiedParams| p.first = first) }
 }
 
 fn of_roughness(roughness: f32) -> Globals {
@@ -149,8 +166,9 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let table_place = place(TABLE_VIEW)?;
     let table = plan.table(&gpu, &table_place);
     let methods: Vec<_> = places.iter().map(|place| plan.methods(&gpu, place)).collect();
+    let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let timed = || methods.iter().chain([&table, &stages]);
+    let timed = || methods.iter().chain(&first).chain([&table, &stages]);
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
     let mut measure = || -> Result<Findings> {
@@ -162,8 +180,9 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let outcome = measure();
     bar.finish_and_clear();
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
-    let methods = methods.iter().flat_map(records).collect();
-    let times = DeviceTimes { table: records(&table), methods, stages: records(&stages) };
+    let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
+    let (methods, first) = (all_of(&methods), all_of(&first));
+    let times = DeviceTimes { table: records(&table), methods, first, stages: records(&stages) };
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())

@@ -26,6 +26,8 @@ pub struct DeviceTimes {
     pub table: Vec<TimeRecord>,
     /// Every method on every view.
     pub methods: Vec<TimeRecord>,
+    /// `unified` on each view and at each roughness, with the screen and then the triangles asked first.
+    pub first: Vec<TimeRecord>,
     /// `unified` at each roughness, in fragment and then in compute shaders.
     pub stages: Vec<TimeRecord>,
 }
@@ -33,7 +35,7 @@ pub struct DeviceTimes {
 impl DeviceTimes {
     /// All of them.
     pub fn all(&self) -> Vec<TimeRecord> {
-        [&self.table[..], &self.methods, &self.stages].concat()
+        [&self.table[..], &self.methods, &self.first, &self.stages].concat()
     }
 }
 
@@ -101,7 +103,13 @@ fn page(
                 "Fragment and compute",
                 "Each pass of unified as a fragment shader and as a compute shader, timed in turn. Both make the same image. \
                  Where the ratio is below 1, compute is faster.",
-                &stage_cells(&times.stages),
+                &pair_cells(&times.stages, ["fragment", "compute"]),
+            ),
+            (
+                "Screen and triangles",
+                "unified with its rays asked of the screen first, and of the scene's triangles, timed in turn. Both end a ray \
+                 where the scene does. Where the ratio is below 1, the triangles alone are faster.",
+                &pair_cells(&times.first, ["screen", "triangles"]),
             ),
             (
                 "Rates",
@@ -177,19 +185,20 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// Each pass in fragment shaders beside the same pass in compute shaders.
-fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
-    let mut rows = header(&["view", "size", "roughness", "pass", "fragment ms", "compute ms", "compute / fragment"]);
+/// The passes that two variants of a method have in common, and their totals; records come in pairs of the two.
+fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String>> {
+    let [one_ms, other_ms] = [format!("{one} ms"), format!("{other} ms")];
+    let mut rows = header(&["view", "size", "roughness", "pass", &one_ms, &other_ms, &format!("{other} / {one}")]);
     let medians = |r: &TimeRecord| -> Vec<(String, f64)> {
         let passes = r.passes.iter().filter(|p| p.counted).map(|p| (p.name.clone(), p.stats.median_ms));
         passes.chain([("total".to_owned(), r.total.median_ms)]).collect()
     };
-    for (fragment, compute) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
-        let beside = medians(compute);
-        for (name, ms) in medians(fragment) {
+    for (first, second) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
+        let beside = medians(second);
+        for (name, ms) in medians(first) {
             let Some((_, other_ms)) = beside.iter().find(|(n, _)| *n == name) else { continue };
             let ratio = if ms > 0.0 { format!("{:.2}", other_ms / ms) } else { "-".to_owned() };
-            let mut row = place(&fragment.head);
+            let mut row = place(&first.head);
             row.extend([name, format!("{ms:.4}"), format!("{other_ms:.4}"), ratio]);
             rows.push(row);
         }
