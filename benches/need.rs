@@ -111,7 +111,7 @@ fn main() {
         for view in &scene.views {
             let materials = || globals.materials(&scene, view);
             let seen = view.camera(&scene, SIZE);
-            let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, seen, materials())
+            let shot = Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, seen, materials())
                 .expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
@@ -126,11 +126,11 @@ fn main() {
             let covered = covered(&parts[1]);
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
-            let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, None)
+            let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, None)
                 .expect("the effect");
             let shots = GROWTH.map(|size| {
                 let seen = view.camera(&scene, size);
-                Shot::new(&mut stage, &unified::INFO, &Setup::new(size), Wants::IMAGE, seen, materials())
+                Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(size), Wants::IMAGE, seen, materials())
                     .expect("a shot")
             });
 

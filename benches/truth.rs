@@ -31,7 +31,7 @@ type Place = Option<[f64; 2]>;
 
 fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
-    let setup = Setup::new(size);
+    let setup = Setup::on_screen(size);
     let shot = Shot::new(stage, &thesis::INFO, &setup, Wants::HITS, view.camera(scene, size), materials.clone())
         .expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures unified, ssct and hzct on the same frames: times and errors of the views behind the README's ratios.
+# Measures unified on the screen alone, ssct and hzct on the same frames: times and errors of the views behind the README's ratios.
 #
 #   scripts/bars.sh OUT [SCENES]     SCENES contains ssct-rooms/ and sponza/; without it, only built-in scenes are used
 #
@@ -17,7 +17,7 @@ views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2
     local common=(--scene "$scene" --method ssct,hzct,unified --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}" --json
-        --oracle "${ORACLE:-1}")
+        --oracle "${ORACLE:-1}" --beyond none)
     for view in "$@"; do
         if [ "${WHAT:-time}" = time ]; then # both are made unless WHAT selects one
             "$ssct" time "${common[@]}" --view "$view" --size "${SIZES:-960x540,641x479}" \

@@ -509,7 +509,7 @@ fn triangles_for(
 ) -> Result<Option<TriangleReading>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
-    if !(is_all || info.takes_triangles && effect.beyond() == BeyondScreen::Triangles) {
+    if !(is_all || info.takes_triangles && effect.beyond(scene.is_some()) == BeyondScreen::Triangles) {
         return Ok(None);
     }
     let refused = || {

@@ -36,7 +36,8 @@ choices! {
 choices! {
     /// Where rays go on that the screen loses.
     pub enum BeyondScreen {
-        /// In captures where some are asked for, else nowhere.
+        /// In captures where some are asked for; else nowhere with a fallback, which shows there, and with several bounces,
+        /// which end on the screen; else among the triangles of the scene, where there is one.
         Auto = "auto",
         /// Nowhere: the screen is all there is.
         None = "none",
@@ -194,12 +195,15 @@ parameters! {
 }
 
 impl EffectParams {
-    /// Where a method that can do either follows the rays that the screen loses.
-    pub fn beyond(&self) -> BeyondScreen {
-        match (self.beyond, self.captures) {
-            (BeyondScreen::Auto, CaptureCount::None) => BeyondScreen::None,
-            (BeyondScreen::Auto, _) => BeyondScreen::Captures,
-            (said, _) => said,
+    /// Where a method that can do either follows the rays that the screen loses, with the scene or without.
+    pub fn beyond(&self, has_scene: bool) -> BeyondScreen {
+        match self.beyond {
+            BeyondScreen::Auto if self.captures != CaptureCount::None => BeyondScreen::Captures,
+            BeyondScreen::Auto if has_scene && self.fallback == Fallback::None && self.bounces == 1 => {
+                BeyondScreen::Triangles
+            },
+            BeyondScreen::Auto => BeyondScreen::None,
+            said => said,
         }
     }
 
@@ -231,6 +235,11 @@ impl Setup {
     /// The published values at a size.
     pub fn new(extent: [u32; 2]) -> Self {
         Self { extent, values: Values::default() }
+    }
+
+    /// The published values at a size, for methods whose rays all end on the screen.
+    pub fn on_screen(extent: [u32; 2]) -> Self {
+        Self::new(extent).with(|p: &mut EffectParams| p.beyond = BeyondScreen::None)
     }
 
     /// Returns this setup at another size.

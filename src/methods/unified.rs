@@ -122,7 +122,7 @@ choices! {
 parameters! {
     /// Who answers rays in `unified`, and the shader stages in which it runs.
     pub struct UnifiedParams {
-        /// Who is asked first where a ray ends, with --beyond triangles: the screen, whose rays go on among the triangles where
+        /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among the triangles where
         /// it loses them; or the triangles, and no ray walks over the screen. auto: the triangles of a scene with few of them.
         first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the

@@ -102,8 +102,9 @@ impl Plan {
 
     /// Every method, and with captures those that look into them.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
-        let setup = Setup::new(self.size);
-        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
+        let setup = Setup::on_screen(self.size);
+        let captured =
+            Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // Without captures the method `captures` shows nothing.
         let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
         let plain = Variant::of(&plain, &setup).into_iter();
@@ -129,7 +130,7 @@ impl Plan {
     /// `unified` with every pass as a fragment shader, and as a compute shader.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let of = |stage| {
-            let setup = Setup::new(self.size);
+            let setup = Setup::on_screen(self.size);
             let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
             Variant { method: &unified::INFO, setup }
         };
@@ -213,7 +214,7 @@ fn findings(
 ) -> Result<Findings> {
     let mut steps = Vec::new();
     for (scene, view) in places {
-        let (globals, methods, setup) = (of_roughness(0.0), Vec::new(), Setup::new(plan.size));
+        let (globals, methods, setup) = (of_roughness(0.0), Vec::new(), Setup::on_screen(plan.size));
         let spec = AgreementSpec { scene, view, globals, methods, setup };
         steps.extend(steps::count(gpu, scene, view, &spec.globals, &agreement::draw(gpu, &spec)?)?);
         progress::step(bar)?;
@@ -224,7 +225,7 @@ fn findings(
         view,
         globals: of_roughness(roughness),
         methods: METHODS.iter().collect(),
-        setup: Setup::new(KEPT_SIZE),
+        setup: Setup::on_screen(KEPT_SIZE),
     });
     keep(gpu, &options.output.join(KEPT), &kept_specs)?;
     let (mut same, mut drawn) = (Vec::new(), Vec::new());

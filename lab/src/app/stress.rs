@@ -81,7 +81,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         for (scene, place) in places.iter().filter(|(_, p)| own.contains(&p.name)) {
             kept(journal, key(&place.name), &bar, || {
                 let make =
-                    || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::new(SCENE_SIZE), &methods);
+                    || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::on_screen(SCENE_SIZE), &methods);
                 stress::run_place(&gpu, place, last.of((&scene.name, place.offset), make)?)
             })?;
         }
@@ -99,7 +99,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
                 continue;
             }
             kept(journal, key(&name), &bar, || {
-                let make = || SceneLineup::new(&gpu, (*scene).clone(), &Setup::new(spec.extent), &methods);
+                let make = || SceneLineup::new(&gpu, (*scene).clone(), &Setup::on_screen(spec.extent), &methods);
                 motion::run(&gpu, spec, *motion, last.of((&scene.name, spec.extent), make)?)
             })?;
         }
@@ -167,7 +167,7 @@ fn list(
     scenes: &[Scene],
     cases: Vec<(String, String)>,
 ) -> CellList {
-    let setup = Setup::new(SCENE_SIZE);
+    let setup = Setup::on_screen(SCENE_SIZE);
     let set: Vec<_> = methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
     let scenes: Vec<(String, String)> = scenes.iter().map(|s| (s.name.clone(), journal::scene_digest(s))).collect();
     let digests: Vec<&String> = scenes.iter().map(|(_, digest)| digest).collect();

@@ -260,7 +260,7 @@ pub fn measure(
         // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
         let among_triangles = variant.method.takes_triangles
-            && (!variant.method.is_screen_space() || variant.setup.effect().beyond() == BeyondScreen::Triangles);
+            && (!variant.method.is_screen_space() || variant.setup.effect().beyond(true) == BeyondScreen::Triangles);
         if variant.method.is_screen_space() || among_triangles {
             let setup = alone(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;
@@ -402,9 +402,10 @@ fn totals(
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
 }
 
-/// A method without what lies behind it.
+/// A method without what lies behind it, whose rays go where they go in front of that.
 fn alone(setup: &Setup) -> Setup {
-    setup.with(|p: &mut EffectParams| p.fallback = Fallback::None)
+    let beyond = setup.effect().beyond(true);
+    setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
 }
 
 /// The display image: 3 bytes a pixel.

@@ -41,7 +41,7 @@ impl ScreenLineup {
     /// Makes the methods; those that see more than the screen are left out.
     pub fn new(gpu: &Gpu, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
-        let setup = Setup::new(extent);
+        let setup = Setup::on_screen(extent);
         let mut effects = Vec::new();
         for method in methods.iter().filter(|m| m.is_screen_space()) {
             effects.push((*method, Effect::new(&mut context, method, &setup, Wants::HITS, None)?));

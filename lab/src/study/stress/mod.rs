@@ -132,7 +132,7 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
-        let setup = Setup::new(case.extent());
+        let setup = Setup::on_screen(case.extent());
         let judged = Judged { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
         records.push(made.judge(gpu, &judged, method, &data, truth.as_ref()));
     }
