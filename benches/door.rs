@@ -52,8 +52,8 @@ fn main() {
         for view in &scene.views {
             for method in ["unified", "ssct", "hzct"].map(|name| methods::find(name).expect("a method")) {
                 let (camera, materials) = (view.camera(&scene, SIZE), globals.materials(&scene, view));
-                let shot =
-                    Shot::new(&mut stage, method, &Setup::on_screen(SIZE), Wants::IMAGE, camera, materials).expect("a shot");
+                let shot = Shot::new(&mut stage, method, &Setup::on_screen(SIZE), Wants::IMAGE, camera, materials)
+                    .expect("a shot");
                 let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
                 let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
                 let theirs = Theirs::new(&mut engine, &data, NATIVE);

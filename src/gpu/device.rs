@@ -52,6 +52,13 @@ pub struct DeviceInfo {
     pub kind: String,
 }
 
+impl DeviceInfo {
+    /// Whether the device is a driver that computes on the CPU.
+    pub fn is_cpu(&self) -> bool {
+        self.kind == "CPU"
+    }
+}
+
 /// How finely a device rasterises and filters: the fractional bits of its fixed-point numbers, as it states them.
 #[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize, PartialEq, Eq)]
 pub struct Precision {

@@ -201,7 +201,7 @@ impl EffectParams {
             BeyondScreen::Auto if self.captures != CaptureCount::None => BeyondScreen::Captures,
             BeyondScreen::Auto if has_scene && self.fallback == Fallback::None && self.bounces == 1 => {
                 BeyondScreen::Triangles
-            },
+            }
             BeyondScreen::Auto => BeyondScreen::None,
             said => said,
         }

@@ -119,6 +119,30 @@ choices! {
     }
 }
 
+choices! {
+    /// The shaders in which passes of `unified` run.
+    pub enum StageChoice {
+        /// Fragment shaders on a device that is a CPU, compute shaders on any other.
+        Auto = "auto",
+        /// Fragment shaders, drawn over tiles as points or over the whole image.
+        Fragment = "fragment",
+        /// Compute shaders, in workgroups over tiles or over the whole image.
+        Compute = "compute",
+    }
+}
+
+impl StageChoice {
+    /// The stage that passes have on a device.
+    fn on(self, gpu: &Gpu) -> TileStage {
+        match self {
+            Self::Fragment => TileStage::Fragment,
+            Self::Compute => TileStage::Compute,
+            Self::Auto if gpu.info().is_cpu() => TileStage::Fragment,
+            Self::Auto => TileStage::Compute,
+        }
+    }
+}
+
 parameters! {
     /// Who answers rays in `unified`, and the shader stages in which it runs.
     pub struct UnifiedParams {
@@ -126,11 +150,11 @@ parameters! {
         /// it loses them; or the triangles, and no ray walks over the screen. auto: the triangles of a scene with few of them.
         first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
-        /// same; on lavapipe fragment shaders are faster, on another device compute shaders may be (docs/unified.md).
-        trace_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
+        /// same, and which is faster depends on the device (docs/unified.md).
+        trace_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
         /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide). The image is the
         /// same.
-        resolve_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
+        resolve_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
     }
 }
 
@@ -212,12 +236,12 @@ impl UnifiedMethod {
             (Some(_), First::Triangles) => false,
             (Some(triangles), First::Auto) => triangles.count > FIRST_UP_TO,
         };
-        Self::with(gpu, making, screen, [trace_stage, resolve_stage])
+        Self::with(gpu, making, screen, [trace_stage, resolve_stage].map(|stage| stage.on(gpu)))
     }
 
     /// Makes it without a walk over the screen: every ray goes among the triangles.
     pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
-        Self::with(gpu, making, false, [TileStage::Fragment; 2])
+        Self::with(gpu, making, false, [StageChoice::Auto.on(gpu); 2])
     }
 
     fn with(gpu: &Gpu, making: &Making, screen: bool, [trace, resolve]: [TileStage; 2]) -> Result<Self> {

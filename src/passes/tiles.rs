@@ -11,17 +11,15 @@ use crate::gpu::shader::{TileListBlock, UnifiedBlock};
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Target};
 use crate::math::OracleVersion;
 use crate::math::constants::{LISTS, TILE_SIDE};
-use crate::parameter::choices;
 use ash::vk;
 
-choices! {
-    /// The stage of a device in which a program over tiles runs.
-    pub enum TileStage {
-        /// Fragment shaders, drawn over tiles as points or over the whole image.
-        Fragment = "fragment",
-        /// Compute shaders, in workgroups over tiles or over the whole image.
-        Compute = "compute",
-    }
+/// The stage of a device in which a program over tiles runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TileStage {
+    /// Fragment shaders, drawn over tiles as points or over the whole image.
+    Fragment,
+    /// Compute shaders, in workgroups over tiles or over the whole image.
+    Compute,
 }
 
 /// Pixels along a side of a tile.

@@ -9,28 +9,28 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu};
 use ssct::math::OracleVersion::{self, V1, V2};
 use ssct::methods::setup::{CaptureCount, HistoryUse};
+use ssct::methods::unified::StageChoice::{self, Compute, Fragment};
 use ssct::methods::unified::UnifiedParams;
 use ssct::methods::{EffectParams, Fallback, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
-use ssct::passes::tiles::TileStage::{self, Compute, Fragment};
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::{Reflections, ReflectionsInfo};
 use ssct_lab::scene::{Camera, Capture, GBufferData, Scene, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
-const STAGES: [[TileStage; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
+const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
 
 /// What a frame made: the bits of its images by their names, and the passes that it recorded.
 type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
 
-fn in_stages(setup: &Setup, stages: [TileStage; 2]) -> Setup {
+fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
     setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages)
 }
 
 /// Holds the images and the passes of each pair of stages against those of fragment shaders.
-fn check_same(what: &str, mut make: impl FnMut([TileStage; 2]) -> Made) {
+fn check_same(what: &str, mut make: impl FnMut([StageChoice; 2]) -> Made) {
     let (expected, passes) = make(STAGES[0]);
     // Compiling an instrumented shader takes half a minute.
     let tried = if is_gpu_assisted() { &STAGES[1..2] } else { &STAGES[1..] };
@@ -194,6 +194,6 @@ fn through_the_door_both_stages_make_the_same_image() {
     let compute = show(&[("trace-stage", "compute"), ("resolve_stage", "compute")]).unwrap();
     assert!(fragment == compute && fragment[1].iter().any(|b| *b != 0));
     let refused = show(&[("trace-stage", "vertex")]).err().unwrap().to_string();
-    assert!(refused.contains("trace-stage") && refused.contains("fragment, compute"), "{refused}");
+    assert!(refused.contains("trace-stage") && refused.contains("auto, fragment, compute"), "{refused}");
     gpu.check_validation().unwrap();
 }

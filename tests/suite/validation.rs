@@ -14,21 +14,21 @@ use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
-use ssct::methods::unified::UnifiedParams;
+use ssct::methods::unified::{StageChoice, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
-use ssct::passes::tiles::{ARGUMENT_BYTES, TileStage};
+use ssct::passes::tiles::ARGUMENT_BYTES;
 use ssct_lab::scene::View;
 use ssct_lab::study::image::render;
 use ssct_lab::study::{Globals, Shot, Stage};
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
-    use TileStage::{Compute, Fragment};
+    use StageChoice::{Compute, Fragment};
     let usual = Setup::new(extent);
     // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
     // of the time.

@@ -7,10 +7,9 @@ use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::setup::{BeyondScreen, CaptureCount};
-use crate::methods::unified::{First, UnifiedParams};
+use crate::methods::unified::{First, StageChoice, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
-use crate::passes::tiles::TileStage;
 use crate::report::gpu_study_report::{self as report, DeviceTimes, Findings, LayerMessages};
 use crate::report::{files, kept_images};
 use crate::scene::{Scene, View, library};
@@ -103,8 +102,7 @@ impl Plan {
     /// Every method, and with captures those that look into them.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
-        let captured =
-            Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
+        let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // Without captures the method `captures` shows nothing.
         let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
         let plain = Variant::of(&plain, &setup).into_iter();
@@ -134,7 +132,7 @@ impl Plan {
             let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
             Variant { method: &unified::INFO, setup }
         };
-        let variants = [TileStage::Fragment, TileStage::Compute].map(of).to_vec();
+        let variants = [StageChoice::Fragment, StageChoice::Compute].map(of).to_vec();
         self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
     }
 }

@@ -80,8 +80,9 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         let mut last = Last::default();
         for (scene, place) in places.iter().filter(|(_, p)| own.contains(&p.name)) {
             kept(journal, key(&place.name), &bar, || {
-                let make =
-                    || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::on_screen(SCENE_SIZE), &methods);
+                let make = || {
+                    SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::on_screen(SCENE_SIZE), &methods)
+                };
                 stress::run_place(&gpu, place, last.of((&scene.name, place.offset), make)?)
             })?;
         }
