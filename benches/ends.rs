@@ -94,7 +94,7 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let codes = hits.texels().map(|t| PathCode::from_channel(t[3]).unwrap_or(PathCode::None));
 
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
-    let first = FirstHits::from_gbuffer(&data);
+    let first = FirstHits::shown(&world, &data);
     let reference = WorldReference::by(DefinitionsVersion::V2, &world, &first, &data.camera, Escape::Environment, 2);
     let mut state = reference.start();
     reference.add(&mut state, RAYS);

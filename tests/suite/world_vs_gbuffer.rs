@@ -15,6 +15,8 @@ const SIZE: [u32; 2] = [240, 135];
 /// The corridor of the rooms as both see it.
 struct Both {
     first_hits: FirstHits,
+    /// The points that the G-buffer shows.
+    shown: FirstHits,
     camera: Camera,
     gbuffer: GBufferData,
     hits: Vec<WorldHit>,
@@ -57,8 +59,8 @@ fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
     };
     let world = World::new(scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, SIZE);
-    let hits = world_hits(&world, &gbuffer);
-    Both { first_hits, camera, gbuffer, hits }
+    let (shown, hits) = (FirstHits::shown(&world, &gbuffer), world_hits(&world, &gbuffer));
+    Both { first_hits, shown, camera, gbuffer, hits }
 }
 
 /// Whether a pixel and its eight neighbours lie on one smooth surface: 1/z is linear in the image on
@@ -193,7 +195,7 @@ fn normals_agree_and_face_the_camera() {
 #[test]
 fn mirror_rays_do_not_meet_the_surface_that_they_leave() {
     let both = both(0.0, true);
-    let from = FirstHits::from_gbuffer(&both.gbuffer);
+    let from = &both.shown;
     let (mut rays, mut visible, mut furthest_off) = (0, 0, 0.0_f64);
     for (i, hit) in both.hits.iter().enumerate() {
         let (Some(start), Some(surface)) = (from.receivers[i], both.first_hits.receivers[i]) else { continue };

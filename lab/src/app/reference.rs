@@ -101,7 +101,7 @@ fn sample(
 /// it is not sampled again.
 pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
     let world = World::new(scene, materials);
-    let first_hits = FirstHits::from_gbuffer(data);
+    let first_hits = FirstHits::shown(&world, data);
     let definitions = DefinitionsVersion::default();
     let reference = WorldReference::by(definitions, &world, &first_hits, &data.camera, Escape::Environment, 1);
     let target =

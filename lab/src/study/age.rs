@@ -173,7 +173,7 @@ impl Truth {
         for mesh in scene.meshes.iter_mut().filter(|m| spec.moving.contains(&m.name)) {
             mesh.translate(offset);
         }
-        let first_hits = FirstHits::from_gbuffer(&screen);
+        let first_hits = FirstHits::shown(&World::new(&scene, materials), &screen);
         let definitions = spec.setup.effect().definitions;
         let seen = |scene: &Scene| {
             let world = World::new(scene, materials);

@@ -318,7 +318,7 @@ impl Truth {
     ) -> Result<()> {
         let (definitions, bounces) = world_of(spec.variants)?;
         let world = World::new(scene, materials);
-        let first_hits = FirstHits::from_gbuffer(&screen);
+        let first_hits = FirstHits::shown(&world, &screen);
         // One seed for all frames: what is left of a pixel's noise in the difference of two is its change.
         let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
             .with_bounces(bounces);

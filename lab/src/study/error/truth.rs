@@ -105,7 +105,7 @@ pub(super) fn truth(
     let screens_s = laps.lap();
 
     let triangles = World::new(spec.scene, materials);
-    let first_hits = FirstHits::from_gbuffer(&data);
+    let first_hits = FirstHits::shown(&triangles, &data);
     let mut world = |escape| {
         let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
             .with_bounces(bounces);
@@ -158,7 +158,7 @@ pub(super) fn sample_worlds(
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<()> {
     let triangles = World::new(spec.scene, materials);
-    let first_hits = FirstHits::from_gbuffer(data);
+    let first_hits = FirstHits::shown(&triangles, data);
     let second = has_world_and_environment(spec, definitions).then_some(Escape::Environment);
     for escape in std::iter::once(Escape::Black).chain(second) {
         let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)

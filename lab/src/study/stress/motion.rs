@@ -215,7 +215,7 @@ fn world_image(
     (definitions, bounces): (DefinitionsVersion, u32),
     rays: u32,
 ) -> Vec<Vec3> {
-    let first_hits = FirstHits::from_gbuffer(screen);
+    let first_hits = FirstHits::shown(world, screen);
     let reference =
         WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Black, 3).with_bounces(bounces);
     let mut state = reference.start();

@@ -8,6 +8,10 @@ use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
+/// How far a depth of a G-buffer may lie from its surface, as a share of the distance. A vertex is rounded by half a 256th of a
+/// pixel on most devices, which at a slope of four times the distance a pixel is this much.
+const STORED_DEPTH_ERROR: f64 = 1.0 / 128.0;
+
 /// The first surfaces of an image; rows from the top, pixel (i, j) at `j · width + i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstHits {
@@ -163,6 +167,24 @@ impl FirstHits {
                 reflectivity: f64::from(gbuffer.reflectivity[index]),
             }));
         }
+        all
+    }
+
+    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet that world. A device
+    /// that rounds vertices to fractions of a pixel puts its depths beside the surface, by millimetres where the eye sees it
+    /// at a grazing angle, and rays from there would meet the surface itself. Where the world has nothing near a depth, its
+    /// point stays.
+    pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
+        let mut all = Self::from_gbuffer(gbuffer);
+        let eye = gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
+        all.receivers.par_iter_mut().flatten().for_each(|receiver| {
+            let (direction, stored) = (receiver.incoming, receiver.position.distance(eye));
+            let [t_min, t_max] = [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| stored * (1.0 + error));
+            let ray = WorldRay { origin: eye, direction, t_min, t_max };
+            if let Some(hit) = world.closest(&ray) {
+                receiver.position = ray.at(hit.t);
+            }
+        });
         all
     }
 

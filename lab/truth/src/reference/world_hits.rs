@@ -43,9 +43,9 @@ impl WorldHit {
     }
 }
 
-/// Traces the mirror ray of each reflecting pixel, from the pixel's own depth and normal; rows from the top.
+/// Traces the mirror ray of each reflecting pixel, from the point that it shows and by its own normal; rows from the top.
 pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
-    let first_hits = FirstHits::from_gbuffer(gbuffer);
+    let first_hits = FirstHits::shown(world, gbuffer);
     let screen = ShownPlaces::new(gbuffer, &first_hits);
     first_hits
         .receivers

@@ -365,6 +365,32 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     }
 }
 
+/// Depths that a device has rounded lie beside their surfaces; what they show is still the surface, unless it is another.
+#[test]
+fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
+    let (scene, materials, camera) = corridor();
+    let world = World::new(&scene, &materials);
+    let traced = FirstHits::trace(&world, &camera, [30, 20]);
+    let mut gbuffer = testing::traced(&world, &camera, [30, 20]);
+    // Reversed depth is all but inverse to the distance, so that its error is the distance's.
+    for (i, depth) in gbuffer.depth.iter_mut().enumerate() {
+        *depth *= if i % 7 == 0 { 0.9 } else { 1.001 };
+    }
+    let [read, shown] = [FirstHits::from_gbuffer(&gbuffer), FirstHits::shown(&world, &gbuffer)];
+    let mut moved = 0;
+    for (i, surface) in traced.receivers.iter().enumerate() {
+        let Some(surface) = surface else { continue };
+        let of = |hits: &FirstHits| hits.receivers[i].unwrap().position;
+        if i % 7 == 0 {
+            assert_eq!(of(&shown), of(&read), "pixel {i} shows something else");
+        } else {
+            assert!(of(&shown).distance(surface.position) < 1e-6, "pixel {i}: {} of {}", of(&shown), surface.position);
+            moved += u32::from(of(&read).distance(surface.position) > 1e-4);
+        }
+    }
+    assert!(moved > 200, "{moved}");
+}
+
 #[test]
 fn version_1_takes_the_same_rays_as_ever() {
     let (scene, mut materials, camera) = corridor();
