@@ -168,14 +168,14 @@ parameters! {
         /// How far from the mean of what the pixels around show the history may lie.
         history_deviations: f32 =
             Parameter::new(1.0).between(0.0, 100.0).unit("standard deviations").source("Salvi 2016"),
-        /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
+        /// What unified hits on the screen alone, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
         /// those that it can have come to from in front.
-        oracle: OracleVersion = Parameter::new(OracleVersion::V1)
-            .sweep(Preset::Published, &[OracleVersion::V2])
-            .source("this project"),
+        oracle: OracleVersion = Parameter::new(OracleVersion::V1).source("this project"),
         /// Where unified follows the rays that the screen loses. Where they go on, it hits what version 2 of the oracle says,
         /// and its reflections do not fade at the screen's border.
-        beyond: BeyondScreen = Parameter::new(BeyondScreen::Auto).source("this project"),
+        beyond: BeyondScreen = Parameter::new(BeyondScreen::Auto)
+            .sweep(Preset::Published, &[BeyondScreen::None])
+            .source("this project"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
         /// screen's border.

@@ -104,13 +104,14 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// Up to this number of triangles, the triangles answer every ray where nobody says otherwise (docs/unified.md).
+/// Up to this number of triangles, the triangles answer every ray on a device that is a CPU, where nobody says otherwise. On a GPU
+/// they always do (docs/unified.md).
 const FIRST_UP_TO: u32 = 60_000;
 
 choices! {
     /// Who is asked first where a ray ends.
     pub enum First {
-        /// The triangles of a scene that has few of them, else the screen.
+        /// On a device that is a CPU, the screen of a scene with many triangles; else the triangles.
         Auto = "auto",
         /// The screen; the triangles where it does not know.
         Screen = "screen",
@@ -147,7 +148,7 @@ parameters! {
     /// Who answers rays in `unified`, and the shader stages in which it runs.
     pub struct UnifiedParams {
         /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among the triangles where
-        /// it loses them; or the triangles, and no ray walks over the screen. auto: the triangles of a scene with few of them.
+        /// it loses them; or the triangles, and no ray walks over the screen.
         first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
         /// same, and which is faster depends on the device (docs/unified.md).
@@ -234,7 +235,7 @@ impl UnifiedMethod {
         let screen = match (making.triangles, first) {
             (None, _) | (_, First::Screen) => true,
             (Some(_), First::Triangles) => false,
-            (Some(triangles), First::Auto) => triangles.count > FIRST_UP_TO,
+            (Some(triangles), First::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
         };
         Self::with(gpu, making, screen, [trace_stage, resolve_stage].map(|stage| stage.on(gpu)))
     }

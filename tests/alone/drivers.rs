@@ -25,7 +25,7 @@ fn open(device: &str, isotropic: bool) -> Gpu {
 
 fn spec<'a>(scene: &'a Scene, view: &str, globals: Globals) -> AgreementSpec<'a> {
     let view = scene.view(view).unwrap();
-    AgreementSpec { scene, view, globals, methods: METHODS.iter().collect(), setup: Setup::new(EXTENT) }
+    AgreementSpec { scene, view, globals, methods: METHODS.iter().collect(), setup: Setup::on_screen(EXTENT) }
 }
 
 fn of_roughness(roughness: f32) -> Globals {

@@ -323,9 +323,9 @@ pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setu
     Truth { reflection, world, first_hits }
 }
 
-/// A setup at a size in which nothing fades.
+/// A setup at a size in which nothing fades, and all rays end on the screen.
 pub fn unfaded(extent: [u32; 2]) -> Setup {
-    Setup::new(extent).with(|p: &mut EffectParams| p.fade = false)
+    Setup::on_screen(extent).with(|p: &mut EffectParams| p.fade = false)
 }
 
 /// A material that shows the sky.

@@ -8,7 +8,7 @@ use ssct::error::Error;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, FrameReport, Gpu};
 use ssct::math::{DefinitionsVersion, OracleVersion};
-use ssct::methods::setup::HistoryUse;
+use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{Effect, EffectParams, Fallback, Input, METHODS, MethodInfo, Setup, Wants, find};
 use ssct::passes::gbuffer::GBufferImages;
@@ -46,7 +46,7 @@ fn look() -> Camera {
 }
 
 fn bounces(bounces: u32) -> Setup {
-    Setup::new(EXTENT).with(|p: &mut EffectParams| p.bounces = bounces)
+    Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.bounces = bounces)
 }
 
 fn shot(stage: &mut Stage, scene: &Scene, view: Camera, method: &str, setup: &Setup) -> Shot {
@@ -215,7 +215,7 @@ fn bounces_work_with_all_that_stands_around_a_method() {
         ("unified", "history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)),
         ("ssct", "environment", |p| p.fallback = Fallback::Environment),
         ("ssct", "captures behind", |p| p.fallback = Fallback::Captures),
-        ("unified", "captures", |p| p.captures = ssct::methods::setup::CaptureCount::Number(1)),
+        ("unified", "captures", |p| (p.beyond, p.captures) = (BeyondScreen::Captures, CaptureCount::Number(1))),
         ("unified", "half resolution", |p| p.resolution_scale = 0.5),
         ("ssct", "quarter resolution", |p| p.resolution_scale = 0.25),
         ("ssct", "bumps", |p| (p.trace_normals, p.bump_after) = (TraceNormals::Geometric, 0.1)),

@@ -6,7 +6,7 @@ use crate::common::{Builder, camera, check_validation, clutter, clutter_camera, 
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels, Watch};
-use ssct::methods::setup::CaptureCount;
+use ssct::methods::setup::{BeyondScreen, CaptureCount};
 use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct::passes::PathCode;
 use ssct_lab::metrics::place::RayEnd;
@@ -119,8 +119,10 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
         let at = camera(eye, eye + Vec3::Z, EXTENT);
         for method in ["unified", "captures"] {
             let mut stage = Stage::new(&gpu, &scene).unwrap();
-            let [alone, with] = [CaptureCount::None, CaptureCount::Camera]
-                .map(|captures| unfaded(EXTENT).with(|p: &mut EffectParams| p.captures = captures));
+            let alone = unfaded(EXTENT);
+            let with = alone.with(|p: &mut EffectParams| {
+                (p.captures, p.beyond) = (CaptureCount::Camera, BeyondScreen::Captures);
+            });
             let shown = |stage: &mut Stage, setup: &Setup| -> (Pixels, Pixels) {
                 let shot = shot(stage, &scene, method, at, setup, Wants::HITS);
                 let (_, _, output) = stage.output(&shot).unwrap();

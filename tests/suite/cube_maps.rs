@@ -244,7 +244,7 @@ fn a_fallback_shows_where_the_method_fades() {
     let extent = [321, 239];
     let globals = Globals { roughness: Some(0.1), ..Globals::default() };
     let image = |method: &str, fallback| {
-        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+        let setup = Setup::on_screen(extent).with(|p: &mut EffectParams| p.fallback = fallback);
         show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &globals)
     };
     for (fallback, name) in [(Fallback::Pccm, "pccm"), (Fallback::Environment, "environment")] {
@@ -300,7 +300,7 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     let globals = Globals { roughness: Some(0.1), ..Globals::default() };
     for fallback in [Fallback::Pccm, Fallback::Environment, Fallback::Captures] {
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
-            let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+            let setup = Setup::on_screen(extent).with(|p: &mut EffectParams| p.fallback = fallback);
             let shown = show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals);
             let of = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
             let (mut reflecting, mut bright) = (0, 0);

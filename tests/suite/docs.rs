@@ -12,6 +12,7 @@ mod errata;
 mod figures;
 mod films;
 mod follow;
+mod gpu;
 mod headline;
 mod large_gltf;
 mod layers;

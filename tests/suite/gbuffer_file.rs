@@ -26,7 +26,7 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
         let camera = view.camera(&scene, extent);
         let globals = Globals { roughness: Some(0.1), ..Globals::default() };
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
-            let setup = Setup::new(extent);
+            let setup = Setup::on_screen(extent);
             let shot =
                 Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, globals.materials(&scene, view))
                     .unwrap();

@@ -109,7 +109,8 @@ fn check(gpu: &Gpu) {
                 let camera = view.camera(&scene, EXTENT);
                 let materials = globals.materials(&scene, view);
                 let shot =
-                    Shot::new(&mut stage, method, &Setup::new(EXTENT), Wants::REFLECTION, camera, materials).unwrap();
+                    Shot::new(&mut stage, method, &Setup::on_screen(EXTENT), Wants::REFLECTION, camera, materials)
+                        .unwrap();
                 let image = display(&render(&mut stage, &shot, false).unwrap().composite);
                 wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
             }
@@ -142,7 +143,7 @@ fn a_changed_pass_is_seen() {
         .unwrap();
         display(&render(&mut stage, &shot, false).unwrap().composite)
     };
-    let usual = Setup::new(EXTENT);
+    let usual = Setup::on_screen(EXTENT);
     let known = image(&usual);
     for (what, setup) in [
         ("preset", usual.of_preset(Preset::Author)),

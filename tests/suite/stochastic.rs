@@ -34,7 +34,7 @@ fn rooms(view: &str, roughness: f32) -> GBufferData {
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(0.0), ..Globals::default() };
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let (materials, camera) = (globals.materials(&scene, view), view.camera(&scene, EXTENT));
-    let shot = Shot::new(&mut stage, find("hzct").unwrap(), &Setup::new(EXTENT), Wants::IMAGE, camera, materials);
+    let shot = Shot::new(&mut stage, find("hzct").unwrap(), &Setup::on_screen(EXTENT), Wants::IMAGE, camera, materials);
     let shot = shot.unwrap();
     stage.output(&shot).unwrap();
     gbuffer::read(&mut stage.context, &shot).unwrap()

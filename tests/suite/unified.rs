@@ -45,7 +45,7 @@ fn compiled(gpu: &Gpu) -> PyramidPass {
 }
 
 fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
-    Setup::new(extent).with(|p: &mut EffectParams| p.oracle = oracle)
+    Setup::on_screen(extent).with(|p: &mut EffectParams| p.oracle = oracle)
 }
 
 /// A G-buffer of one kind with mirrors that reflect in any direction, or in depth only.
@@ -158,9 +158,15 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         (0..4).for_each(|kind| add(&random_gbuffer(kind, extent)));
         let mut stage = Stage::new(&gpu, &clutter()).unwrap();
         let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&clutter(), &View::default());
-        let shot =
-            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::HITS, clutter_camera(extent), materials)
-                .unwrap();
+        let shot = Shot::new(
+            &mut stage,
+            &unified::INFO,
+            &Setup::on_screen(extent),
+            Wants::HITS,
+            clutter_camera(extent),
+            materials,
+        )
+        .unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
@@ -290,7 +296,7 @@ fn a_frame_records_what_its_materials_need() {
         let shot = Shot::new(
             &mut stage,
             &unified::INFO,
-            &Setup::new(extent),
+            &Setup::on_screen(extent),
             Wants::REFLECTION,
             clutter_camera(extent),
             materials,
@@ -397,7 +403,8 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
     for roughness in [0.1, 0.5] {
         let materials = corridor.materials(roughness);
         let shot =
-            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
+            Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(extent), Wants::REFLECTION, camera, materials)
+                .unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         let all = gbuffer::read(&mut stage.context, &shot).unwrap();
         // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.
@@ -411,7 +418,7 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
-            let method = unified::INFO.alone(&gpu, &Setup::new(extent), Wants::REFLECTION).unwrap();
+            let method = unified::INFO.alone(&gpu, &Setup::on_screen(extent), Wants::REFLECTION).unwrap();
             frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
         };
         let alone = run(&mut stage.context, &[1]);
@@ -430,7 +437,7 @@ fn every_way_to_draw_makes_the_same_image() {
     let _compiled = compiled(&gpu);
     let corridor = Corridor::new();
     let (extent, camera) = (corridor.extent, corridor.camera);
-    let setup = || Setup::new(extent).with(|p: &mut EffectParams| p.definitions = v1);
+    let setup = || Setup::on_screen(extent).with(|p: &mut EffectParams| p.definitions = v1);
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);

@@ -8,7 +8,7 @@ use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu};
 use ssct::math::OracleVersion::{self, V1, V2};
-use ssct::methods::setup::{CaptureCount, HistoryUse};
+use ssct::methods::setup::{BeyondScreen, HistoryUse};
 use ssct::methods::unified::StageChoice::{self, Compute, Fragment};
 use ssct::methods::unified::UnifiedParams;
 use ssct::methods::{EffectParams, Fallback, Input, Setup, Wants, unified};
@@ -111,7 +111,7 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
             let images = GBufferImages::upload(&mut FrameContext::new(&gpu).unwrap(), data).unwrap();
             for (wants, oracle, fallback) in ways {
                 let set = |p: &mut EffectParams| (p.oracle, p.fallback) = (*oracle, *fallback);
-                let setup = Setup::new(extent).with(set);
+                let setup = Setup::on_screen(extent).with(set);
                 check_same(&format!("{name}, {oracle:?}, {fallback:?}, {wants:?}"), |stages| {
                     let made = alone(&gpu, &images, (&data.camera, *reflectors), (&in_stages(&setup, stages), *wants));
                     let lit = made.0.iter().any(|(name, bits)| *name == "reflection" && bits.iter().any(|b| *b != 0));
@@ -152,10 +152,10 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
     type Change = fn(&mut EffectParams);
     let cases: [(&str, Change, usize); 5] = [
-        ("captures", |p| p.captures = CaptureCount::Auto, 1),
+        ("captures", |p| p.beyond = BeyondScreen::Captures, 1),
         (
             "captures over the environment",
-            |p| (p.captures, p.fallback) = (CaptureCount::Auto, Fallback::Environment),
+            |p| (p.beyond, p.fallback) = (BeyondScreen::Captures, Fallback::Environment),
             1,
         ),
         ("the environment", |p| p.fallback = Fallback::Environment, 1),
@@ -165,7 +165,7 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let take = if is_gpu_assisted() { 1 } else { cases.len() };
     for (name, change, frames) in &cases[..take] {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
-            let setup = Setup::new([127, 61]).with(change);
+            let setup = Setup::on_screen([127, 61]).with(change);
             check_same(&format!("{name}, roughness {roughness:?}"), |stages| {
                 let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, *frames));
                 let follows = made.1.iter().any(|pass| pass.starts_with("follow"));

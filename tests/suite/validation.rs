@@ -12,6 +12,7 @@ use ssct::gpu::validation::{ALLOWED, LAYER};
 use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, ImageDesc};
 use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
+use ssct::methods::setup::BeyondScreen;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::unified::{StageChoice, UnifiedParams};
@@ -29,7 +30,7 @@ use ssct_lab::study::{Globals, Shot, Stage};
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     use StageChoice::{Compute, Fragment};
-    let usual = Setup::new(extent);
+    let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
     // of the time.
     if !method.is_screen_space() || extent[0] > 500 || (extent == [1, 1] && is_gpu_assisted()) {
@@ -58,8 +59,11 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     setups.push((around(&|p| p.resolution_scale = 0.5), Wants::HITS));
     let has_stages = method.own_parameters().iter().any(|p| p.name == "trace_stage");
     for stages in [[Compute; 2], [Compute, Fragment], [Fragment, Compute]].into_iter().filter(|_| has_stages) {
-        let setup = usual.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
-        setups.extend([Wants::REFLECTION, Wants::HITS].map(|wants| (setup.clone(), wants)));
+        for beyond in [BeyondScreen::None, BeyondScreen::Triangles] {
+            let setup =
+                around(&|p| p.beyond = beyond).with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
+            setups.extend([Wants::REFLECTION, Wants::HITS].map(|wants| (setup.clone(), wants)));
+        }
     }
     let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
     setups.push((quarter, Wants::REFLECTION));

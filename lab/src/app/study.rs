@@ -165,7 +165,7 @@ impl Part<'_> {
     /// Steps of the bar that shows the progress.
     fn steps(&self, plan: &Plan) -> usize {
         match self {
-            // Each method, unified with captures, and the truth.
+            // Each method, unified on the screen alone, and the truth.
             Self::Pictures(..) => plan.methods.len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
             Self::Errors(cells) => cells.cells(),

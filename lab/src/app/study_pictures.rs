@@ -3,8 +3,7 @@
 use super::reference;
 use crate::error::Result;
 use crate::gpu::Pixels;
-use crate::methods::setup::CaptureCount;
-use crate::methods::{self, EffectParams, METHODS, MethodInfo, Setup, Wants, unified};
+use crate::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
 use crate::report::{error_report, files, images, tables};
@@ -20,8 +19,8 @@ const TRUTH: &str = "truth";
 const TRUTH_RAYS: u32 = 16;
 /// Where the truth's samples lie, for the next run.
 pub const TRUTH_FOLDER: &str = "truth";
-/// Name of the pictures of `unified` whose rays go on in captures.
-const CAPTURED: &str = "unified with captures";
+/// Name of the pictures of `unified` whose rays all end on the screen.
+const ON_SCREEN: &str = "unified on the screen";
 /// Where the error study lies.
 pub const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
@@ -39,15 +38,15 @@ pub struct Shown<'a> {
     pub methods: &'a [&'static MethodInfo],
 }
 
-/// A view on its scene's stage: lit only, the truth, every method, and `unified` with captures. `step` is called after each of
+/// A view on its scene's stage: lit only, the truth, every method, and `unified` on the screen alone. `step` is called after each of
 /// them.
 pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) -> Result<Gallery> {
     let Shown { scene, view, size, methods } = *of;
     let plain = Setup::new(size);
-    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
+    let on_screen = Setup::on_screen(size);
     let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
-    let with_captures = "unified with four captures, roughness 0.1".to_owned();
-    let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();
+    let alone = "unified on the screen alone, roughness 0.1".to_owned();
+    let shown: Vec<_> = methods.chain([(&unified::INFO, ON_SCREEN, &on_screen, alone)]).collect();
     let camera = view.camera(scene, size);
     let materials = GLOSSY.materials(scene, view);
     let mut pictures = Vec::new();

@@ -51,11 +51,14 @@ impl Variant {
     /// which sees more than the screen. By version 1 of the definitions, so does the world that it is held against; by
     /// version 2, that shows the environment for all.
     pub fn escape(&self) -> Escape {
-        if self.setup.effect().fallback == Fallback::None && self.method.is_screen_space() {
-            Escape::Black
-        } else {
-            Escape::Environment
-        }
+        let on_screen = self.method.is_screen_space() && !self.is_among_triangles();
+        if self.setup.effect().fallback == Fallback::None && on_screen { Escape::Black } else { Escape::Environment }
+    }
+
+    /// Whether rays that the screen does not end, or all rays, end among the triangles of the scene.
+    pub fn is_among_triangles(&self) -> bool {
+        let is_all = !self.method.is_screen_space();
+        self.method.takes_triangles && (is_all || self.setup.effect().beyond(true) == BeyondScreen::Triangles)
     }
 
     /// Everything that the results of the variant depend on at a size in pixels.
@@ -259,8 +262,7 @@ pub fn measure(
         };
         // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
-        let among_triangles = variant.method.takes_triangles
-            && (!variant.method.is_screen_space() || variant.setup.effect().beyond(true) == BeyondScreen::Triangles);
+        let among_triangles = variant.is_among_triangles();
         if variant.method.is_screen_space() || among_triangles {
             let setup = alone(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;

@@ -2,7 +2,7 @@
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
-use crate::methods::setup::{CaptureCount, CaptureSide};
+use crate::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup};
 use crate::metrics::pareto;
 use std::collections::BTreeMap;
@@ -27,26 +27,33 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     let all = [1, 2, 4, 8].into_iter().flat_map(|count| sides.map(|side| (Number(count), side)));
     let of = |(count, side)| Variant {
         method,
-        setup: base.with(|p: &mut EffectParams| (p.captures, p.capture_side) = (count, side)),
+        setup: base.with(|p: &mut EffectParams| {
+            p.beyond = if count == None { BeyondScreen::None } else { BeyondScreen::Captures };
+            (p.captures, p.capture_side) = (count, side);
+        }),
     };
     std::iter::once((None, Scene)).chain(all).map(of).collect()
 }
 
 /// A method with nothing, with the environment and with `pccm` behind it, if it sees the screen alone; and if it takes
-/// captures, also with those of a base.
+/// captures or triangles, also with the captures of a base and with the triangles of the scene.
 pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use Fallback::{Environment, None, Pccm};
     let behind: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
-    let with = |fallback, captures| Variant {
+    let with = |fallback, captures, beyond| Variant {
         method,
-        setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures) = (fallback, captures)),
+        setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures, p.beyond) = (fallback, captures, beyond)),
     };
     let (captures, on_screen) = (base.effect().captures, method.is_screen_space());
     // A method that sees captures alone is never without them.
     let without = if on_screen { CaptureCount::None } else { captures };
     let is_captured = on_screen && method.takes_captures && captures != CaptureCount::None;
-    let all = behind.iter().map(|fallback| with(*fallback, without));
-    all.chain(is_captured.then(|| with(None, captures))).collect()
+    let alone = if on_screen { BeyondScreen::None } else { base.effect().beyond };
+    let all = behind.iter().map(|fallback| with(*fallback, without, alone));
+    let is_among_triangles = on_screen && method.takes_triangles;
+    all.chain(is_captured.then(|| with(None, captures, BeyondScreen::Captures)))
+        .chain(is_among_triangles.then(|| with(None, without, BeyondScreen::Triangles)))
+        .collect()
 }
 
 /// A screen-space method with each number of bounces up to that of a base; any other as it is.
@@ -196,11 +203,14 @@ mod tests {
             let method = METHODS.iter().find(|m| m.name == name);
             let variants = method.map_or_else(Vec::new, |method| fallbacks(method, &base));
             let effects = variants.iter().map(|v| v.setup.effect());
-            effects.map(|e| (e.fallback, e.captures)).collect::<Vec<_>>()
+            effects.map(|e| (e.fallback, e.captures, e.beyond)).collect::<Vec<_>>()
         };
-        let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None));
+        use BeyondScreen::{Auto, Captures, None, Triangles};
+        let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None, None));
         assert_eq!(of("ssct"), behind);
-        assert_eq!(of("unified"), [&behind[..], &[(Fallback::None, CaptureCount::Number(4))]].concat());
-        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Number(4))]);
+        let [captured, among] = [(CaptureCount::Number(4), Captures), (CaptureCount::None, Triangles)];
+        let more = [captured, among].map(|(captures, beyond)| (Fallback::None, captures, beyond));
+        assert_eq!(of("unified"), [&behind[..], &more].concat());
+        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Number(4), Auto)]);
     }
 }

@@ -4,7 +4,7 @@
 use super::state::Side;
 use crate::gpu::Pixels;
 use crate::math::OracleVersion;
-use crate::methods::setup::CaptureCount;
+use crate::methods::setup::BeyondScreen;
 use crate::methods::thesis::{self, HiZParams};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
@@ -27,8 +27,10 @@ pub struct Inspection {
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
     oracle: OracleVersion,
-    /// Whether rays go on in captures.
+    /// Whether rays go on where the screen loses them.
     is_followed: bool,
+    /// Whether the method is `unified`.
+    is_unified: bool,
 }
 
 /// How the method's ray tracing is repeated on the CPU.
@@ -231,8 +233,8 @@ pub struct TileClasses {
 }
 
 impl Inspection {
-    /// Prepares the analysis of a method's frame.
-    pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side) -> Self {
+    /// Prepares the analysis of a method's frame, of which the recorded passes say whether its rays walk over the screen.
+    pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side, recorded: &[String]) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
         let hi_z = || {
             let levels = crate::gpu::image::full_chain(extent);
@@ -255,13 +257,13 @@ impl Inspection {
         let twin = match side.method {
             _ if effect.divisor() != 1 => None,
             method if method.traces_hi_z => Some(hi_z()),
-            method if method.follows_oracle => Some(Twin::Unified),
+            method if method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid") => Some(Twin::Unified),
             _ => None,
         };
         let is_followed =
-            side.method.takes_captures && side.method.is_screen_space() && effect.captures != CaptureCount::None;
+            side.method.takes_captures && side.method.is_screen_space() && effect.beyond(true) != BeyondScreen::None;
         let oracle = if is_followed { OracleVersion::V2 } else { effect.oracle };
-        Self { gbuffer, hits, twin, oracle, is_followed }
+        Self { gbuffer, hits, twin, oracle, is_followed, is_unified: side.method.follows_oracle }
     }
 
     /// The number of rays for each way of ending.
@@ -333,7 +335,7 @@ impl Inspection {
 
     /// Whether the frame was rendered by `unified`.
     pub fn is_unified(&self) -> bool {
-        matches!(self.twin, Some(Twin::Unified))
+        self.is_unified
     }
 
     /// The steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.

@@ -203,13 +203,14 @@ impl Pictures {
     pub fn analyse(&mut self) -> Result<FrameAnalysis> {
         let Some(wanted) = self.rendered.clone() else { return Ok(FrameAnalysis::default()) };
         let mut analysis = FrameAnalysis::default();
-        let mut hits = None;
+        let (mut hits, mut recorded) = (None, Vec::new());
         for (i, shown) in self.shown.iter().flatten().enumerate() {
             let (report, _, output) = self.stage.output_in(Mode::Counted, &shown.shot)?;
             let reflection = gbuffer::reflection(&mut self.stage.context, &output)?;
             analysis.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
             if i == 0 {
                 analysis.work = works(&report);
+                recorded.clone_from(&report.recorded);
                 hits = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
             }
         }
@@ -219,7 +220,7 @@ impl Pictures {
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
         let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
-        let inspection = Inspection::new(gbuffer, hits, &first.side);
+        let inspection = Inspection::new(gbuffer, hits, &first.side, &recorded);
         analysis.steps = inspection.steps();
         analysis.inspection = Some(inspection);
         if let (Some(steps), true) = (&analysis.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {

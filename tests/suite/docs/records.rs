@@ -5,7 +5,7 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, ends, errata, films, follow, large_gltf, layers, motion, outlook,
+    beside, beyond, captions, claims, dda, ends, errata, films, follow, gpu, large_gltf, layers, motion, outlook,
     stochastic, stress, thesis,
 };
 use serde_json::Value;
@@ -36,6 +36,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["triangles", roughness] => beyond::triangles(first, roughness)?,
+        ["triangle-times", roughness] => gpu::triangle_times(folders, roughness)?,
+        ["stages-on"] => gpu::stages_on(first)?,
         ["capture-steps"] => follow::steps(first)?,
         ["ends"] => ends::ends(first)?,
         ["motion-most", roughness] => motion::most(first, roughness)?,

@@ -93,7 +93,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("layers", "2"),
         ("layer-separation", "3"),
         ("layer-thickness", "20"),
-        ("beyond", "triangles"),
+        ("beyond", "none"),
         ("first", "triangles"),
         ("trace-stage", "compute"),
         ("resolve-stage", "compute"),
@@ -158,6 +158,11 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                 (_, "layer-separation" | "layer-thickness") => {
                     let layers = ("layers", "2");
                     (vec![layers, option], frame(&mut bench, info, &[layers]))
+                }
+                // On the screen alone reflections fade at its border, and the oracle says what they hit.
+                ("unified", "fade" | "oracle") => {
+                    let alone = ("beyond", "none");
+                    (vec![alone, option], frame(&mut bench, info, &[alone]))
                 }
                 // Where there are captures, they have a side, and passes that renew them.
                 ("unified", "capture-side" | "captures-per-frame") => {
@@ -228,7 +233,9 @@ fn the_drawn_walk_is_the_shaders() {
     // Where a ray of the thesis passes a cell's corner within rounding, the device may take another way. The
     // twin of `unified` is exact to the bit.
     for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
-        bench.viewer.state.choose(0, crate::methods::find(method).unwrap());
+        let options = [("beyond".to_owned(), "none".to_owned())];
+        let options = if method == "unified" { options.to_vec() } else { Vec::new() };
+        bench.viewer.state.sides[0] = Side::new(crate::methods::find(method).unwrap(), options.into_iter().collect());
         bench.settle();
         let inspection = bench.viewer.inspection().unwrap();
         let hits = inspection.hits.as_ref().unwrap();

@@ -1,0 +1,59 @@
+//! Tables of what a GPU takes: the screen beside the triangles of the scene, and fragment shaders beside compute shaders.
+
+use super::figures::{Result, csv, json, median, number, ratio, shortest, table};
+use super::follow::figure;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Median times of the effect in milliseconds over a scene's views, by scene, method and roughness.
+fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f64>> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let mut all: BTreeMap<(String, String), Vec<f64>> = BTreeMap::new();
+    for row in csv(folder, "times.csv")? {
+        if (number(&row, "roughness")? - wanted).abs() < 1e-6 {
+            let of = (row["scene"].clone(), row["method"].clone());
+            all.entry(of).or_default().push(number(&row, "median_ms")?);
+        }
+    }
+    all.into_iter().map(|(of, views)| Ok((of, median(&views)?))).collect()
+}
+
+/// `ssct`, `unified` on the screen alone, on the screen before the triangles, and among the triangles at once: milliseconds at a
+/// roughness, a scene a row. The first folder has the screen alone, the second the screen first.
+pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
+    let [alone, first] = folders else { return Err("two folders are needed".to_owned()) };
+    let (alone, first) = (times(alone, roughness)?, times(first, roughness)?);
+    let scenes: std::collections::BTreeSet<_> = first.keys().map(|(scene, _)| scene.clone()).collect();
+    let row = |scene: &String| -> Result<Vec<String>> {
+        let of = |times: &BTreeMap<_, f64>, method: &str| {
+            let time = times.get(&(scene.clone(), method.to_owned()));
+            time.map(|ms| format!("{ms:.2}")).ok_or_else(|| format!("{scene} has no time of {method}"))
+        };
+        let cells = [of(&alone, "unified")?, of(&first, "unified")?, of(&first, "traced")?, of(&first, "ssct")?];
+        Ok([scene.clone()].into_iter().chain(cells).collect())
+    };
+    let head = ["scene", "screen alone", "screen first", "triangles first", "`ssct`"];
+    table(&head, scenes.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// `unified` on the screen with its passes in fragment and in compute shaders, of a study of a device.
+pub fn stages_on(folder: &Path) -> Result<String> {
+    let records = json(folder, "time.json")?;
+    // The two stages at each roughness stand behind all else.
+    let behind = records.len().checked_sub(6).ok_or("too few records")?;
+    let row = |pair: &[Value]| -> Result<Vec<String>> {
+        let [fragment, compute] = pair else { return Err("records come in pairs".to_owned()) };
+        let stages = [fragment, compute].map(|r| r["setup"]["trace_stage"].as_str());
+        if stages != [Some("fragment"), Some("compute")] {
+            return Err(format!("{stages:?} instead of fragment and compute"));
+        }
+        let [slow, fast] = [figure(&fragment["total"], "median_ms")?, figure(&compute["total"], "median_ms")?];
+        let roughness = fragment["roughness"].to_string();
+        Ok(vec![shortest(&roughness).to_owned(), format!("{slow:.2}"), format!("{fast:.2}"), ratio(slow / fast)])
+    };
+    table(
+        &["roughness", "fragment, ms", "compute, ms", "fragment over compute"],
+        records[behind..].chunks_exact(2).map(row).collect::<Result<_>>()?,
+    )
+}
