@@ -402,7 +402,7 @@ pub struct StudyOptions {
     #[arg(long, value_name = "FOLDER", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Frames that are timed for each measurement
-    #[arg(long, value_name = "N", default_value_t = 5, conflicts_with = "quick")]
+    #[arg(long, value_name = "N", default_value_t = 3, conflicts_with = "quick")]
     pub samples: usize,
     /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
