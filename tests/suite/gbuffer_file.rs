@@ -45,6 +45,60 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
     gpu.check_validation().unwrap();
 }
 
+#[test]
+fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("window").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let (extent, unified) = ([161, 119], methods::find("unified").unwrap());
+    let setup = Setup::new(extent);
+    for roughness in [0.0, 0.1, 0.6] {
+        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let camera = view.camera(&scene, extent);
+        let shot = Shot::new(&mut stage, unified, &setup, Wants::REFLECTION, camera, materials).unwrap();
+        let direct = image::render(&mut stage, &shot, false).unwrap().composite;
+        let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+        let beside = gbuffer::reflect_in(&gpu, &scene, &data, unified, &setup).unwrap().composite;
+        let alone = gbuffer::reflect(&gpu, &data, None, unified, &setup).unwrap().composite;
+        let off = |made: &ssct::gpu::Pixels| {
+            let squares = made.values.iter().zip(&direct.values).map(|(a, b)| f64::from(a - b).powi(2));
+            (squares.sum::<f64>() / made.values.len() as f64).sqrt()
+        };
+        // Rays that begin at the point that a depth gives, and not on the pixel's triangle, may end elsewhere at edges.
+        let [near, far] = [off(&beside), off(&alone)];
+        assert!(near < 0.1 * far && far > 0.005, "roughness {roughness}: {near} and {far}");
+    }
+    // A method of the scene has it.
+    let (camera, materials) = (view.camera(&scene, extent), scene.materials.clone());
+    let shot = Shot::new(&mut stage, unified, &setup, Wants::IMAGE, camera, materials).unwrap();
+    stage.draw(&shot).unwrap();
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    for method in ["traced", "pccm"].map(|name| methods::find(name).unwrap()) {
+        let made = gbuffer::reflect_in(&gpu, &scene, &data, method, &setup).unwrap();
+        assert!(made.reflection.values.iter().any(|v| *v > 0.0), "{}", method.name);
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
+    let folder = Folder::new();
+    let what = ["--scene", "rooms", "--view", "window", "--size", "32x18"];
+    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
+    let reflect = ["gbuffer", "reflect", "g.exr", "--method", "traced", "-o", "r.png"];
+    folder.succeed(&[&reflect[..], &["--triangles", "rooms"]].concat());
+    for (more, says) in [
+        (&["--triangles", "nowhere"][..], "nowhere: neither a built-in scene"),
+        (&["--triangles", "rooms", "--captures", "none"], "cannot be used with"),
+        (&[], "needs the scene"),
+    ] {
+        let output = folder.run(&[&reflect[..], more].concat());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && message.contains(says), "{message}");
+    }
+}
+
 /// Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof; and how many captures.
 const CAPTURED: [(&str, &str, CaptureCount); 2] =
     [("rooms", "window", CaptureCount::Number(2)), ("atrium", "hall", CaptureCount::Number(1))];

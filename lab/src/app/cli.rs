@@ -350,7 +350,13 @@ pub struct GBufferReflectOptions {
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long)]
     pub reflection_only: bool,
-    /// Scene beside the G-buffer.
+    /// Scene that the G-buffer shows
+    ///
+    /// Its name or file, as for --scene; several OBJ files make one scene. Rays that the screen loses go on among its triangles,
+    /// and methods that need a scene have it. The camera of the G-buffer stands in its world.
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "captures")]
+    pub triangles: Vec<PathBuf>,
+    /// Captures beside the G-buffer, and parameters of methods.
     #[command(flatten)]
     pub beside: BesideGBufferOptions,
     /// Device.

@@ -7,7 +7,8 @@ use crate::methods::{self, METHODS, Setup, Wants};
 use crate::report::{files, images};
 use crate::scene::capture_file::CaptureFolder;
 use crate::scene::gbuffer_map::GBufferMap;
-use crate::scene::{GBufferData, gbuffer_file};
+use crate::scene::texture::MAX_EXTENT;
+use crate::scene::{GBufferData, LoadOptions, gbuffer_file};
 use crate::study::{Shot, Stage, gbuffer};
 use std::path::Path;
 
@@ -48,10 +49,16 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
         eprintln!("ssct: warning: {file}: {clamped} pixels are brighter than {most} and were clamped to it");
     }
     let captures = options.beside.captures.as_deref().map(CaptureFolder::open).transpose()?;
+    let whole = LoadOptions { scale: 1.0, texture_side: MAX_EXTENT };
+    let is_among = !options.triangles.is_empty();
+    let scene = is_among.then(|| resolve::load(&options.triangles, &whole)).transpose()?;
     let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
-    let made = gbuffer::reflect(&gpu, &data, captures.as_ref(), method, &setup)?;
+    let made = match &scene {
+        Some(scene) => gbuffer::reflect_in(&gpu, scene, &data, method, &setup)?,
+        None => gbuffer::reflect(&gpu, &data, captures.as_ref(), method, &setup)?,
+    };
     images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
     gpu.check_validation()?;
     Ok(())

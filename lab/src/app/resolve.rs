@@ -55,7 +55,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
             let name = name.to_string_lossy();
             let mut scene = library::scene(&name).ok_or_else(|| {
                 Error::Usage(format!(
-                    "--scene {name}: neither a built-in scene ({}) nor a .scene.toml, .gltf, .glb or .obj file",
+                    "{name}: neither a built-in scene ({}) nor a .scene.toml, .gltf, .glb or .obj file",
                     library::names().join(", ")
                 ))
             })?;

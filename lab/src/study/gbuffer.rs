@@ -12,7 +12,7 @@ use crate::passes::gbuffer::{GBufferImages, GBufferPass};
 use crate::passes::scene_data;
 use crate::scene::capture::face_camera;
 use crate::scene::capture_file::{CaptureFolder, SkyCube};
-use crate::scene::{Camera, Capture, GBufferData, Material, Surface};
+use crate::scene::{Camera, Capture, GBufferData, Material, Scene, Surface};
 use glam::Vec3;
 
 /// Reads the G-buffer of a shot that has run.
@@ -116,11 +116,35 @@ pub fn reflect(
         sky => sky,
     };
     let input = Input { sky: sky.as_ref(), ..Input::of_screen(images.gbuffer(), &data.camera) };
-    let output = at_rest(&mut context, &effect, &input)?;
-    Ok(Reflected {
-        composite: context.read(output.composite.level(0))?,
-        reflection: reflection(&mut context, &output)?,
-    })
+    reflected(&mut context, &effect, &input)
+}
+
+/// Runs a method on a G-buffer from the host that shows a scene, for methods that see more than the screen: rays go on among
+/// the scene's triangles, whose materials are the scene's own. The triangle of each pixel is not known.
+///
+/// # Errors
+/// Errors of [`Stage::new`] and [`Effect::new`].
+pub fn reflect_in(
+    gpu: &Gpu,
+    scene: &Scene,
+    data: &GBufferData,
+    method: &MethodInfo,
+    setup: &Setup,
+) -> Result<Reflected> {
+    let mut stage = Stage::new(gpu, scene)?;
+    let (context, scene_data) = stage.parts();
+    let images = GBufferImages::upload(context, data)?;
+    let seen = SceneInput { data: scene_data, materials: &scene.materials };
+    let setup = setup.at([data.width, data.height]);
+    let effect = Effect::new(context, method, &setup, Wants::REFLECTION, Some(&seen))?;
+    let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
+    let input = Input { scene: Some(seen), sky: Some(scene_data.sky()), ..of_screen };
+    reflected(context, &effect, &input)
+}
+
+fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<Reflected> {
+    let output = at_rest(context, effect, input)?;
+    Ok(Reflected { composite: context.read(output.composite.level(0))?, reflection: reflection(context, &output)? })
 }
 
 /// What an effect makes of a G-buffer at rest: with a history, after as many frames as this averages, from the first on.

@@ -1,6 +1,6 @@
 //! Tables of what a GPU takes: the screen beside the triangles of the scene, and fragment shaders beside compute shaders.
 
-use super::figures::{Result, csv, json, median, number, ratio, shortest, table};
+use super::figures::{Result, csv, greatest, json, least, median, number, ratio, shortest, table};
 use super::follow::figure;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -35,6 +35,42 @@ pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
     };
     let head = ["scene", "screen alone", "screen first", "triangles first", "`ssct`"];
     table(&head, scenes.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// The least and the greatest ratio of a method's time to that of `ssct` over the sizes of table 5.8 at a roughness, of a study of a
+/// device, which has the table's records first.
+pub fn over_ssct(folder: &Path, method: &str, roughness: &str) -> Result<String> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let records = json(folder, "time.json")?;
+    let first = records.first().ok_or("no records")?;
+    let of_table = records.iter().take_while(|r| r["scene"] == first["scene"] && r["view"] == first["view"]);
+    let here: Vec<&Value> =
+        of_table.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6)).collect();
+    let time = |name: &str, of: &Value| {
+        let is_it = |r: &&&Value| r["method"] == name && r["width"] == of["width"] && r["height"] == of["height"];
+        here.iter().find(is_it).ok_or(format!("no {name}")).and_then(|r| figure(&r["total"], "median_ms"))
+    };
+    let sizes = here.iter().filter(|r| r["method"] == "ssct");
+    let ratios = sizes.map(|of| Ok(time(method, of)? / time("ssct", of)?)).collect::<Result<Vec<_>>>()?;
+    if ratios.is_empty() {
+        return Err(format!("no time at roughness {roughness}"));
+    }
+    Ok(format!("{:.2} to {:.2}", least(&ratios), greatest(&ratios)))
+}
+
+/// The least and the greatest time of a method over all views at a roughness, in milliseconds.
+pub fn time_range(folder: &Path, method: &str, roughness: &str) -> Result<String> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let mut all = Vec::new();
+    for row in csv(folder, "times.csv")?.iter().filter(|row| row["method"] == method) {
+        if (number(row, "roughness")? - wanted).abs() < 1e-6 {
+            all.push(number(row, "median_ms")?);
+        }
+    }
+    if all.is_empty() {
+        return Err(format!("no time of {method} at roughness {roughness}"));
+    }
+    Ok(format!("{:.1} to {:.1}", least(&all), greatest(&all)))
 }
 
 /// `unified` on the screen with its passes in fragment and in compute shaders, of a study of a device.

@@ -37,6 +37,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["triangles", roughness] => beyond::triangles(first, roughness)?,
         ["triangle-times", roughness] => gpu::triangle_times(folders, roughness)?,
+        ["time-range", method, roughness] => gpu::time_range(first, method, roughness)?,
+        ["over-ssct", method, roughness] => gpu::over_ssct(first, method, roughness)?,
         ["stages-on"] => gpu::stages_on(first)?,
         ["capture-steps"] => follow::steps(first)?,
         ["ends"] => ends::ends(first)?,
