@@ -23,10 +23,8 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
   --tasks N        shards, each a task of the array
   -o, --output DIR the study's folder, on a file system that all nodes share
   --ssct FILE      the command ssct [default: the variable SSCT, else target/release or target/debug of this repository]
-  --time MINUTES   time limit of a task [default: twice what ssct COMMAND --plan predicts, and ten minutes; a command
-                   without a plan needs it]
-  --memory MIB     memory of a task [default: what ssct COMMAND --plan predicts, else 4096]
-  --costs DIR      a run of ssct error on these machines; the prediction is made from its costs
+  --time MINUTES   time limit of a task, after which it goes back into the queue and goes on [default: 60]
+  --memory MIB     memory of a task [default: 4096]
   --cpus N         threads of a task [default: 2]
   --scratch DIR    work in a folder that each node has for itself, and copy back; variables such as $TMPDIR are
                    replaced on the node, if DIR is quoted here
@@ -39,7 +37,7 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
 EOF
 }
 
-TASKS='' OUTPUT='' SSCT=${SSCT:-} MINUTES='' MEMORY_MIB='' COSTS='' CPUS=2 SCRATCH='' SAVE_EVERY=60 GRACE=120
+TASKS='' OUTPUT='' SSCT=${SSCT:-} MINUTES=60 MEMORY_MIB=4096 CPUS=2 SCRATCH='' SAVE_EVERY=60 GRACE=120
 RESTARTS=5 RETRIES=1 PARTIAL='' SBATCH=()
 while [ $# -gt 0 ]; do
     case $1 in
@@ -48,7 +46,7 @@ while [ $# -gt 0 ]; do
         --partial) PARTIAL=1; shift; continue ;;
         --tasks | --time | --memory | --cpus | --save-every | --grace | --restarts | --retries)
             [[ ${2:-} =~ ^[0-9]+$ ]] || wrong "$1 takes a whole number, not '${2:-}'" ;;
-        -o | --output | --ssct | --costs | --scratch | --sbatch) [ -n "${2:-}" ] || wrong "$1 lacks its value" ;;
+        -o | --output | --ssct | --scratch | --sbatch) [ -n "${2:-}" ] || wrong "$1 lacks its value" ;;
         *) wrong "unknown option '$1'; --help lists all" ;;
     esac
     case $1 in
@@ -57,7 +55,6 @@ while [ $# -gt 0 ]; do
         --ssct) SSCT=$2 ;;
         --time) MINUTES=$2 ;;
         --memory) MEMORY_MIB=$2 ;;
-        --costs) COSTS=$2 ;;
         --cpus) CPUS=$2 ;;
         --scratch) SCRATCH=$2 ;;
         --save-every) SAVE_EVERY=$2 ;;
@@ -75,7 +72,7 @@ case ${COMMAND[0]} in
     *) wrong "ssct ${COMMAND[0]} has no shards that are folders: error, stress, figures and time have" ;;
 esac
 for word in "${COMMAND[@]}"; do
-    case $word in --shard* | --resume | -o | --output* | --plan*) wrong "$word is set by this script" ;; esac
+    case $word in --shard* | --resume | -o | --output*) wrong "$word is set by this script" ;; esac
 done
 [ "${TASKS:-0}" -ge 1 ] || wrong '--tasks must be at least 1'
 [ "$CPUS" -ge 1 ] || wrong '--cpus must be at least 1'
@@ -107,18 +104,6 @@ fi
 if [ -s "$OUTPUT/jobs" ] && [ -n "$(squeue -h -j "$(paste -sd, "$OUTPUT/jobs")" 2>/dev/null || true)" ]; then
     fail "jobs of $OUTPUT are still in the queue: $(paste -sd' ' "$OUTPUT/jobs")"
 fi
-
-# What the user does not say of time and memory follows from the cost model, if the command has one.
-if [ -z "$MINUTES" ] || [ -z "$MEMORY_MIB" ]; then
-    # A command without a cost model has no option --plan, and fails.
-    plan=$("$SSCT" "${COMMAND[@]}" --plan "$TASKS" --json ${COSTS:+--costs "$COSTS"} 2>/dev/null) || plan=''
-    if [ -n "$plan" ]; then
-        read -r minutes mib <<<"$(python3 "$HERE/plan.py" "$CPUS" <<<"$plan")"
-        MINUTES=${MINUTES:-$minutes} MEMORY_MIB=${MEMORY_MIB:-$mib}
-    fi
-fi
-[ -n "$MINUTES" ] || fail "nothing predicts the time of ssct ${COMMAND[0]}: give --time MINUTES"
-MEMORY_MIB=${MEMORY_MIB:-4096}
 
 : >"$OUTPUT/jobs"
 declare -p HERE SSCT MINUTES MEMORY_MIB CPUS SCRATCH SAVE_EVERY GRACE RESTARTS RETRIES PARTIAL SBATCH \

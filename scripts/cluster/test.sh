@@ -116,10 +116,7 @@ study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 -
     --samples 1 --rays 64 --no-sweep)
 result=$folder/study
 submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
-# The time and memory that a task asks for are predicted from small cells of the same methods, measured here.
-"$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 \
-    --no-sweep -o "$folder/costs" >"$folder/log/costs.log"
-submit --tasks "$tasks" --costs "$folder/costs"
+submit --tasks "$tasks" --memory 1500 --time 30
 array=$(squeue -h -n ssct -o %F | head -n 1)
 # The number of cells that a task has done. The journal has a line for each cell, and others for its samples.
 entries() { grep -c '^{"key":"error ' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }

@@ -1,12 +1,10 @@
 //! The workflow of the public CI service, and the scripts for clusters: the targets that the workflow makes exist, it
 //! publishes from the main branch alone, and the scripts refuse wrong arguments.
 
-use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 fn workflow() -> Value {
     let text = std::fs::read_to_string(repository().join(".github/workflows/ci.yml")).unwrap();
@@ -89,44 +87,6 @@ fn only_the_main_branch_publishes_and_nothing_else_may_write() {
 }
 
 #[test]
-fn a_task_asks_for_what_the_plan_predicts() {
-    if Command::new("python3").arg("--version").output().is_err() {
-        println!("skipped: there is no python3, which runs on clusters alone");
-        return;
-    }
-    let asks = |plan: &str| {
-        let script = repository().join("scripts/cluster/plan.py");
-        let mut child = Command::new("python3")
-            .args([script.to_str().unwrap(), "2"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        child.stdin.take().unwrap().write_all(plan.as_bytes()).unwrap();
-        let output = child.wait_with_output().unwrap();
-        assert!(output.status.success());
-        let text = String::from_utf8(output.stdout).unwrap();
-        text.split_whitespace().map(|word| word.parse().unwrap()).collect::<Vec<f64>>()
-    };
-    let plan = |makespan_s: f64, memory_bytes: Option<u64>, threads: u32| {
-        let costs = serde_json::json!({ "cells": 3, "threads": [threads] });
-        serde_json::json!([{ "makespan_s": makespan_s, "memory_bytes": memory_bytes, "costs": costs }]).to_string()
-    };
-    assert_eq!(asks(&plan(3600.0, Some(1 << 30), 2)), [130.0, 2048.0]);
-    assert_eq!(asks(&plan(3600.0, None, 8)), [490.0], "a quarter of the threads, four times the time");
-    assert_eq!(asks(&plan(3600.0, None, 1)), [130.0], "more threads than measured are not counted on");
-    assert_eq!(asks(&plan(0.0, None, 1).replace(":3", ":0")), [0.0; 0], "nothing was measured");
-    // Plans of the command itself, by the costs of a run.
-    let folder = Folder::new();
-    let study =
-        ["error", "--scene", "corridor", "--method", "ssct", "--roughness", "0.3", "--samples", "1", "--no-sweep"];
-    folder.succeed(&[&study[..], &["--view", "floor", "--size", "32x18", "--rays", "4", "-o", "costs"]].concat());
-    let plan = ["--size", "1920x1080", "--rays", "512", "--json", "--costs", "costs", "--plan"];
-    let [one, many] = ["1", "1000"].map(|tasks| asks(&folder.succeed(&[&study[..], &plan, &[tasks]].concat()))[0]);
-    assert!(one > many && many > 10.0, "{one} {many}");
-}
-
-#[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
     let scripts = repository().join("scripts");
     let of = |folder: &str| {
@@ -150,7 +110,6 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
         (&["--tasks", "two", "-o", "x", "--", "error"], "--tasks takes a whole number, not 'two'"),
         (&["-o", "x", "--", "error"], "--tasks must be at least 1"),
         (&["--tasks", "2", "--", "error"], "no folder"),
-        (&["--tasks", "2", "-o", "x", "--", "error", "--plan=3"], "--plan=3 is set by this script"),
         (&["--task", "2"], "unknown option '--task'"),
         (&["--tasks", "2", "-o"], "-o lacks its value"),
     ] {

@@ -17,7 +17,6 @@ mod headline;
 mod large_gltf;
 mod layers;
 mod listings;
-mod machines;
 mod motion;
 mod outlook;
 mod published;

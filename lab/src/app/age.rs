@@ -104,7 +104,7 @@ pub fn run(options: &AgeOptions) -> anyhow::Result<()> {
     let key = |spec: &AgeSpec| format!("age {} {} {}", scene.name, view.name, digest(&gpu, &settings(spec)));
     let planned = |spec: &AgeSpec| {
         let stem = error_report::stem(&scene.name, &view.name, spec.setup.extent, spec.globals.roughness);
-        PlannedCell::new(format!("{stem}-{}", spec.method.name), settings(spec), 1.0, key(spec))
+        PlannedCell::new(format!("{stem}-{}", spec.method.name), settings(spec), key(spec))
     };
     let specs: Vec<AgeSpec> = cells.iter().map(spec).collect();
     let planned = specs.iter().map(planned).collect();

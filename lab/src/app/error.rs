@@ -1,32 +1,21 @@
 //! `ssct error`: run time against error.
 
-use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS, reference_rays};
+use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::error_options::ErrorOptions;
 use super::run::{Run, command_line};
 use super::{progress, resolve};
 use crate::error::Result;
-use crate::gpu::Gpu;
 use crate::report::error_report::{self, IMAGES};
 use crate::report::files;
 use crate::scene::{Scene, View, library};
-use crate::study::cost::CellCost;
-use crate::study::cost_model::CostModel;
 use crate::study::error::ErrorRecord;
-use crate::study::shard::Shard;
 use crate::study::{Globals, sweep};
 use std::io::Write;
-use std::path::Path;
 
 /// Measures what is missing, writes and prints everything.
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let plan = plan(options)?;
-    if !options.plan.is_empty() {
-        return super::plan::run(options, &plan);
-    }
     let gpu = resolve::gpu(&options.common.device)?;
-    if let (true, Some(folder)) = (options.only_references, &options.output) {
-        return sample_references(options, &gpu, &plan, folder);
-    }
     let list = plan.list(&gpu, options.shard.shard, command_line())?;
     let bar = progress::bar("error", list.owned());
     let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
@@ -36,7 +25,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = plan.records(&gpu, &run.journal);
     // Cells that were measured are written even after an error, and that error is reported before one of writing.
-    let wrote = write(options, &records, &plan.costs(&gpu, &run.journal), &list.command);
+    let wrote = write(options, &records, &list.command);
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
@@ -44,26 +33,9 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Takes this shard's rays of the world references, for runs with --references.
-fn sample_references(options: &ErrorOptions, gpu: &Gpu, plan: &Plan, folder: &Path) -> anyhow::Result<()> {
-    let shard = options.shard.shard.unwrap_or(Shard { index: 1, of: 1 });
-    let cells = plan.priced(CostModel::kept());
-    let rays = reference_rays(&cells, shard.of).swap_remove(shard.index as usize - 1);
-    let run = Run::begin(Some(folder), true)?;
-    let bar = progress::bar("references", rays.len());
-    let outcome = plan.sample_references(gpu, &rays, folder, &mut || bar.inc(1));
-    bar.finish_and_clear();
-    run.ended(outcome)?;
-    run.finish()?;
-    let count: usize = rays.iter().map(|(_, rays)| rays.len()).sum();
-    writeln!(std::io::stdout(), "{}: {count} rays a pixel in {} cells", folder.display(), rays.len())?;
-    gpu.check_validation()?;
-    Ok(())
-}
-
-fn write(options: &ErrorOptions, records: &[ErrorRecord], costs: &[CellCost], command: &str) -> anyhow::Result<()> {
+fn write(options: &ErrorOptions, records: &[ErrorRecord], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        error_report::write(folder, records, costs, command, &[])?;
+        error_report::write(folder, records, command, &[])?;
     }
     let shown = if options.run.json { files::json(records) } else { error_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
@@ -101,8 +73,7 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         let views = views(&scene)?;
         jobs.push((scene, views));
     }
-    let (samples, rays, references) = (options.samples, options.rays, options.references.clone());
-    Ok(Plan { scenes: jobs, sizes, globals, variants, samples, rays, references })
+    Ok(Plan { scenes: jobs, sizes, globals, variants, samples: options.samples, rays: options.rays })
 }
 
 fn roughness_values(common: &super::cli::CommonOptions, values: &[f32]) -> Result<Vec<Globals>> {

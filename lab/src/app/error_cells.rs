@@ -8,14 +8,12 @@ use crate::methods::{MethodInfo, Setup};
 use crate::report::error_report::{self, stem};
 use crate::scene::{Scene, View};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
-use crate::study::cost::CellCost;
-use crate::study::cost_model::{CellShape, CostModel, CostParts};
-use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure, sample_worlds};
-use crate::study::journal::{Journal, scene_digest, setup_digest};
-use crate::study::shard::{RayShare, RaysOfShard, Shard, Share, rays_of_shards};
+use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure};
+use crate::study::journal::{Journal, scene_digest};
+use crate::study::shard::Shard;
 use crate::study::{Globals, Stage};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Pixels of a quick study.
 pub const QUICK_SIZE: [u32; 2] = [320, 180];
@@ -38,24 +36,6 @@ pub struct Plan {
     pub samples: usize,
     /// Rays a pixel of the references.
     pub rays: u32,
-    /// Folders in which other runs left samples of the world references.
-    pub references: Vec<PathBuf>,
-}
-
-/// A cell with its predicted cost.
-pub struct PricedCell {
-    /// The name of the cell, for people.
-    pub name: String,
-    /// The digest of the cell's setup, with its whole cost.
-    pub share: Share,
-    /// The parts of the cost.
-    pub parts: CostParts,
-    /// Bytes that the process holds, if they can be predicted.
-    pub memory_bytes: Option<f64>,
-    /// Rays a pixel of the references.
-    pub rays: u32,
-    /// Seconds to draw the cell for its references alone.
-    pub drawn_s: f64,
 }
 
 impl Plan {
@@ -70,7 +50,6 @@ impl Plan {
             variants: Variant::of(methods, &Setup::new(QUICK_SIZE)),
             samples,
             rays,
-            references: Vec::new(),
         }
     }
 
@@ -87,34 +66,8 @@ impl Plan {
         let scenes = self.scenes.iter().map(|(scene, _)| (scene.name.clone(), scene_digest(scene))).collect();
         let definitions = definitions_of(&self.variants)?;
         let head = CellListHead { kind: "error", definitions, command, shard, settings: Value::Null, scenes };
-        // Every machine divides the study by the costs that are part of the program.
-        let planned = |spec: ErrorSpec| {
-            let cost = CostModel::kept().predict(&CellShape::of(&spec)).total_s();
-            PlannedCell::new(stem_of(&spec), setup_of(&spec), cost, key(gpu, &spec))
-        };
+        let planned = |spec: ErrorSpec| PlannedCell::new(stem_of(&spec), setup_of(&spec), key(gpu, &spec));
         Ok(CellList::new(head, gpu.info(), self.specs().map(planned).collect()))
-    }
-
-    /// The cells with the costs that a model predicts.
-    pub fn priced(&self, model: &CostModel) -> Vec<PricedCell> {
-        let price = |spec: ErrorSpec| {
-            let shape = CellShape::of(&spec);
-            let parts = model.predict(&shape);
-            PricedCell {
-                name: stem_of(&spec),
-                share: Share { setup: setup_digest(&setup_of(&spec)), cost: parts.total_s() },
-                parts,
-                memory_bytes: model.memory_bytes(&shape),
-                rays: spec.rays,
-                drawn_s: model.drawn_s(spec.extent),
-            }
-        };
-        self.specs().map(price).collect()
-    }
-
-    /// The costs of every cell that the journal has.
-    pub fn costs(&self, gpu: &Gpu, journal: &Journal) -> Vec<CellCost> {
-        self.specs().filter_map(|spec| journal.get(&cost_key(&key(gpu, &spec)))).collect()
     }
 
     /// Measures every cell that the journal lacks; with a list, only those that this run owns. Pictures go into a
@@ -146,33 +99,10 @@ impl Plan {
                 if let Some(folder) = pictures {
                     error_report::write_strips(folder, &stem_of(&spec), &cell)?;
                 }
-                journal.put(cost_key(&key), &cell.cost)?;
                 Ok(cell.records)
             })?;
             progress();
             go_on()?;
-        }
-        Ok(())
-    }
-
-    /// Takes a shard's rays of the world references, and keeps them in a folder. `progress` is called after each cell.
-    ///
-    /// # Errors
-    /// [`Error::Stopped`] once a signal asked for it, and those of the device and of files.
-    pub fn sample_references(
-        &self,
-        gpu: &Gpu,
-        rays: &RaysOfShard,
-        folder: &Path,
-        progress: &mut dyn FnMut(),
-    ) -> Result<()> {
-        let specs: Vec<ErrorSpec> = self.specs().collect();
-        let mut last = Last::default();
-        for (cell, samples) in rays {
-            let spec = &specs[*cell];
-            let stage = last.of(&spec.scene.name, || Stage::new(gpu, spec.scene))?;
-            sample_worlds(spec, stage, samples, folder, &mut go_on)?;
-            progress();
         }
         Ok(())
     }
@@ -184,7 +114,7 @@ impl Plan {
 
     fn specs(&self) -> impl Iterator<Item = ErrorSpec<'_>> {
         let (warmup, samples, rays) = (1, self.samples, self.rays);
-        let (variants, references) = (&self.variants[..], &self.references[..]);
+        let variants = &self.variants[..];
         self.scenes.iter().flat_map(move |(scene, views)| {
             let digest = scene_digest(scene);
             let sizes = |view| self.sizes.iter().map(move |&extent| (view, extent));
@@ -192,17 +122,10 @@ impl Plan {
             let cells = cells.flat_map(|(view, extent)| self.globals.iter().map(move |&g| (view, extent, g)));
             cells.map(move |(view, extent, globals)| {
                 let scene_digest = digest.clone();
-                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest, references }
+                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
             })
         })
     }
-}
-
-/// The rays of the world references that each of some shards takes, of cells with the costs that are part of the
-/// program.
-pub fn reference_rays(cells: &[PricedCell], of: u32) -> Vec<RaysOfShard> {
-    let share = |of: &PricedCell| RayShare { setup: of.share.setup.clone(), cost: of.parts.world_s, rays: of.rays };
-    rays_of_shards(&cells.iter().map(share).collect::<Vec<_>>(), of)
 }
 
 /// Everything that a cell depends on but the device and the program.
@@ -217,9 +140,4 @@ fn stem_of(spec: &ErrorSpec) -> String {
 /// Where the journal keeps a cell.
 fn key(gpu: &Gpu, spec: &ErrorSpec) -> String {
     format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(gpu), spec.samples, spec.rays)
-}
-
-/// The key of a cell's cost in the journal, by the key of the cell.
-pub fn cost_key(cell: &str) -> String {
-    format!("cost of {cell}")
 }

@@ -73,37 +73,6 @@ pub struct ErrorOptions {
     pub rays: u32,
     #[command(flatten)]
     pub shard: ShardOptions,
-    /// Only take the rays of the world references
-    ///
-    /// They are kept in the folder, for --references. A shard takes its share of all rays, which may be a part of a cell's.
-    #[arg(long, requires = "output", conflicts_with_all = ["json", "plan"])]
-    pub only_references: bool,
-    /// Folders of runs with --only-references, on devices of the same kind; their rays are not taken again
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "only_references")]
-    pub references: Vec<PathBuf>,
-    /// Predict the run time on so many machines
-    ///
-    /// Nothing is measured (docs/many-machines.md).
-    #[arg(
-        long,
-        value_name = "N",
-        value_delimiter = ',',
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000),
-        conflicts_with_all = ["shard", "output", "resume"]
-    )]
-    pub plan: Vec<u32>,
-    /// For --plan: simulate slow machines and failures
-    ///
-    /// The plan also gives the median and the 95th percentile of simulated runs in which some machines are slow and some
-    /// attempts fail.
-    #[arg(long, requires = "plan")]
-    pub simulate: bool,
-    /// For --plan: a folder with costs that were measured on the machines in question
-    ///
-    /// A run of `ssct error` writes its costs into its folder. Without one, the costs that are part of the program are
-    /// taken.
-    #[arg(long, value_name = "DIR", requires = "plan")]
-    pub costs: Option<PathBuf>,
     /// Folder for records, plots and pictures
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

@@ -74,11 +74,6 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "cache",
             "seed",
             "shard",
-            "only_references",
-            "references",
-            "plan",
-            "simulate",
-            "costs",
         ],
     ),
     // The window names the headings of its own options.

@@ -1,7 +1,6 @@
 //! `ssct merge`: makes the run of the whole study from its shards.
 
 use super::cli::MergeOptions;
-use super::error_cells::cost_key;
 use super::figures;
 use super::reference_part;
 use super::run::Run;
@@ -17,7 +16,6 @@ use crate::report::video_report::{self, CLIPS};
 use crate::report::{age_report, precision_report, stress_report};
 use crate::study::age::AgeRecord;
 use crate::study::cell_list::{CellList, ListedResult};
-use crate::study::cost::CellCost;
 use crate::study::error::ErrorRecord;
 use crate::study::journal::Journal;
 use crate::study::merge::{MergeInput, MergedResult, MergedRun, merge};
@@ -112,7 +110,7 @@ fn write(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> anyhow::Re
     match cells.kind.as_str() {
         "error" => {
             copy_files(&below(inputs, IMAGES), &folder.join(IMAGES), false)?;
-            error_report::write(folder, &records::<ErrorRecord>(merged)?, &costs(merged), command, missing)?;
+            error_report::write(folder, &records::<ErrorRecord>(merged)?, command, missing)?;
         }
         "age" => {
             let (write, text) = (age_report::write, age_report::text);
@@ -141,12 +139,6 @@ fn write(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> anyhow::Re
         }
     }
     Ok(())
-}
-
-/// The costs of the cells.
-fn costs(merged: &MergedRun) -> Vec<CellCost> {
-    let results = merged.cells.cells.iter().flat_map(|cell| &cell.results);
-    results.filter_map(|of| merged.journal.get(&cost_key(&of.key))).collect()
 }
 
 /// The report of the records, device by device.

@@ -21,7 +21,6 @@ mod merge;
 mod motion;
 pub mod parameters;
 mod path;
-mod plan;
 mod precision;
 mod progress;
 pub mod reference;

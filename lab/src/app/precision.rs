@@ -89,7 +89,7 @@ pub fn run(options: &PrecisionOptions) -> anyhow::Result<()> {
     let key = |spec: &PrecisionSpec| format!("precision {} {} {}", scene.name, spec.view.name, spec.digest());
     let planned = |spec: &PrecisionSpec| {
         let name = error_report::stem(&scene.name, &spec.view.name, size, spec.globals.roughness);
-        PlannedCell::new(name, spec.settings(), 1.0, key(spec))
+        PlannedCell::new(name, spec.settings(), key(spec))
     };
     let cells = specs.iter().map(planned).collect();
     let list = CellList::new(list_head("precision", options.shard.shard, &setup, &scene), gpu.info(), cells);

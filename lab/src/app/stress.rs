@@ -174,7 +174,7 @@ fn list(
     let digests: Vec<&String> = scenes.iter().map(|(_, digest)| digest).collect();
     let planned = |(name, key): (String, String)| {
         let setup = json!([name, set, digests]);
-        PlannedCell::new(name, setup, 1.0, key)
+        PlannedCell::new(name, setup, key)
     };
     let cells = cases.into_iter().map(planned).collect();
     let head = CellListHead {

@@ -291,22 +291,19 @@ impl<'a> Study<'a> {
     /// Writes the records and the page with what there is.
     fn write(&self, journal: &Journal, made: &Made) -> anyhow::Result<Written> {
         let (folder, mut tabled, mut viewed) = (self.pictures.path(), Vec::new(), Vec::new());
-        let (mut errors, mut costs) = (Vec::new(), Vec::new());
+        let mut errors = Vec::new();
         for part in self.parts {
             match part {
                 Part::Table(spec) => tabled.extend(timing::records(spec, journal)),
                 Part::Times(spec) => viewed.extend(timing::records(spec, journal)),
-                Part::Errors(cells) => {
-                    errors.extend(cells.records(self.gpu, journal));
-                    costs.extend(cells.costs(self.gpu, journal));
-                }
+                Part::Errors(cells) => errors.extend(cells.records(self.gpu, journal)),
                 Part::Pictures(..) | Part::Figures(_) | Part::OtherDevices(_) => {}
             }
         }
         let all: Vec<TimeRecord> = viewed.iter().chain(&tabled).cloned().collect();
         files::write(&folder.join("time.json"), files::json(&all).as_bytes())?;
         files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes())?;
-        error_report::write(&folder.join(ERROR_FOLDER), &errors, &costs, &self.plan.command, &[])?;
+        error_report::write(&folder.join(ERROR_FOLDER), &errors, &self.plan.command, &[])?;
         let table = compare(&tabled);
         let page = Page {
             device: self.gpu.info(),

@@ -93,7 +93,7 @@ pub fn run(options: &VideoOptions) -> anyhow::Result<()> {
     let key = |spec: &VideoSpec| format!("video {} {} {}", scene.name, way.name(), digest(&gpu, &settings(spec)));
     let planned = |spec: &VideoSpec| {
         let name = error_report::stem(&scene.name, way.name(), spec.extent, spec.globals.roughness);
-        PlannedCell::new(name, settings(spec), 1.0, key(spec))
+        PlannedCell::new(name, settings(spec), key(spec))
     };
     let specs: Vec<VideoSpec> = cells.iter().map(spec).collect();
     let planned = specs.iter().map(planned).collect();

@@ -8,7 +8,6 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Pixels};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::pareto;
-use crate::study::cost::CellCost;
 use crate::study::error::{Against, ErrorRecord, MeasuredCell, display};
 use crate::study::record::DEFINITIONS;
 use crate::study::sweep::{self, Point};
@@ -73,21 +72,12 @@ fn bytes_against_error(points: &[Point]) -> std::result::Result<Option<String>, 
     plot::against(&named, ["MiB on the device, prepared", WORLD_AXIS]).map(Some)
 }
 
-/// The file with the costs of the cells.
-pub const COSTS: &str = "costs.json";
-
 /// The folder of the cells' pictures.
 pub const IMAGES: &str = "images";
 
-/// Writes error.json, error.txt, costs.json, one plot for each reference and device, and index.html. `command` is that
+/// Writes error.json, error.txt, one plot for each reference and device, and index.html. `command` is that
 /// of the whole study, and `missing` names the cells of the study that have no records.
-pub fn write(
-    folder: &Path,
-    records: &[ErrorRecord],
-    costs: &[CellCost],
-    command: &str,
-    missing: &[String],
-) -> Result<()> {
+pub fn write(folder: &Path, records: &[ErrorRecord], command: &str, missing: &[String]) -> Result<()> {
     let failed = |e: String| Error::io("draw the plots of", folder, std::io::Error::other(e));
     let mut parts = Vec::new();
     let apart = by_device(records, |r| &r.head.program.device);
@@ -101,7 +91,6 @@ pub fn write(
     }
     files::write(&folder.join("error.json"), files::json(records).as_bytes())?;
     files::write(&folder.join("error.txt"), text(records).as_bytes())?;
-    files::write(&folder.join(COSTS), files::json(costs).as_bytes())?;
     let sources = source_cells(&one_of_each(records));
     let page = ErrorPage { definitions: definitions(records), command, devices: &parts, sources: &sources, missing };
     files::write(&folder.join("index.html"), page.render().as_bytes())

@@ -3,7 +3,7 @@
 
 use super::journal::setup_digest;
 use super::record::Provenance;
-use super::shard::{Shard, Share, owners};
+use super::shard::{Shard, owners};
 use crate::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -64,21 +64,14 @@ pub struct PlannedCell {
     pub name: String,
     /// Everything that the cell depends on but the device and the program.
     pub setup: Value,
-    /// The predicted cost of the cell.
-    pub cost: f64,
     /// Where the journal will keep the results: `key` and `of` of each [`ListedResult`].
     pub results: Vec<(String, Value)>,
 }
 
 impl PlannedCell {
     /// A cell with one result.
-    pub fn new(name: String, setup: Value, cost: f64, key: String) -> Self {
-        Self { name, setup, cost, results: vec![(key, Value::Null)] }
-    }
-
-    /// What has to be known of the cell to divide the study.
-    fn share(&self) -> Share {
-        Share { setup: setup_digest(&self.setup), cost: self.cost }
+    pub fn new(name: String, setup: Value, key: String) -> Self {
+        Self { name, setup, results: vec![(key, Value::Null)] }
     }
 }
 
@@ -102,13 +95,13 @@ impl CellList {
     /// The list of a run of this program on a device.
     pub fn new(head: CellListHead, device: &DeviceInfo, cells: Vec<PlannedCell>) -> Self {
         let CellListHead { kind, definitions, command, shard, settings, scenes } = head;
-        let shares: Vec<Share> = cells.iter().map(PlannedCell::share).collect();
-        let owner = shard.map(|shard| owners(&shares, shard.of));
+        let setups: Vec<String> = cells.iter().map(|cell| setup_digest(&cell.setup)).collect();
+        let owner = shard.map(|shard| owners(&setups, shard.of));
         let is_own = |n: usize| shard.zip(owner.as_ref()).is_none_or(|(shard, owner)| owner[n] == shard.index);
-        let listed = cells.into_iter().zip(shares).enumerate().map(|(n, (cell, share))| {
+        let listed = cells.into_iter().zip(setups).enumerate().map(|(n, (cell, setup))| {
             let result = |(key, of)| ListedResult { device: 0, key, of };
             let results = if is_own(n) { cell.results.into_iter().map(result).collect() } else { Vec::new() };
-            ListedCell { name: cell.name, setup: share.setup, own: is_own(n), results }
+            ListedCell { name: cell.name, setup, own: is_own(n), results }
         });
         Self {
             kind: kind.to_owned(),

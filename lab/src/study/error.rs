@@ -6,7 +6,6 @@ mod truth;
 
 use self::judged::{MethodHits, Record};
 use self::truth::{Truth, truth};
-use super::cost::{CellCost, Laps, peak_bytes};
 use super::gbuffer;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
@@ -29,8 +28,6 @@ use crate::scene::{GBufferData, Scene, View};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::ops::Range;
-use std::path::{Path, PathBuf};
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -161,8 +158,6 @@ pub struct MeasuredCell {
     pub records: Vec<ErrorRecord>,
     /// References and methods as images.
     pub strips: Vec<Strip>,
-    /// How long each part of the cell took.
-    pub cost: CellCost,
 }
 
 /// How a cell is measured, whatever the device.
@@ -185,8 +180,6 @@ pub struct ErrorSpec<'a> {
     pub rays: u32,
     /// [`scene_digest`](super::journal::scene_digest) of the scene.
     pub scene_digest: String,
-    /// Folders in which other runs left samples of the world references ([`sample_worlds`]).
-    pub references: &'a [PathBuf],
 }
 
 impl ErrorSpec<'_> {
@@ -218,24 +211,15 @@ pub fn measure(
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
         Shot::new(stage, method, &setup.at(spec.extent), wants, camera, materials.clone())
     };
-    let mut laps = Laps::begin();
-    let mut cost = CellCost::of(gpu, spec);
     // Timed without a reflection of its own, as the time study does.
-    let made = spec.variants.iter().zip(&mut cost.variants).map(|(v, cost)| {
-        let made = shot(stage, &v.setup, Wants::IMAGE, v.method);
-        cost.setup_s = laps.lap();
-        made
-    });
+    let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
     let mut shots = made.collect::<Result<Vec<_>>>()?;
-    let times = totals((gpu, spec), stage, &mut shots, journal, &mut cost, go_on)?;
-    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new(), cost };
+    let times = totals((gpu, spec), stage, &mut shots, journal, go_on)?;
+    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
-    laps.lap();
     // Where the journal has all times, no frame has run.
     stage.draw(first)?;
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, (definitions, bounces), go_on)?;
-    (cell.cost.screen_s, cell.cost.world_s) = truth.seconds;
-    cell.cost.rest_s = laps.lap() - truth.seconds.0 - truth.seconds.1;
 
     for screen in &truth.screens {
         let name = strip_name(SCREEN_REFERENCE, screen.version);
@@ -245,7 +229,7 @@ pub fn measure(
     if let Some(world) = &truth.world_and_environment {
         cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
     }
-    for (n, ((variant, timed), time)) in spec.variants.iter().zip(&shots).zip(times).enumerate() {
+    for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         go_on()?;
         let color = {
             let (_, _, output) = stage.output_at_rest(timed)?;
@@ -277,7 +261,6 @@ pub fn measure(
         head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
-        cell.cost.variants[n].judged_s = laps.lap();
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
@@ -294,29 +277,7 @@ pub fn measure(
             cell.records.push(head.image(Against::World, &truth, &truth.world, &screen.image.color));
         }
     }
-    cell.cost.rest_s += laps.lap();
-    cell.cost.peak_bytes = peak_bytes();
     Ok(cell)
-}
-
-/// Takes some samples of a cell's world references, and keeps them in a folder for the runs that measure the cell. The
-/// samples belong to the G-buffer that this device draws; a run on another device can use them only if its device draws
-/// the same G-buffer to the bit.
-pub fn sample_worlds(
-    spec: &ErrorSpec,
-    stage: &mut Stage,
-    samples: &Range<u32>,
-    folder: &Path,
-    go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<()> {
-    let Some(first) = spec.variants.first() else { return Ok(()) };
-    let world = world_of(spec.variants)?;
-    let camera = spec.view.camera(spec.scene, spec.extent);
-    let materials = spec.globals.materials(spec.scene, spec.view);
-    let shot = Shot::new(stage, first.method, &first.setup.at(spec.extent), Wants::IMAGE, camera, materials.clone())?;
-    stage.draw(&shot)?;
-    let data = gbuffer::read(&mut stage.context, &shot)?;
-    truth::sample_worlds(spec, &data, &materials, world, (samples, folder), go_on)
 }
 
 /// Name in records of the oracle's hits with the thesis's cone.
@@ -387,18 +348,12 @@ fn totals(
     stage: &mut Stage,
     shots: &mut [Shot],
     journal: &mut Journal,
-    cost: &mut CellCost,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<Stats>> {
     let cell = spec.digest(gpu);
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
-    cost.partial = (0..shots.len()).any(|m| (0..spec.samples).any(|n| journal.has(&key(m, &n.to_string()))));
-    let mut turns = cost.turns();
-    interleave(stage, shots, &rounds, &key, journal, &mut || {
-        turns.next();
-        go_on()
-    })?;
+    interleave(stage, shots, &rounds, &key, journal, go_on)?;
     let total = |m: usize, n: usize| journal.get::<Sample>(&key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())

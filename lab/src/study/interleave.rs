@@ -48,7 +48,7 @@ impl Round {
 
 /// The shot that is drawn at a turn of a round, of `shots` in all. The shots begin in turn, since the first of a round
 /// may find colder caches.
-pub(super) fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
+fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
     (round + turn) % shots
 }
 

@@ -50,7 +50,7 @@ impl TimeSpec<'_> {
     }
 
     /// All cells, whichever are measured. A cell is all variants at one size with one set of factors, which are timed in
-    /// turn; its cost is counted in pixels.
+    /// turn.
     pub fn planned(&self) -> Vec<PlannedCell> {
         let planned = |group: Group| {
             let result = |n| (group.prefix(n), json!(group.head(n)));
@@ -59,7 +59,6 @@ impl TimeSpec<'_> {
             PlannedCell {
                 name: format!("{}-{}-{width}x{height}-r{roughness}", self.scene.name, self.view.name),
                 setup: json!([group.settings, self.samples, self.a_a]),
-                cost: f64::from(width) * f64::from(height),
                 results: (0..self.variants.len()).map(result).collect(),
             }
         };

@@ -85,7 +85,7 @@ fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
 
 /// The list of cells: figures with their keys.
 fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
-    let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), 1.0, key);
+    let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), key);
     let cells = plates.into_iter().map(planned).collect();
     let head = CellListHead {
         kind: "figures",

@@ -3,7 +3,7 @@
 use super::sections::{error_plots, error_sources};
 use super::{frame, heading, missing_cells, page_header};
 use crate::report::devices::device_name;
-use crate::report::error_report::{COSTS, DevicePart, IMAGES};
+use crate::report::error_report::{DevicePart, IMAGES};
 use maud::html;
 
 /// Everything that the page shows.
@@ -51,7 +51,6 @@ impl ErrorPage<'_> {
             ul {
                 li { a href="error.json" { "error.json" } ": every error, one record a method, cell and reference" }
                 li { a href="error.txt" { "error.txt" } ": the tables of this page" }
-                li { a href=(COSTS) { (COSTS) } ": how long each part of each cell took" }
                 li { a href=(IMAGES) { (IMAGES) } ": reflections and FLIP maps as PNG, error maps as EXR" }
             }
         };

@@ -7,17 +7,13 @@ use crate::metrics::image::masked_rmse;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::floor::ScreenFloor;
 use crate::reference::hierarchy::Hierarchy;
-use crate::reference::kept_samples;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
 use crate::reference::world_hits::{WorldHit, world_hits};
 use crate::scene::{GBufferData, Material};
-use crate::study::cost::Laps;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::ops::Range;
-use std::path::Path;
 
 /// Rays a pixel of the world reference between two chances to stop.
 const RAYS_AT_ONCE: u32 = 8;
@@ -42,8 +38,6 @@ pub(super) struct Truth {
     pub(super) world_and_environment: Option<Reference>,
     /// By version 2, the RMSE of the screen's floor.
     pub(super) floor: Option<f64>,
-    /// Seconds that the references of the screen took, and those of the world.
-    pub(super) seconds: (f64, f64),
 }
 
 /// The references in screen space, by a version of the oracle.
@@ -100,9 +94,7 @@ pub(super) fn truth(
     let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.effect().oracle).collect();
     versions.sort_by_key(|v| u32::from(*v));
     versions.dedup();
-    let mut laps = Laps::begin();
     let screens = versions.into_iter().map(screen).collect();
-    let screens_s = laps.lap();
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::shown(&triangles, &data);
@@ -110,8 +102,7 @@ pub(super) fn truth(
         let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
             .with_bounces(bounces);
         let mut floor = ScreenFloor::new(&data, &first_hits);
-        let floor_of_same = (!definitions.is_first()).then_some(&mut floor);
-        let mut state = kept_samples::resume(&reference, floor_of_same, spec.references)?;
+        let mut state = reference.start();
         while state.samples() < spec.rays {
             go_on()?;
             let rays = RAYS_AT_ONCE.min(spec.rays - state.samples());
@@ -129,7 +120,6 @@ pub(super) fn truth(
     let world_and_environment =
         has_world_and_environment(spec, definitions).then(|| world(Escape::Environment)).transpose()?;
     Ok(Truth {
-        seconds: (screens_s, laps.lap()),
         mirrors,
         screens,
         world_hits: if mirrors { world_hits(&triangles, &data) } else { Vec::new() },
@@ -145,28 +135,6 @@ pub(super) fn truth(
 /// escape.
 fn has_world_and_environment(spec: &ErrorSpec, definitions: DefinitionsVersion) -> bool {
     definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment)
-}
-
-/// Takes some samples of each world reference of a G-buffer, and keeps them in a folder, from which [`truth`] takes
-/// them.
-pub(super) fn sample_worlds(
-    spec: &ErrorSpec,
-    data: &GBufferData,
-    materials: &[Material],
-    (definitions, bounces): (DefinitionsVersion, u32),
-    (samples, folder): (&Range<u32>, &Path),
-    go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<()> {
-    let triangles = World::new(spec.scene, materials);
-    let first_hits = FirstHits::shown(&triangles, data);
-    let second = has_world_and_environment(spec, definitions).then_some(Escape::Environment);
-    for escape in std::iter::once(Escape::Black).chain(second) {
-        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
-            .with_bounces(bounces);
-        let mut floor = (!definitions.is_first()).then(|| ScreenFloor::new(data, &first_hits));
-        kept_samples::sample(&reference, floor.as_mut(), samples, folder, go_on)?;
-    }
-    Ok(())
 }
 
 fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {

@@ -6,28 +6,22 @@ use super::first_hits::FirstHits;
 use super::partial_sums::PartialSums;
 use super::world::WorldReference;
 use super::world_hits::ShownPlaces;
-use super::world_state::{Fingerprint, WorldState, floor_fingerprint};
+use super::world_state::WorldState;
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 
 /// Sums of what a screen shows of the rays of a world reference.
 #[derive(Debug, Clone)]
 pub struct ScreenFloor<'a> {
-    gbuffer: &'a GBufferData,
     screen: ShownPlaces<'a>,
-    pub(super) sums: PartialSums<DVec3>,
+    sums: PartialSums<DVec3>,
 }
 
 impl<'a> ScreenFloor<'a> {
     /// Makes the floor of a G-buffer and its own first hits, without samples.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let screen = ShownPlaces::new(gbuffer, first_hits);
-        Self { gbuffer, screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
-    }
-
-    /// A hash of everything that the sums depend on.
-    pub(super) fn fingerprint(&self, reference: &WorldReference) -> Fingerprint {
-        floor_fingerprint(&reference.fingerprint(), self.gbuffer)
+        Self { screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
     }
 
     /// Adds samples to the state of a reference of the same size, and what the screen shows of the same samples to the

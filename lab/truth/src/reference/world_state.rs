@@ -4,7 +4,7 @@
 use super::partial_sums::{LEAF, PartialSums, parts};
 use super::world::{Escape, WorldReference};
 use crate::error::{Error, Result};
-use crate::scene::{Encoding, GBufferData, Light, Surface};
+use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::io::Write;
@@ -74,16 +74,6 @@ impl Sums {
         self.color += color;
         self.squares += color * color;
     }
-
-    /// A sum of colours, without their squares.
-    pub(super) fn of_color(color: DVec3) -> Self {
-        Self { color, squares: DVec3::ZERO }
-    }
-
-    /// The sum of colours.
-    pub(super) fn color(&self) -> DVec3 {
-        self.color
-    }
 }
 
 impl AddAssign for Sums {
@@ -97,12 +87,6 @@ impl WorldState {
     /// A state without samples, of which the first will be number `first`.
     pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
         Self { fingerprint, extent, sums: PartialSums::new(first, kinds.len()), kinds }
-    }
-
-    /// Adds the samples that follow. Returns false, and adds nothing, if `next` has others.
-    #[must_use]
-    pub(super) fn append(&mut self, next: Self) -> bool {
-        next.fingerprint == self.fingerprint && self.sums.append(next.sums)
     }
 
     /// The number of the first sample: 0, except in a part of the samples.
@@ -336,17 +320,6 @@ impl WorldReference<'_> {
         }
         hash.0.finalize().into()
     }
-}
-
-/// A hash of what a floor depends on: its reference, and the G-buffer that the screen shows.
-pub(super) fn floor_fingerprint(of: &Fingerprint, shown: &GBufferData) -> Fingerprint {
-    let mut hash = Hash(Sha256::new());
-    hash.block(b"floor");
-    hash.block(of);
-    hash.floats(&shown.depth);
-    hash.floats(bytemuck::cast_slice(&shown.color));
-    hash.numbers(&shown.surface.iter().map(|s| u64::from(*s == Surface::Sky)).collect::<Vec<_>>());
-    hash.0.finalize().into()
 }
 
 /// A hash over blocks that includes their lengths, so that no two different inputs give the same bytes.
