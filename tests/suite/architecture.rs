@@ -81,10 +81,6 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     (".end_label(", &["gpu/frame.rs"]),
 ];
 
-/// Names that stand for two public types or more. When the types of an entry are renamed, the entry must go.
-const SHARED_TYPE_NAMES: &[&str] =
-    &["Block", "Compared", "Parameters", "Picture", "Run", "Sample", "Side", "State", "Strip", "Triangles", "View"];
-
 /// A source file: the folder of its package's sources, its path in it, and its code without comments and unit tests.
 struct Source {
     package: &'static str,
@@ -287,18 +283,6 @@ fn wrong_imports(package: &str, path: &str, code: &str) -> Vec<String> {
     prefixes.iter().flat_map(named).filter(wrong).map(|n| format!("{path} imports {n}")).collect()
 }
 
-/// The types and traits that a file declares with `pub`, with or without a scope.
-fn public_types(code: &str) -> Vec<String> {
-    let declared = |line: &str| {
-        let line = line.trim_start().strip_prefix("pub")?;
-        let line = line.strip_prefix('(').map_or(Some(line), |scope| Some(scope.split_once(')')?.1))?;
-        let (kind, name) = line.trim_start().split_once(' ')?;
-        let name: String = name.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        ["struct", "enum", "trait", "type"].contains(&kind).then_some(name)
-    };
-    code.lines().filter_map(declared).collect()
-}
-
 /// The sibling passes that a pass imports.
 fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
     let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
@@ -413,19 +397,6 @@ fn no_commands_import_each_other_in_a_circle() {
     assert!(imports.is_empty(), "{imports:?}");
 }
 
-#[test]
-fn a_public_type_name_means_one_thing() {
-    let mut declared = BTreeMap::<String, Vec<String>>::new();
-    for s in sources() {
-        for name in public_types(&s.code) {
-            declared.entry(name).or_default().push(s.path.clone());
-        }
-    }
-    declared.retain(|_, files| files.len() > 1);
-    let shared: Vec<&String> = declared.keys().collect();
-    assert_eq!(shared, SHARED_TYPE_NAMES, "declared twice: {declared:?}");
-}
-
 /// Whether a source is of a program that reads arguments and prints.
 fn is_command(s: &Source) -> bool {
     s.package == VIEW || s.path.starts_with("app/")
@@ -457,26 +428,6 @@ fn no_constant_is_declared_in_both_languages() {
     assert_eq!(declared_twice(&glsl, &rust), [""; 0], "shaders-glsl/common/constants.glsl is for both");
 }
 
-#[test]
-fn the_scan_of_shaders_sees_what_it_should() {
-    let wrapper = "#version 460\n// Says nothing.\n\n#define HITS\n#include \"a.glsl\"\n";
-    assert!(is_wrapper(&code(wrapper)) && !is_wrapper(&code(&format!("{wrapper}void main() {{}}"))));
-    let source = |code: &str| Source { package: "", path: "x".into(), code: code.into() };
-    let glsl = numbers_of_glsl(&source(
-        "#define XI 0.244\n#define FLAG\n#define F(x) x\nconst int WIDE_LIST = 2;\nconst uint BITS = 4u;\n\
-         layout(constant_id = 0) const int STRIP = 2;\nconst vec3 A = vec3(1.0);",
-    ));
-    assert_eq!(glsl.iter().map(|n| n.name.as_str()).collect::<Vec<_>>(), ["XI", "WIDE_LIST", "BITS"]);
-    let told = |rust: &str| declared_twice(&glsl, &numbers_of_rust(&source(rust))).len();
-    assert_eq!(told("pub const XI: f64 = 0.244;"), 1);
-    assert_eq!(told("pub(super) const XI: f32 = 0.25;"), 1, "the name is enough");
-    assert_eq!(told("    const BITS_OF_A_MAP: u32 = 4;"), 1, "a word and the value");
-    assert_eq!(told("    Wide = 2,"), 1, "a variant of an enum");
-    assert_eq!(told("    Wide = 3,\n    Narrow = 2,\nconst BITS_A: f32 = 4.0;"), 0);
-    assert_eq!(told("pub const XI: f64 = constants::XI;\n    Wide = constants::WIDE_LIST as isize,"), 0);
-    assert_eq!(declared_twice(&[&glsl[..], &glsl[..1]].concat(), &[]).len(), 1, "two shaders");
-}
-
 /// A flag in a string: two hyphens after its beginning or a blank, and a letter.
 fn names_a_flag(code: &str) -> bool {
     let flag = |(at, _): (usize, &str)| {
@@ -499,27 +450,4 @@ fn only_the_command_knows_flags_and_exit_statuses() {
         }
     }
     assert!(names_a_flag("\"give --one\"") && names_a_flag("\"--one\"") && !names_a_flag("i-- ; a--b"));
-}
-
-#[test]
-fn the_scan_sees_what_it_should() {
-    let text = "use crate::gpu::{Frame, Gpu};\nuse crate::{\n    math::cone::{a, b},\n    methods, // crate::study\n};\n\
-                fn f() -> crate::app::X { my_crate::report::y() }\n#[cfg(test)]\nmod tests { use crate::study; }";
-    assert_eq!(names_after(&code(text), "crate::"), ["gpu", "math", "methods", "app"]);
-    let wrong = |path, code| wrong_imports("lab/src", path, code);
-    assert_eq!(wrong("scene/obj.rs", "use crate::gpu::Image;"), ["scene/obj.rs imports gpu"]);
-    assert_eq!(wrong("reference/oracle.rs", "use ssct::passes::HiZ;"), ["reference/oracle.rs imports passes"]);
-    assert_eq!(wrong("main.rs", "ssct_lab::app::run(); ssct_lab::study::x();"), ["main.rs imports study"]);
-    assert_eq!(wrong("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
-    let wrong = |path, code| wrong_imports("src", path, code);
-    assert_eq!(wrong("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
-    assert_eq!(wrong("methods/mod.rs", "ssct::INFO, crate::study::x()"), ["methods/mod.rs imports study"]);
-    assert_eq!(code("a\n#[cfg(test)]\nmod tests;\nb\n#[cfg(test)]\nmod tests {\n}"), "a\n#[cfg(test)]\nmod tests;\nb");
-    let types =
-        "pub struct A;\n    pub(in crate::gpu) enum B {\npub type C<T> = T;\npub a: u32,\nstruct D;\npub fn e() {}";
-    assert_eq!(public_types(types), ["A", "B", "C"]);
-    let passes = ["hi_z".to_owned()];
-    assert_eq!(wrong_siblings("passes/cone.rs", "use super::{HiZ, hi_z::X};", &passes).len(), 1);
-    assert_eq!(wrong_siblings("passes/cone.rs", "use crate::passes::hi_z;", &passes).len(), 1);
-    assert_eq!(wrong_siblings("passes/cone.rs", "use super::HiZ;", &passes).len(), 0);
 }
