@@ -9,6 +9,7 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{First, UnifiedParams};
 use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
 use ssct::passes::PathCode;
+use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::scene::bvh::WorldRay;
@@ -63,22 +64,20 @@ fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize
     let rays = RaySetup::new(&drawn.data);
     let data = &drawn.data;
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
-    let clip_to_view = data.view_to_clip().inverse();
+    let shown = FirstHits::shown(&world, data);
     let eye = data.camera.eye();
     let (mut rays_seen, mut wrong) = (0, 0);
     for (i, found) in drawn.hits.texels().enumerate() {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
-        let (true, Some(direction)) = (data.reflects(i), rays.mirror(x, y)) else { continue };
+        let (Some(receiver), Some(direction)) = (&shown.receivers[i], rays.mirror(x, y)) else { continue };
         let code = PathCode::from_channel(found[3]);
         if !matches!(code, Some(PathCode::Triangle | PathCode::Sky)) {
             continue;
         }
         rays_seen += 1;
-        let begin = data.unproject(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(data.depth[i]), &clip_to_view);
-        let origin = view_to_world.transform_point3(begin);
         let direction = view_to_world.transform_vector3(direction).normalize();
-        let ray = WorldRay { origin, direction, t_min: 1e-3, t_max: f64::INFINITY };
+        let ray = WorldRay { origin: receiver.position, direction, t_min: 1e-3, t_max: f64::INFINITY };
         let right = match (world.closest(&ray), code) {
             (None, code) => code == Some(PathCode::Sky),
             (Some(hit), Some(PathCode::Triangle)) => {
