@@ -91,7 +91,7 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     for (more, says) in [
         (&["--triangles", "nowhere"][..], "nowhere: neither a built-in scene"),
         (&["--triangles", "rooms", "--captures", "none"], "cannot be used with"),
-        (&[], "needs the scene"),
+        (&[], "a G-buffer alone does not have them"),
     ] {
         let output = folder.run(&[&reflect[..], more].concat());
         let message = String::from_utf8_lossy(&output.stderr);
