@@ -91,6 +91,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "write",
             "map",
             "gbuffer_map",
+            "triangles",
             "resume",
         ],
     ),

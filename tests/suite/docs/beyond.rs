@@ -23,7 +23,7 @@ const BEYOND: [(&str, f64); 8] = [
 /// How much more than its aim a scene may have at each of [`ROUGHNESS`].
 const ALLOWED: [f64; 5] = [0.0, 0.05, 0.05, 0.1, 0.1];
 
-/// `unified` with captures, and what it is held against: a method, and what is behind it.
+/// `unified` beyond the screen, and what it is held against: a method, and what is behind it.
 const CAPTURED: (&str, &str) = ("unified", "none");
 const ALONE: (&str, &str) = ("ssct", "none");
 
@@ -274,6 +274,24 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
     let head =
         ["scene", "error over `ssct`", "error over `ssct --fallback pccm`", "rays that end right", "time over `ssct`"];
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// The error of `unified` among the triangles over that of `ssct`, a scene a row and a roughness a column.
+pub fn triangles_by_roughness(folder: &Path) -> Result<String> {
+    let folders = [folder.to_owned()];
+    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(&folders, scene)?;
+        let cell = |roughness: &&str| -> Result<String> {
+            let [own, base] = [CAPTURED, ALONE].map(|of| by_view(&records, of, roughness, "rmse"));
+            if own.is_empty() || own.keys().ne(base.keys()) {
+                return Err(format!("{scene} at roughness {roughness}: not every view has unified and ssct"));
+            }
+            median_and_greatest(&own.values().zip(base.values()).map(|(a, b)| a / b).collect::<Vec<_>>())
+        };
+        let cells = ROUGHNESS.iter().map(cell).collect::<Result<Vec<_>>>()?;
+        Ok([(*scene).to_owned()].into_iter().chain(cells).collect())
+    };
+    table(&["scene", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
 
 /// What the scene's triangles gain at a roughness: `unified` and `traced` over `ssct`, with the right places of mirrors.

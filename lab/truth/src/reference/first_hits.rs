@@ -170,7 +170,8 @@ impl FirstHits {
         all
     }
 
-    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet that world. A device
+    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet that world, and the planes
+    /// of the triangles there, below which no light leads. A device
     /// that rounds vertices to fractions of a pixel puts its depths beside the surface, by millimetres where the eye sees it
     /// at a grazing angle, and rays from there would meet the surface itself. Where the world has nothing near a depth, its
     /// point stays.
@@ -182,7 +183,8 @@ impl FirstHits {
             let [t_min, t_max] = [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| stored * (1.0 + error));
             let ray = WorldRay { origin: eye, direction, t_min, t_max };
             if let Some(hit) = world.closest(&ray) {
-                receiver.position = ray.at(hit.t);
+                let point = world.point(&ray, &hit);
+                (receiver.position, receiver.geometric_normal) = (point.position, point.geometric_normal);
             }
         });
         all
