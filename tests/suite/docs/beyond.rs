@@ -276,24 +276,6 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
 
-/// The error of `unified` among the triangles over that of `ssct`, a scene a row and a roughness a column.
-pub fn triangles_by_roughness(folder: &Path) -> Result<String> {
-    let folders = [folder.to_owned()];
-    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
-        let records = of_scene(&folders, scene)?;
-        let cell = |roughness: &&str| -> Result<String> {
-            let [own, base] = [CAPTURED, ALONE].map(|of| by_view(&records, of, roughness, "rmse"));
-            if own.is_empty() || own.keys().ne(base.keys()) {
-                return Err(format!("{scene} at roughness {roughness}: not every view has unified and ssct"));
-            }
-            median_and_greatest(&own.values().zip(base.values()).map(|(a, b)| a / b).collect::<Vec<_>>())
-        };
-        let cells = ROUGHNESS.iter().map(cell).collect::<Result<Vec<_>>>()?;
-        Ok([(*scene).to_owned()].into_iter().chain(cells).collect())
-    };
-    table(&["scene", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], BEYOND.iter().map(row).collect::<Result<_>>()?)
-}
-
 /// What the scene's triangles gain at a roughness: `unified` and `traced` over `ssct`, with the right places of mirrors.
 pub fn triangles(folder: &Path, roughness: &str) -> Result<String> {
     let folders = [folder.to_owned()];

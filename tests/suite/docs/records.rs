@@ -36,7 +36,6 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["triangles", roughness] => beyond::triangles(first, roughness)?,
-        ["triangles-by-roughness"] => beyond::triangles_by_roughness(first)?,
         ["triangle-times", roughness] => gpu::triangle_times(folders, roughness)?,
         ["time-range", method, roughness] => gpu::time_range(first, method, roughness)?,
         ["over-ssct", method, roughness] => gpu::over_ssct(first, method, roughness)?,
