@@ -377,18 +377,22 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
         *depth *= if i % 7 == 0 { 0.9 } else { 1.001 };
     }
     let [read, shown] = [FirstHits::from_gbuffer(&gbuffer), FirstHits::shown(&world, &gbuffer)];
-    let mut moved = 0;
+    let eye = camera.eye().as_dvec3();
+    let (mut moved, mut kept) = (0, 0);
     for (i, surface) in traced.receivers.iter().enumerate() {
         let Some(surface) = surface else { continue };
         let of = |hits: &FirstHits| hits.receivers[i].unwrap().position;
         if i % 7 == 0 {
-            assert_eq!(of(&shown), of(&read), "pixel {i} shows something else");
+            // What the depth says stays, or the next surface that is near it counts.
+            let (off, away) = (of(&shown).distance(of(&read)), of(&read).distance(eye));
+            assert!(off <= away / 128.0, "pixel {i}: {off} m off, {away} m away");
+            kept += u32::from(off == 0.0);
         } else {
             assert!(of(&shown).distance(surface.position) < 1e-6, "pixel {i}: {} of {}", of(&shown), surface.position);
             moved += u32::from(of(&read).distance(surface.position) > 1e-4);
         }
     }
-    assert!(moved > 200, "{moved}");
+    assert!(moved > 200 && kept > 30, "{moved} and {kept}");
 }
 
 #[test]
