@@ -135,12 +135,22 @@ fn fill_normals(parts: &mut [GroupPart]) {
     for part in parts {
         for (triangle, &group) in part.part.triangles.iter_mut().zip(&part.smoothing) {
             let face = twice_area(triangle).normalize();
-            for vertex in triangle.iter_mut().filter(|v| v.normal == [0.0; 3]) {
+            let stated = *triangle;
+            let fill = |triangle: &mut Triangle, normal_of: &dyn Fn(&Vertex) -> DVec3| {
+                for (vertex, stated) in triangle.iter_mut().zip(&stated).filter(|(_, v)| v.normal == [0.0; 3]) {
+                    // Adding zero turns −0 into 0, so that welding finds equal bits.
+                    vertex.normal = (normal_of(stated).as_vec3().normalize() + Vec3::ZERO).to_array();
+                }
+            };
+            fill(triangle, &|vertex| {
                 let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
                 // At a sharp fold, the mean may point behind the face.
-                let normal = if mean.dot(face) > 0.0 { mean } else { face };
-                // Adding zero turns −0 into 0, so that welding finds equal bits.
-                vertex.normal = (normal.as_vec3().normalize() + Vec3::ZERO).to_array();
+                if mean.dot(face) > 0.0 { mean } else { face }
+            });
+            // Beside stated normals that lean behind the face, a mean along the face would let all of them together point to
+            // its back.
+            if point_behind(triangle, face) {
+                fill(triangle, &|_| face);
             }
         }
     }
@@ -217,6 +227,31 @@ fn project(polygon: &[DVec3]) -> Vec<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two stated normals lean behind the face by 111 degrees, which an author may want. The mean at the third corner, with two
+    /// other faces, is almost perpendicular to the face, and all three together would point away by 126 degrees.
+    #[test]
+    fn means_do_not_turn_a_face_to_its_back() {
+        let corner =
+            |position: [f32; 3], normal: [f32; 3]| Vertex { position, normal, uv: [0.0; 2], tangent: [0.0; 4] };
+        let (lean, none) = ([0.9950372, 0.0, -0.09950372], [0.0; 3]);
+        let shared = [0.0, 1.0, 0.0];
+        let triangles = vec![
+            [corner([0.0; 3], lean), corner(shared, none), corner([1.0, 1.0, -0.5], lean)],
+            // In the same plane, turned round, with an angle of a little less than 90 degrees at the shared corner.
+            [corner(shared, none), corner([0.1, 0.0, -0.05], none), corner([1.0, 1.0, -0.5], none)],
+            // Perpendicular to both.
+            [corner(shared, none), corner([0.447, 1.0, 0.894], none), corner([0.0, 2.0, 0.0], none)],
+        ];
+        let part = MeshPart { name: String::new(), material: 0, triangles, has_tangents: false };
+        let mut parts = [GroupPart { part, smoothing: vec![1; 3] }];
+        fill_normals(&mut parts);
+        let triangle = &parts[0].part.triangles[0];
+        let face = twice_area(triangle).normalize();
+        assert!(!point_behind(triangle, face), "{triangle:?}");
+        assert_eq!((triangle[0].normal, triangle[2].normal), (lean, lean), "what is stated stays");
+        assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
+    }
 
     fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
         let cross = |t: &[usize; 3]| (polygon[t[1]] - polygon[t[0]]).cross(polygon[t[2]] - polygon[t[0]]);
