@@ -105,7 +105,7 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
 
     let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
     let (mut count, mut sum) = (0, 0.0);
-    for (i, (hit, code)) in world_hits(&world, &data).iter().zip(codes).enumerate() {
+    for (i, (hit, code)) in world_hits(&world, &data, &first).iter().zip(codes).enumerate() {
         let Some(kind) = first.receivers[i].as_ref().and_then(|r| shown.kind(r, hit, code, &ends[i])) else { continue };
         let off = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
         let error: f64 = (0..3).map(off).sum();

@@ -18,6 +18,7 @@ use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::math::OracleVersion;
 use ssct::methods::{Setup, Wants, ssct as thesis};
 use ssct_lab::metrics::world::{agreement, is_same_place};
+use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::oracle::{Meeting, Oracle};
 use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
@@ -39,7 +40,8 @@ fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
 
-    let ends: Vec<Place> = world_hits(&World::new(scene, &materials), &data)
+    let world = World::new(scene, &materials);
+    let ends: Vec<Place> = world_hits(&world, &data, &FirstHits::shown(&world, &data))
         .iter()
         .map(|hit| hit.visible_at().map(|p| p.to_array()))
         .collect();

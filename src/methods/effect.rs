@@ -1,9 +1,10 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
+use super::beyond::{Captured, PreparedTriangles, taken, takes_captures, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
 use super::setup::{BeyondScreen, CaptureCount, HistoryUse};
-use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
+use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::bump::BumpPass;
@@ -11,12 +12,10 @@ use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
-use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
-use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading, TriangleTable};
+use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{Captures, GBuffer};
-use crate::scene::capture::Wanted;
-use crate::scene::{Capture, Material};
+use crate::scene::Capture;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -53,33 +52,6 @@ pub struct Effect {
     prepared: Prepared,
 }
 
-/// How the triangles of the scene are read, and the table of the materials that they show.
-struct PreparedTriangles {
-    reading: TriangleReading,
-    table: Option<TriangleTable>,
-}
-
-impl PreparedTriangles {
-    /// The triangles of a scene as they are now.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] if they are not ready, and for more lights than the effect was made for.
-    fn bound<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
-        let (lights, most) = (data.light_count(), self.reading.lights);
-        if lights > most {
-            let message =
-                format!("the scene has {lights} lights now, and this effect was made for {most}: make it anew");
-            return Err(Error::Usage(message));
-        }
-        let ready = data.triangles().zip(self.table.as_ref());
-        let ((geometry, images), table) = ready.ok_or_else(|| {
-            let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
-            Error::Usage(message.into())
-        })?;
-        Ok(geometry.bound(images, table))
-    }
-}
-
 /// What a method made of its scene once, and is counted in no frame: captures and their pyramids, cube maps, filtered skies.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Prepared {
@@ -89,27 +61,6 @@ pub struct Prepared {
     pub device_bytes: u64,
     /// Where captures stand that rays go on in: x, y and z in world axes, in metres.
     pub captures: Vec<[f32; 3]>,
-}
-
-/// Captures, once they are made, and of what they were made.
-struct Captured {
-    /// Where the scene is captured; empty for captures that come from elsewhere.
-    places: Vec<Capture>,
-    /// Width and height of the faces.
-    face: [u32; 2],
-    images: Option<CaptureImages>,
-    of: Vec<Material>,
-    /// `None` where the captures stay as and where they are.
-    renewal: Option<Renewal>,
-    /// True if the only capture follows the camera and is redrawn every frame.
-    at_camera: bool,
-}
-
-impl Captured {
-    /// Captures that the caller brings along: their images at once, or with each input.
-    fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
-        Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None, at_camera: false }
-    }
 }
 
 impl Effect {
@@ -495,74 +446,4 @@ impl Effect {
         }
         Ok(traced)
     }
-}
-
-/// The triangles of a scene, for a method that follows rays among them; `None` if it does not.
-///
-/// # Errors
-/// [`Error::Usage`] if it is to, and the scene's triangles are not known.
-fn triangles_for(
-    context: &mut FrameContext,
-    info: &MethodInfo,
-    effect: &EffectParams,
-    scene: Option<&SceneInput>,
-) -> Result<Option<TriangleReading>> {
-    // A method of the scene that follows rays among triangles has nothing else to look into.
-    let is_all = info.takes_triangles && !info.is_screen_space();
-    if !(is_all || info.takes_triangles && effect.beyond(scene.is_some()) == BeyondScreen::Triangles) {
-        return Ok(None);
-    }
-    let refused = || {
-        Error::Usage(format!(
-            "the method {} follows rays among the triangles of the scene, which are not known here; a G-buffer alone does \
-             not have them",
-            info.name
-        ))
-    };
-    let reading = scene.ok_or_else(refused)?.data.prepare_triangles(context)?;
-    Ok(Some(reading.ok_or_else(refused)?))
-}
-
-/// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place
-/// for one; and the milliseconds that finding their places took.
-///
-/// # Errors
-/// [`Error::Usage`] if captures are wanted and there is no scene.
-fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<(Vec<Capture>, f64)> {
-    let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    let is_all = !info.is_screen_space() && info.takes_captures;
-    let is_asked_for = effect.captures_wanted() != CaptureCount::None && (behind || info.takes_captures);
-    // Where captures are all that is looked into, they are taken without being asked for.
-    if !is_asked_for && !behind && !is_all {
-        return Ok((Vec::new(), 0.0));
-    }
-    let Some(scene) = scene else {
-        return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
-    };
-    let side = effect.capture_side.texels();
-    let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
-    if effect.captures_wanted() == CaptureCount::Camera {
-        // Each frame moves it.
-        return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
-    }
-    let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(Wanted::Auto));
-    Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
-}
-
-/// # Errors
-/// [`Error::Usage`] if neither a method nor what is behind it follows rays in captures, or captures are to be drawn.
-fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
-    let effect = setup.effect();
-    let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    if !info.takes_captures && !is_behind {
-        let name = info.name;
-        return Err(Error::Usage(format!(
-            "the method {name} follows no rays in captures; the methods unified and captures do, and the fallback \
-             captures behind every screen-space method"
-        )));
-    }
-    if effect.captures_per_frame > 0 || effect.captures_wanted() == CaptureCount::Camera {
-        return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
-    }
-    Ok(())
 }

@@ -207,6 +207,13 @@ impl EffectParams {
         }
     }
 
+    /// Whether a method's rays end among the triangles of the scene: those that the screen loses, or all of a method that sees
+    /// nothing else.
+    pub fn is_among_triangles(&self, method: &MethodInfo, has_scene: bool) -> bool {
+        let is_all = !method.is_screen_space();
+        method.takes_triangles && (is_all || self.beyond(has_scene) == BeyondScreen::Triangles)
+    }
+
     /// The captures that are asked for: those of `--captures`, and as many as the scene needs where rays are to go on in
     /// captures and nobody says in how many.
     pub fn captures_wanted(&self) -> CaptureCount {

@@ -104,14 +104,14 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// Up to this number of triangles, the triangles answer every ray on a device that is a CPU, where nobody says otherwise. On a GPU
-/// they always do (docs/unified.md).
+/// The greatest number of triangles with which they answer every ray on a device that is a CPU, where the parameter `first` leaves
+/// it to the program. On a GPU they answer every ray in any scene (docs/unified.md).
 const FIRST_UP_TO: u32 = 60_000;
 
 choices! {
     /// Who is asked first where a ray ends.
     pub enum First {
-        /// On a device that is a CPU, the screen of a scene with many triangles; else the triangles.
+        /// The screen, on a device that is a CPU and in a scene with many triangles; the triangles everywhere else.
         Auto = "auto",
         /// The screen; the triangles where it does not know.
         Screen = "screen",

@@ -12,6 +12,7 @@ use ssct::parameter::Preset;
 use ssct_lab::metrics::HitAgreement;
 use ssct_lab::metrics::image::{masked_relative_mse, masked_rmse};
 use ssct_lab::metrics::world::agreement as agreement_with_world;
+use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::screen::Sampling;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::world_hits;
@@ -189,7 +190,8 @@ fn the_oracle_agrees_with_the_world_as_much_as_was_measured_elsewhere() {
         let g = render(&gpu, &scene, view, [960, 540], "hzct", 0.0).gbuffer;
         let materials = materials.materials(&scene, scene.view(view).unwrap());
         let world = World::new(&scene, &materials);
-        let visible: Vec<_> = world_hits(&world, &g).iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
+        let hits = world_hits(&world, &g, &FirstHits::shown(&world, &g));
+        let visible: Vec<_> = hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
         let hierarchy = Hierarchy::new(&g);
         let oracle: Vec<_> = trace_all(&g, |x, y| hierarchy.trace(x, y)).iter().map(Trace::position_px).collect();
         let found = 100.0 * agreement_with_world(&g.reflecting(), &visible, &oracle).fraction().unwrap();

@@ -44,6 +44,11 @@ fn compiled(gpu: &Gpu) -> PyramidPass {
     PyramidPass::new(gpu, [1, 1]).unwrap()
 }
 
+/// A shot of `unified` on the screen alone.
+fn shot(stage: &mut Stage, wants: Wants, (camera, extent): (Camera, [u32; 2]), materials: Vec<Material>) -> Shot {
+    Shot::new(stage, &unified::INFO, &Setup::on_screen(extent), wants, camera, materials).unwrap()
+}
+
 fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
     Setup::on_screen(extent).with(|p: &mut EffectParams| p.oracle = oracle)
 }
@@ -158,15 +163,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         (0..4).for_each(|kind| add(&random_gbuffer(kind, extent)));
         let mut stage = Stage::new(&gpu, &clutter()).unwrap();
         let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&clutter(), &View::default());
-        let shot = Shot::new(
-            &mut stage,
-            &unified::INFO,
-            &Setup::on_screen(extent),
-            Wants::HITS,
-            clutter_camera(extent),
-            materials,
-        )
-        .unwrap();
+        let shot = shot(&mut stage, Wants::HITS, (clutter_camera(extent), extent), materials);
         stage.run(&shot, Mode::Plain).unwrap();
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
@@ -293,15 +290,7 @@ fn a_frame_records_what_its_materials_need() {
     let extent = [127, 61];
     let mut passes = |globals: Globals| {
         let materials = globals.materials(&scene, &View::default());
-        let shot = Shot::new(
-            &mut stage,
-            &unified::INFO,
-            &Setup::on_screen(extent),
-            Wants::REFLECTION,
-            clutter_camera(extent),
-            materials,
-        )
-        .unwrap();
+        let shot = shot(&mut stage, Wants::REFLECTION, (clutter_camera(extent), extent), materials);
         let (report, _, output) = stage.output(&shot).unwrap();
         let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0)).unwrap();
         let composite = stage.context.read(output.composite.level(0)).unwrap();
@@ -402,9 +391,7 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.1, 0.5] {
         let materials = corridor.materials(roughness);
-        let shot =
-            Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(extent), Wants::REFLECTION, camera, materials)
-                .unwrap();
+        let shot = shot(&mut stage, Wants::REFLECTION, (camera, extent), materials);
         stage.run(&shot, Mode::Plain).unwrap();
         let all = gbuffer::read(&mut stage.context, &shot).unwrap();
         // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.

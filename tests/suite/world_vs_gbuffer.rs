@@ -59,7 +59,8 @@ fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
     };
     let world = World::new(scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, SIZE);
-    let (shown, hits) = (FirstHits::shown(&world, &gbuffer), world_hits(&world, &gbuffer));
+    let shown = FirstHits::shown(&world, &gbuffer);
+    let hits = world_hits(&world, &gbuffer, &shown);
     Both { first_hits, shown, camera, gbuffer, hits }
 }
 

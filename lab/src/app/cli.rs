@@ -352,8 +352,9 @@ pub struct GBufferReflectOptions {
     pub reflection_only: bool,
     /// Scene that the G-buffer shows
     ///
-    /// Its name or file, as for --scene; several OBJ files make one scene. Rays that the screen loses go on among its triangles,
-    /// and methods that need a scene have it. The camera of the G-buffer stands in its world.
+    /// The name of a built-in scene or a file, as --scene takes them; several OBJ files make one scene. Rays that the screen loses
+    /// go on among the scene's triangles, and methods that need a scene have this one. The G-buffer must say where its camera
+    /// stands in the scene.
     #[arg(long, value_name = "NAME|FILE", conflicts_with = "captures")]
     pub triangles: Vec<PathBuf>,
     /// Captures beside the G-buffer, and parameters of methods.

@@ -23,6 +23,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
         SCENE,
         &[
             "scene",
+            "triangles",
             "view",
             "size",
             "roughness",
@@ -91,7 +92,6 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "write",
             "map",
             "gbuffer_map",
-            "triangles",
             "resume",
         ],
     ),

@@ -173,21 +173,20 @@ impl Truth {
         for mesh in scene.meshes.iter_mut().filter(|m| spec.moving.contains(&m.name)) {
             mesh.translate(offset);
         }
-        let first_hits = FirstHits::shown(&World::new(&scene, materials), &screen);
+        let world = World::new(&scene, materials);
+        let first_hits = FirstHits::shown(&world, &screen);
         let definitions = spec.setup.effect().definitions;
-        let seen = |scene: &Scene| {
-            let world = World::new(scene, materials);
-            let reference =
-                WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
-                    .with_bounces(spec.setup.effect().bounces);
+        let seen = |world: &World| {
+            let reference = WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Environment, 2)
+                .with_bounces(spec.setup.effect().bounces);
             let mut state = reference.start();
             reference.add(&mut state, spec.rays);
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
             (color, state.overall_standard_error())
         };
-        let (color, standard_error) = seen(&scene);
+        let (color, standard_error) = seen(&world);
         // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets what moved.
-        let (before, _) = seen(spec.scene);
+        let (before, _) = seen(&World::new(spec.scene, materials));
         let mask = screen.reflecting();
         let touched = color.iter().zip(&before).zip(&mask).map(|((now, then), m)| *m && now != then).collect();
         Self { color, mask, touched, standard_error }

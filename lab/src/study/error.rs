@@ -15,7 +15,6 @@ use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
-use crate::methods::setup::BeyondScreen;
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
@@ -48,14 +47,8 @@ impl Variant {
     /// which sees more than the screen. By version 1 of the definitions, so does the world that it is held against; by
     /// version 2, that shows the environment for all.
     pub fn escape(&self) -> Escape {
-        let on_screen = self.method.is_screen_space() && !self.is_among_triangles();
+        let on_screen = self.method.is_screen_space() && !self.setup.effect().is_among_triangles(self.method, true);
         if self.setup.effect().fallback == Fallback::None && on_screen { Escape::Black } else { Escape::Environment }
-    }
-
-    /// Whether rays that the screen does not end, or all rays, end among the triangles of the scene.
-    pub fn is_among_triangles(&self) -> bool {
-        let is_all = !self.method.is_screen_space();
-        self.method.takes_triangles && (is_all || self.setup.effect().beyond(true) == BeyondScreen::Triangles)
     }
 
     /// Everything that the results of the variant depend on at a size in pixels.
@@ -246,7 +239,7 @@ pub fn measure(
         };
         // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
-        let among_triangles = variant.is_among_triangles();
+        let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
         if variant.method.is_screen_space() || among_triangles {
             let setup = alone(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;

@@ -3,18 +3,26 @@
 use super::figures::{Result, csv, greatest, json, least, median, number, ratio, shortest, table};
 use super::follow::figure;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Median times of the effect in milliseconds over a scene's views, by scene, method and roughness.
-fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f64>> {
+/// The times of a run at a roughness: scene, method and milliseconds of each view.
+fn rows(folder: &Path, roughness: &str) -> Result<Vec<(String, String, f64)>> {
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
-    let mut all: BTreeMap<(String, String), Vec<f64>> = BTreeMap::new();
+    let mut rows = Vec::new();
     for row in csv(folder, "times.csv")? {
         if (number(&row, "roughness")? - wanted).abs() < 1e-6 {
-            let of = (row["scene"].clone(), row["method"].clone());
-            all.entry(of).or_default().push(number(&row, "median_ms")?);
+            rows.push((row["scene"].clone(), row["method"].clone(), number(&row, "median_ms")?));
         }
+    }
+    Ok(rows)
+}
+
+/// Median times of the effect in milliseconds over a scene's views, by scene and method.
+fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f64>> {
+    let mut all: BTreeMap<_, Vec<f64>> = BTreeMap::new();
+    for (scene, method, ms) in rows(folder, roughness)? {
+        all.entry((scene, method)).or_default().push(ms);
     }
     all.into_iter().map(|(of, views)| Ok((of, median(&views)?))).collect()
 }
@@ -24,7 +32,7 @@ fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f6
 pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
     let [alone, first] = folders else { return Err("two folders are needed".to_owned()) };
     let (alone, first) = (times(alone, roughness)?, times(first, roughness)?);
-    let scenes: std::collections::BTreeSet<_> = first.keys().map(|(scene, _)| scene.clone()).collect();
+    let scenes: BTreeSet<_> = first.keys().map(|(scene, _)| scene.clone()).collect();
     let row = |scene: &String| -> Result<Vec<String>> {
         let of = |times: &BTreeMap<_, f64>, method: &str| {
             let time = times.get(&(scene.clone(), method.to_owned()));
@@ -60,13 +68,8 @@ pub fn over_ssct(folder: &Path, method: &str, roughness: &str) -> Result<String>
 
 /// The least and the greatest time of a method over all views at a roughness, in milliseconds.
 pub fn time_range(folder: &Path, method: &str, roughness: &str) -> Result<String> {
-    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
-    let mut all = Vec::new();
-    for row in csv(folder, "times.csv")?.iter().filter(|row| row["method"] == method) {
-        if (number(row, "roughness")? - wanted).abs() < 1e-6 {
-            all.push(number(row, "median_ms")?);
-        }
-    }
+    let of = rows(folder, roughness)?.into_iter().filter(|(_, of, _)| of == method);
+    let all: Vec<f64> = of.map(|(_, _, ms)| ms).collect();
     if all.is_empty() {
         return Err(format!("no time of {method} at roughness {roughness}"));
     }
@@ -76,8 +79,9 @@ pub fn time_range(folder: &Path, method: &str, roughness: &str) -> Result<String
 /// `unified` on the screen with its passes in fragment and in compute shaders, of a study of a device.
 pub fn stages_on(folder: &Path) -> Result<String> {
     let records = json(folder, "time.json")?;
-    // The two stages at each roughness stand behind all else.
-    let behind = records.len().checked_sub(6).ok_or("too few records")?;
+    // All others leave the stages to the device.
+    let told: Vec<Value> =
+        records.into_iter().filter(|r| r["setup"]["trace_stage"].as_str().is_some_and(|s| s != "auto")).collect();
     let row = |pair: &[Value]| -> Result<Vec<String>> {
         let [fragment, compute] = pair else { return Err("records come in pairs".to_owned()) };
         let stages = [fragment, compute].map(|r| r["setup"]["trace_stage"].as_str());
@@ -90,6 +94,6 @@ pub fn stages_on(folder: &Path) -> Result<String> {
     };
     table(
         &["roughness", "fragment, ms", "compute, ms", "fragment over compute"],
-        records[behind..].chunks_exact(2).map(row).collect::<Result<_>>()?,
+        told.chunks_exact(2).map(row).collect::<Result<_>>()?,
     )
 }

@@ -4,7 +4,7 @@
 use super::*;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use glam::{DVec3, Quat};
+use glam::Quat;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use ssct::error::Result;
@@ -491,27 +491,4 @@ proptest! {
             }
         }
     }
-}
-
-#[test]
-fn lobes_of_the_shared_spheres_widen_as_their_roughness_says() {
-    let file = crate::common::repository().join("../shared/scenes/roughness-scale/scene.gltf");
-    if !file.exists() {
-        println!("skipped: ../shared/scenes is absent");
-        return;
-    }
-    let scene = gltf::load(&file, &LoadOptions::default()).unwrap();
-    assert_sound(&scene);
-    assert_eq!((scene.meshes.len(), scene.triangle_count()), (10, 51_200));
-    // The lower row has factors, from a mirror at +z of the file to the roughest at −z.
-    let mut spheres: Vec<(f32, f32)> = (scene.meshes.iter().filter(|m| m.bounds.max.y < 0.0))
-        .map(|m| (m.bounds.min.z, scene.materials[m.material].roughness))
-        .collect();
-    spheres.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let roughness: Vec<f32> = spheres.iter().map(|s| s.1).collect();
-    println!("{roughness:?}");
-    assert!(roughness[0] < 1e-3 && roughness[0] < roughness[1] && roughness[1] < roughness[2], "{roughness:?}");
-    assert_eq!(roughness[2..], [1.0; 3], "0.5 and above are wider than the widest lobe");
-    let centre = DVec3::new(0.0, -3.0, 0.0).as_vec3();
-    assert!(scene.meshes.iter().any(|m| (0.5 * (m.bounds.min + m.bounds.max)).distance(centre) < 1e-3));
 }

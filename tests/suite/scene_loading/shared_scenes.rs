@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::common::repository;
-use ssct_lab::scene::{Light, LoadOptions, Surface, scene_file, texture};
+use ssct_lab::scene::{Light, LoadOptions, Surface, gltf, scene_file, texture};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -103,4 +103,23 @@ fn the_bare_files_load_and_show_something() {
         assert_eq!(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all(), inside, "{name}: {eye}");
         assert!(scene.lens.far_m > (bounds.max - bounds.min).length());
     }
+}
+
+#[test]
+fn lobes_of_the_shared_spheres_widen_as_their_roughness_says() {
+    let Some(folder) = shared() else { return };
+    let scene = gltf::load(&folder.join("roughness-scale/scene.gltf"), &LoadOptions::default()).unwrap();
+    assert_sound(&scene);
+    assert_eq!((scene.meshes.len(), scene.triangle_count()), (10, 51_200));
+    // The lower row has factors, from a mirror at +z of the file to the roughest at −z.
+    let mut spheres: Vec<(f32, f32)> = (scene.meshes.iter().filter(|m| m.bounds.max.y < 0.0))
+        .map(|m| (m.bounds.min.z, scene.materials[m.material].roughness))
+        .collect();
+    spheres.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let roughness: Vec<f32> = spheres.iter().map(|s| s.1).collect();
+    println!("{roughness:?}");
+    assert!(roughness[0] < 1e-3 && roughness[0] < roughness[1] && roughness[1] < roughness[2], "{roughness:?}");
+    assert_eq!(roughness[2..], [1.0; 3], "0.5 and above are wider than the widest lobe");
+    let centre = Vec3::new(0.0, -3.0, 0.0);
+    assert!(scene.meshes.iter().any(|m| (0.5 * (m.bounds.min + m.bounds.max)).distance(centre) < 1e-3));
 }

@@ -122,7 +122,7 @@ pub(super) fn truth(
     Ok(Truth {
         mirrors,
         screens,
-        world_hits: if mirrors { world_hits(&triangles, &data) } else { Vec::new() },
+        world_hits: if mirrors { world_hits(&triangles, &data, &first_hits) } else { Vec::new() },
         world: black,
         world_and_environment: world_and_environment.map(|(made, _)| made),
         floor,

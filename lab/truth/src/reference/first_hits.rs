@@ -8,8 +8,9 @@ use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How far a depth of a G-buffer may lie from its surface, as a share of the distance. A vertex is rounded by half a 256th of a
-/// pixel on most devices, which at a slope of four times the distance a pixel is this much.
+/// How far a depth of a G-buffer may lie from its surface, as a share of the distance. Most devices round the position of a vertex
+/// to a 256th of a pixel, by half of that at most. Where the depth changes from one pixel to the next by four times itself, which
+/// is steeper than what a picture can show, that rounding moves the depth by this share.
 const STORED_DEPTH_ERROR: f64 = 1.0 / 128.0;
 
 /// The first surfaces of an image; rows from the top, pixel (i, j) at `j · width + i`.

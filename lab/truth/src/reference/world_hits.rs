@@ -43,10 +43,10 @@ impl WorldHit {
     }
 }
 
-/// Traces the mirror ray of each reflecting pixel, from the point that it shows and by its own normal; rows from the top.
-pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
-    let first_hits = FirstHits::shown(world, gbuffer);
-    let screen = ShownPlaces::new(gbuffer, &first_hits);
+/// Traces the mirror ray of each reflecting pixel of a G-buffer, from the point that it shows ([`FirstHits::shown`]) and by its own
+/// normal; rows from the top.
+pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) -> Vec<WorldHit> {
+    let screen = ShownPlaces::new(gbuffer, first_hits);
     first_hits
         .receivers
         .par_iter()
@@ -141,7 +141,7 @@ mod tests {
     fn a_wall_is_hit_where_the_mirrored_camera_sees_it() {
         let (scene, data) = gbuffer(1.0);
         let world = World::new(&scene, &scene.materials);
-        let hits = world_hits(&world, &data);
+        let hits = world_hits(&world, &data, &FirstHits::shown(&world, &data));
         let mut seen = 0;
         for (index, hit) in hits.iter().enumerate() {
             let (x, y) = (index % 40, index / 40);
@@ -179,7 +179,7 @@ mod tests {
         for (factor, expected) in [(0.98, true), (1.02, true), (0.97, false), (1.03, false)] {
             let (scene, data) = gbuffer(factor);
             let world = World::new(&scene, &scene.materials);
-            let hits = world_hits(&world, &data);
+            let hits = world_hits(&world, &data, &FirstHits::shown(&world, &data));
             let hit = hits[data.index(20, 38)];
             assert!(matches!(hit, WorldHit::Hit { visible, .. } if visible == expected), "{factor}: {hit:?}");
         }
@@ -190,6 +190,6 @@ mod tests {
         let (mut scene, data) = gbuffer(1.0);
         scene.meshes.pop();
         let world = World::new(&scene, &scene.materials);
-        assert_eq!(world_hits(&world, &data)[data.index(3, 39)], WorldHit::Escaped);
+        assert_eq!(world_hits(&world, &data, &FirstHits::shown(&world, &data))[data.index(3, 39)], WorldHit::Escaped);
     }
 }

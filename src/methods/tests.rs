@@ -1,0 +1,45 @@
+use super::*;
+
+#[test]
+fn every_parameter_is_described_and_takes_its_own_values() {
+    for method in METHODS {
+        let rows = method.reads();
+        for (n, p) in rows.iter().enumerate() {
+            let of = format!("{} of {}", p.name, method.name);
+            assert!(p.help.ends_with('.') && p.help.len() > 10, "{of}: {:?}", p.help);
+            assert!(!p.source.is_empty(), "{of} has no source");
+            for value in [p.published, p.author].into_iter().chain(p.sweep.iter().map(|(_, v)| *v)) {
+                assert!(p.domain.has(value), "{of}: {value} is outside {}", p.domain);
+                assert_eq!(p.parse(&value.to_string()).ok(), Some(value), "{of}");
+            }
+            assert!(!rows[..n].iter().any(|other| other.name == p.name), "{of} is declared twice");
+        }
+    }
+    let all = parameters();
+    for (parameter, methods) in &all {
+        let same = all.iter().filter(|(p, _)| p.name == parameter.name).all(|(p, _)| p.domain == parameter.domain);
+        assert!(same, "{} takes other values in another method", parameter.name);
+        for method in methods {
+            assert!(method.reads().contains(parameter), "{} of {}", parameter.name, method.name);
+        }
+    }
+}
+
+#[test]
+fn a_parameter_that_no_chosen_method_has_is_refused() {
+    let setup = Setup::new([1, 1]).with(|p: &mut poster::PosterParams| p.edge_retries = 2);
+    assert!(choose(&["poster".into(), "ssct".into()], &setup).is_ok());
+    let refused = choose(&["ssct".into()], &setup).err().expect("refused").to_string();
+    assert!(refused.contains("edge-retries") && refused.contains("poster"), "{refused}");
+}
+
+#[test]
+fn sweeps_differ_from_their_base_and_from_each_other() {
+    for method in METHODS {
+        let all = method.sweep(&Setup::new([64, 48]));
+        let recorded: Vec<_> = all.iter().map(|s| s.recorded(Some(method))).collect();
+        for (n, one) in recorded.iter().enumerate() {
+            assert!(!recorded[..n].contains(one), "{}: {one:?} twice", method.name);
+        }
+    }
+}
