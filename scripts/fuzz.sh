@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Fuzzes the loaders with libFuzzer on a stable toolchain. The coverage that guides it comes from LLVM's own
 # pass, which is enabled with the same flags as cargo-fuzz uses. `run` writes a target's log, with executions and
-# coverage, to OUT/TARGET.log and new inputs to OUT/TARGET-corpus; `merge` adds those inputs to fuzz/corpus that
-# increase its coverage.
+# coverage, to OUT/TARGET.log and new inputs to OUT/TARGET-corpus; `merge` adds those inputs to the archive
+# fuzz/corpus/TARGET.tar.gz that increase its coverage.
 #
 # usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET… | summary LOG…]
 set -euo pipefail
@@ -29,16 +29,32 @@ build() {
     RUSTFLAGS="$flags" cargo build --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target_dir"
 }
 
+# Unpacks the kept inputs of a target into OUT/TARGET-kept.
+unpack() {
+    local out=$1 target=$2
+    rm -rf "$out/$target-kept"
+    mkdir -p "$out/$target-kept"
+    [ ! -e "fuzz/corpus/$target.tar.gz" ] || tar -xzf "fuzz/corpus/$target.tar.gz" -C "$out/$target-kept"
+}
+
+# Packs OUT/TARGET-kept; equal inputs make equal archives.
+pack() {
+    local out=$1 target=$2
+    tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=644 --format=ustar \
+        -C "$out/$target-kept" -cf - $(cd "$out/$target-kept" && ls) | gzip -9n >"fuzz/corpus/$target.tar.gz"
+}
+
 run() {
     local out=$1 runs=$2 target
     shift 2
     mkdir -p "$out"
     SSCT_FUZZ_SEEDS="$out/seeds" "$bin/obj"
     for target in "$@"; do
-        mkdir -p "$out/$target-corpus" "fuzz/corpus/$target"
+        mkdir -p "$out/$target-corpus"
+        unpack "$out" "$target"
         "$bin/$target" -runs="$runs" -max_len="$(longest "$target")" -dict="$(words "$target")" \
             -rss_limit_mb=2048 -timeout=600 -reload=0 -print_final_stats=1 -artifact_prefix="$out/$target-" \
-            "$out/$target-corpus" "fuzz/corpus/$target" "$out/seeds/$target" >"$out/$target.log" 2>&1 ||
+            "$out/$target-corpus" "$out/$target-kept" "$out/seeds/$target" >"$out/$target.log" 2>&1 ||
             { tail -n 40 "$out/$target.log" >&2; exit 1; }
         grep -E 'DONE|stat::' "$out/$target.log" | sed "s/^/$target: /"
     done
@@ -48,9 +64,10 @@ merge() {
     local out=$1 target
     shift
     for target in "$@"; do
-        mkdir -p "fuzz/corpus/$target"
-        "$bin/$target" -set_cover_merge=1 -use_counters=0 "fuzz/corpus/$target" "$out/$target-corpus" "$out/seeds/$target" \
+        unpack "$out" "$target"
+        "$bin/$target" -set_cover_merge=1 -use_counters=0 "$out/$target-kept" "$out/$target-corpus" "$out/seeds/$target" \
             >"$out/$target-merge.log" 2>&1
+        pack "$out" "$target"
         tail -n 1 "$out/$target-merge.log"
     done
 }

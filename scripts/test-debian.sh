@@ -4,6 +4,9 @@
 # about half an hour on two cores. Rust and what Cargo has downloaded are those of this machine.
 #   scripts/test-debian.sh 13            both commands in Debian 13
 #   scripts/test-debian.sh 12 make test  one command in Debian 12
+#   scripts/test-debian.sh 12 --archive FILE
+#                                        the archive of `make dist`, in a Debian 12 that has nothing but a Vulkan driver: the list
+#                                        of devices and a quick study of the first one
 # MIRROR names another mirror of Debian than that of debootstrap, TMPDIR another folder than /var/tmp. However the script
 # ends, it leaves nothing mounted and nothing running: all happens in namespaces that go with it.
 set -euo pipefail
@@ -19,8 +22,10 @@ inside() { # the system's folder, a command
     mount --rbind /dev "$system/dev"
     mount -t proc proc "$system/proc"
     mount -t sysfs sysfs "$system/sys"
-    mount --bind -o ro "$TEST_DEBIAN_RUST" "$system/opt/rust"
-    mount --bind "$TEST_DEBIAN_CARGO/registry" "$system/opt/cargo/registry"
+    if [ -n "$TEST_DEBIAN_RUST" ]; then
+        mount --bind -o ro "$TEST_DEBIAN_RUST" "$system/opt/rust"
+        mount --bind "$TEST_DEBIAN_CARGO/registry" "$system/opt/cargo/registry"
+    fi
     local variables=(PATH=/opt/rust/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root CARGO_HOME=/opt/cargo LC_ALL=C.UTF-8) name
     for name in http_proxy https_proxy no_proxy CARGO_BUILD_JOBS; do
         [ -z "${!name:-}" ] || variables+=("$name=${!name}")
@@ -43,13 +48,23 @@ case "${1:-}" in
     *) wrong 'the version of Debian is missing: 12 or 13' ;;
 esac
 shift
+archive=
+if [ "${1:-}" = --archive ]; then
+    archive=${2:-}
+    [ -f "$archive" ] || wrong "--archive: there is no file '$archive'; make dist makes one"
+    shift 2
+fi
 [ "$(id -u)" -eq 0 ] || wrong 'making a system in a folder needs root: run this with sudo'
 # shellcheck source=scripts/packages.sh
 source scripts/packages.sh
 mapfile -t missing < <(missing_of debootstrap)
 as_root=()
 [ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
-TEST_DEBIAN_RUST=$(rustc --print sysroot)
+# What the README expects of a machine beside Rust, and the certificates with which Cargo downloads; or what the archive does.
+packages=ca-certificates,gcc,make
+[ -z "$archive" ] || packages=libvulkan1,mesa-vulkan-drivers
+TEST_DEBIAN_RUST=
+[ -n "$archive" ] || TEST_DEBIAN_RUST=$(rustc --print sysroot)
 TEST_DEBIAN_CARGO=${CARGO_HOME:-$HOME/.cargo}
 export TEST_DEBIAN_RUST TEST_DEBIAN_CARGO
 
@@ -79,22 +94,29 @@ alone() {
 }
 
 say "making $suite in $system"
-# What the README expects of a machine beside Rust, and the certificates with which Cargo downloads.
-alone debootstrap --variant=minbase --include=ca-certificates,gcc,make "$suite" "$system" ${MIRROR:+"$MIRROR"} >"$system.log" 2>&1 || {
+alone debootstrap --variant=minbase --include="$packages" "$suite" "$system" ${MIRROR:+"$MIRROR"} >"$system.log" 2>&1 || {
     tail -n 5 "$system.log" >&2
     rm -f "$system.log"
     say "debootstrap cannot make $suite"
     exit 1
 }
 rm -f "$system.log"
-mkdir -p "$system/opt/rust" "$system/opt/cargo/registry" "$TEST_DEBIAN_CARGO/registry"
-[ ! -e "$TEST_DEBIAN_CARGO/config.toml" ] || cp "$TEST_DEBIAN_CARGO/config.toml" "$system/opt/cargo/"
-git -c safe.directory='*' bundle create -q "$system/root/ssct.bundle" HEAD
-git -c advice.detachedHead=false -c init.defaultBranch=main clone -q "$system/root/ssct.bundle" "$system/root/ssct"
-rm "$system/root/ssct.bundle"
+if [ -n "$archive" ]; then
+    mkdir "$system/root/ssct"
+    tar -xzf "$archive" -C "$system/root/ssct" --strip-components=1
+else
+    mkdir -p "$system/opt/rust" "$system/opt/cargo/registry" "$TEST_DEBIAN_CARGO/registry"
+    [ ! -e "$TEST_DEBIAN_CARGO/config.toml" ] || cp "$TEST_DEBIAN_CARGO/config.toml" "$system/opt/cargo/"
+    git -c safe.directory='*' bundle create -q "$system/root/ssct.bundle" HEAD
+    git -c advice.detachedHead=false -c init.defaultBranch=main clone -q "$system/root/ssct.bundle" "$system/root/ssct"
+    rm "$system/root/ssct.bundle"
+fi
 
 if [ $# -gt 0 ]; then
     alone scripts/test-debian.sh --inside "$system" "$@"
+elif [ -n "$archive" ]; then
+    alone scripts/test-debian.sh --inside "$system" ./ssct --version
+    alone scripts/test-debian.sh --inside "$system" ./gpu-study.sh ./ssct gpu-study --quick
 else
     alone scripts/test-debian.sh --inside "$system" make study
     alone scripts/test-debian.sh --inside "$system" make test

@@ -9,6 +9,8 @@ use crate::alone;
 use crate::common::repository;
 use crate::memory::bounded;
 use ssct_lab::scene::{Encoding, gbuffer_file, path, texture};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// Mutations of a target's inputs, all together.
@@ -51,14 +53,23 @@ fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
+/// The inputs that an archive of `fuzz/corpus` keeps, in the order of their names.
+fn kept_inputs(target: &str) -> Vec<Vec<u8>> {
+    let file = File::open(repository().join("fuzz/corpus").join(format!("{target}.tar.gz"))).unwrap();
+    let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(file));
+    let read = |entry: std::io::Result<tar::Entry<_>>| {
+        let mut input = Vec::new();
+        entry.unwrap().read_to_end(&mut input).unwrap();
+        input
+    };
+    archive.entries().unwrap().map(read).collect()
+}
+
 #[test]
 fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     let _alone = alone();
     for (name, entry) in entry::ENTRIES {
-        let folder = repository().join("fuzz/corpus").join(name);
-        let mut files: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
-        files.sort();
-        let inputs: Vec<Vec<u8>> = files.iter().map(|f| std::fs::read(f).unwrap()).collect();
+        let inputs = kept_inputs(name);
         let loaded = inputs.iter().filter(|input| bounded(entry, input)).count();
         assert!(loaded > 0 && loaded < inputs.len(), "{name}: {loaded} of {} inputs are loaded", inputs.len());
         let mut random = Random(7);

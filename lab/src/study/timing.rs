@@ -32,7 +32,7 @@ pub struct TimeSpec<'a> {
     pub sizes: Vec<[u32; 2]>,
     /// Global factors of each run.
     pub globals: Vec<Globals>,
-    /// Frames before the first that counts.
+    /// Frames that warm up, beside the one whose work is counted: that one comes before all others.
     pub warmup: usize,
     /// Frames that count.
     pub samples: usize,
@@ -122,8 +122,8 @@ impl Group<'_> {
         progress: &mut dyn FnMut() -> Result<()>,
     ) -> Result<()> {
         let spec = self.spec;
-        let mut rounds = Round::timed(spec.warmup, spec.samples);
-        rounds.push(Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None });
+        let mut rounds = vec![Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None }];
+        rounds.extend(Round::timed(spec.warmup, spec.samples));
         // The second series of each variant is that of its twin.
         let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
             None => key(&self.prefix(shot), sample),

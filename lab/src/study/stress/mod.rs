@@ -5,6 +5,7 @@ pub mod captures;
 pub mod cases;
 pub mod lineup;
 pub mod motion;
+pub mod trees;
 
 use super::gbuffer::hit_positions;
 use super::record::{Provenance, RecordedSetup, recorded};

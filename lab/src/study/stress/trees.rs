@@ -1,0 +1,332 @@
+//! Scenes whose triangles break trees and walks: a single one, slivers, all in one plane, far from the origin, inside a
+//! closed box, behind holes, and planes a millimetre apart. What follows rays among triangles must show a number in every
+//! pixel, end every ray, and end it where the world does.
+
+use super::lineup::{Made, SceneLineup};
+use super::{Judged, StressRecord};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::math::constants::ROUNDING;
+use crate::math::random::Stream;
+use crate::methods::unified::{First, UnifiedParams};
+use crate::methods::{METHODS, MethodInfo, Setup};
+use crate::metrics::place::RayEnd;
+use crate::reference::first_hits::FirstHits;
+use crate::reference::ray::RaySetup;
+use crate::reference::surface::World;
+use crate::scene::bvh::WorldRay;
+use crate::scene::{Aabb, Encoding, GBufferData, Lens, Light, Material, Mesh, Scene, Texture, Vertex, View};
+use crate::study::Globals;
+use crate::study::gbuffer::ray_ends;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Roughness values: a mirror, a narrow lobe and a wide one.
+const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
+
+/// Share of the mirror rays that must end where the world ends them, ties apart.
+const RIGHT_ENDS: f64 = 0.999;
+
+/// How far a place may lie from the world's, as a share of the ray's length. It is a hundredth of what place agreement allows,
+/// so that of two planes beside each other the right one must be met.
+const PLACE_SHARE: f64 = 1e-4;
+
+/// A scene of triangles.
+pub struct TreeCase {
+    /// What it tries, as records name it.
+    pub name: String,
+    make: Box<dyn Fn() -> Scene>,
+}
+
+/// What must pass: the methods that follow rays among triangles.
+pub fn methods() -> Vec<&'static MethodInfo> {
+    METHODS.iter().filter(|m| m.takes_triangles).collect()
+}
+
+/// Every case; `most` is the number of triangles of the largest.
+pub fn cases(most: usize) -> Vec<TreeCase> {
+    let case =
+        |name: String, make: Box<dyn Fn() -> Scene>| TreeCase { name: format!("triangles {name}"), make };
+    let mut all = vec![
+        case("one alone".into(), Box::new(one)),
+        case(format!("{most} slivers"), Box::new(move || slivers(most))),
+        case("all in one plane".into(), Box::new(|| one_plane(5_000))),
+        case("all the same".into(), Box::new(|| same(500))),
+        case("in a closed box, seen from inside".into(), Box::new(|| closed_box(0.0))),
+        case("in a closed box, 1000 km from the origin".into(), Box::new(|| closed_box(1e6))),
+        case("behind 40 planes of holes".into(), Box::new(|| behind_holes(40))),
+    ];
+    for distance in [1.0, 100.0, 10_000.0] {
+        let name = format!("of planes a millimetre apart, {distance} m away");
+        all.push(case(name, Box::new(move || near_planes(distance))));
+    }
+    all
+}
+
+impl TreeCase {
+    /// The line-up of methods on the case's scene, who ask the triangles or the screen first.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn lineup(
+        &self,
+        gpu: &Gpu,
+        extent: [u32; 2],
+        first: First,
+        methods: &[&'static MethodInfo],
+    ) -> Result<SceneLineup> {
+        let setup = Setup::new(extent).with(|p: &mut UnifiedParams| p.first = first);
+        SceneLineup::with_hits(gpu, (self.make)(), &setup, methods)
+    }
+}
+
+/// Runs the methods on a case, as mirrors and as gloss, asking the triangles first and the screen first: a record of each.
+///
+/// # Errors
+/// Errors of the device.
+pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
+    let mut records = Vec::new();
+    for (first, asked) in [(First::Triangles, "triangles first"), (First::Screen, "screen first")] {
+        let mut lineup = case.lineup(gpu, extent, first, methods)?;
+        let view = lineup.scene.views[0].clone();
+        let camera = view.camera(&lineup.scene, extent);
+        for roughness in ROUGHNESS {
+            let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+            let materials = globals.materials(&lineup.scene, &view);
+            lineup.set_materials(&materials)?;
+            let Some(data) = lineup.draw(camera)? else { continue };
+            let made = lineup.made()?;
+            let truth = (roughness == 0.0).then(|| Truth::new(&lineup.scene, &materials, &data));
+            let name = format!("{}, {asked}, roughness {roughness}", case.name);
+            let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
+            records.extend(lineup.methods().zip(&made).map(|(m, made)| {
+                let record = made.judge(gpu, &judged, m, &data, None);
+                match &truth {
+                    Some(truth) => truth.judge(record, made, &data),
+                    None => record,
+                }
+            }));
+        }
+    }
+    Ok(records)
+}
+
+/// Where the mirror rays of a G-buffer end among the triangles.
+struct Truth {
+    world: World,
+    /// The ray of each reflecting pixel that leads above its surface.
+    rays: Vec<(usize, WorldRay)>,
+    /// What rounds where a ray begins: half a unit in the last place of the scene's extent, in metres.
+    rounding_m: f64,
+}
+
+impl Truth {
+    fn new(scene: &Scene, materials: &[Material], data: &GBufferData) -> Self {
+        let world = World::new(scene, materials);
+        let shown = FirstHits::shown(&world, data);
+        let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
+        let directions = RaySetup::new(data);
+        let ray = |i: usize| {
+            let receiver = shown.receivers[i].as_ref()?;
+            let direction = directions.mirror(i as u32 % data.width, i as u32 / data.width)?;
+            let direction = view_to_world.transform_vector3(direction).normalize();
+            let origin = receiver.position;
+            let ray = WorldRay { origin, direction, t_min: 1e-4, t_max: f64::INFINITY };
+            receiver.is_above(direction).then_some((i, ray))
+        };
+        let bounds = scene.bounds();
+        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let rays = (0..data.depth.len()).filter_map(ray).collect();
+        Self { world, rays, rounding_m: ROUNDING * f64::from(extent) }
+    }
+
+    fn is_right(&self, ray: &WorldRay, end: &RayEnd) -> bool {
+        match (self.world.closest(ray), end) {
+            (None, end) => *end == RayEnd::Sky,
+            (Some(hit), RayEnd::Place(place)) => {
+                place.distance(ray.at(hit.t)) <= PLACE_SHARE * hit.t + 64.0 * self.rounding_m
+            }
+            (Some(_), _) => false,
+        }
+    }
+
+    /// Whether rounding alone makes a ray end where the world does not: a ray whose direction or start differs by some units in
+    /// the last place of an f32 ends there.
+    fn is_tie(&self, ray: &WorldRay, end: &RayEnd, pixel: usize) -> bool {
+        let random = Stream::new(23, pixel as u64);
+        let offset = |n: u64| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(3 * n + axis) - 1.0));
+        (0..32_u64).any(|n| {
+            let size = 16.0 * ROUNDING;
+            let direction = (ray.direction + size * offset(2 * n)).normalize();
+            let origin = ray.origin + 16.0 * self.rounding_m * offset(2 * n + 1);
+            self.is_right(&WorldRay { origin, direction, ..*ray }, end)
+        })
+    }
+
+    /// The record of a method with how many of its rays end where the world ends them.
+    fn judge(&self, record: StressRecord, made: &Made, data: &GBufferData) -> StressRecord {
+        let Some(hits) = &made.hits else { return record };
+        let ends = ray_ends(hits, data);
+        let wrong: Vec<&(usize, WorldRay)> =
+            self.rays.par_iter().filter(|(i, ray)| !self.is_right(ray, &ends[*i])).collect();
+        let ties = wrong.par_iter().filter(|(i, ray)| self.is_tie(ray, &ends[*i], *i)).count();
+        let rays = self.rays.len();
+        let share = |n: usize| (rays > 0).then(|| n as f64 / rays as f64);
+        StressRecord {
+            compared: Some(rays),
+            hit_agreement: share(rays - wrong.len()),
+            ties: Some(ties),
+            pass: record.pass && share(rays - wrong.len() + ties).is_none_or(|right| right >= RIGHT_ENDS),
+            ..record
+        }
+    }
+}
+
+/// A triangle's corners and material.
+type Corners = ([Vec3; 3], usize);
+
+/// A scene of single triangles, each with its own flat normal.
+fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, look_at: Vec3, far_m: f32) -> Scene {
+    let materials = [mirror(), paint(), holes()];
+    let mut meshes: Vec<Mesh> =
+        (0..materials.len()).map(|material| Mesh { name: format!("{name}-{material}"), material, ..Mesh::default() }).collect();
+    for (corners, material) in triangles {
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
+        let along = (corners[1] - corners[0]).normalize_or(Vec3::X);
+        let mesh = &mut meshes[material];
+        for (corner, uv) in corners.into_iter().zip([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) {
+            mesh.indices.push(mesh.vertices.len() as u32);
+            let tangent = along.extend(1.0).to_array();
+            mesh.vertices.push(Vertex { position: corner.to_array(), normal: normal.to_array(), uv, tangent });
+        }
+    }
+    meshes.retain(|mesh| !mesh.indices.is_empty());
+    meshes.iter_mut().for_each(|mesh| mesh.bounds = Aabb::of(&mesh.vertices));
+    let view = View { name: "stress".into(), eye, look_at, ..View::default() };
+    Scene {
+        name: format!("triangles {name}"),
+        meshes,
+        materials: materials.into(),
+        textures: vec![mask()],
+        lights: vec![Light::Directional { direction: Vec3::new(0.3, -0.8, 0.5).normalize(), energy: 0.8 }],
+        lens: Lens { near_m: 0.1, far_m, ..Lens::default() },
+        views: vec![view],
+        ..Scene::default()
+    }
+}
+
+/// The material 0: a mirror.
+fn mirror() -> Material {
+    Material { name: "mirror".into(), albedo: Vec3::splat(0.2), ..Material::default() }
+}
+
+/// The material 1: paint, which reflects nothing.
+fn paint() -> Material {
+    Material { name: "paint".into(), albedo: Vec3::new(0.8, 0.5, 0.3), reflectivity: 0.0, ..Material::default() }
+}
+
+/// The material 2: paint with holes.
+fn holes() -> Material {
+    Material { name: "holes".into(), alpha_mask: Some(0), ..paint() }
+}
+
+/// A mask of 4×4 texels, every other of which is a hole.
+fn mask() -> Texture {
+    let texel = |i: u32| [if (i % 4 + i / 4) % 2 == 0 { 255 } else { 0 }; 4];
+    let rgba = (0..16).flat_map(texel).collect();
+    Texture { name: "mask".into(), width: 4, height: 4, rgba, encoding: Encoding::Linear }
+}
+
+/// Two triangles that make a parallelogram, which faces along edge × edge.
+fn quad(origin: Vec3, a: Vec3, b: Vec3, material: usize) -> [Corners; 2] {
+    [([origin, origin + a, origin + a + b], material), ([origin, origin + a + b, origin + b], material)]
+}
+
+/// A mirror floor of 20 m a side around the origin.
+fn floor() -> [Corners; 2] {
+    quad(Vec3::new(-10.0, 0.0, -10.0), 20.0 * Vec3::Z, 20.0 * Vec3::X, 0)
+}
+
+/// A tree of a single leaf; the mirror shows the sky.
+fn one() -> Scene {
+    let corners = [Vec3::new(-9.0, 0.0, -9.0), Vec3::new(0.0, 0.0, 9.0), Vec3::new(9.0, 0.0, -9.0)];
+    scene("one", [(corners, 0)], Vec3::new(0.0, 2.0, -6.0), Vec3::ZERO, 100.0)
+}
+
+/// Triangles ten thousand times as long as they are wide, in all directions, above a mirror.
+fn slivers(count: usize) -> Scene {
+    let sliver = |n: usize| {
+        let random = Stream::new(5, n as u64);
+        let at = |from: u64| Vec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(from + axis) as f32 - 1.0));
+        let middle = Vec3::new(0.0, 3.0, 2.0) + Vec3::new(6.0, 2.0, 6.0) * at(0);
+        let along = at(3).normalize_or(Vec3::X);
+        let across = along.any_orthonormal_vector();
+        ([middle - along, middle + along, middle + along + 2e-4 * across], 1)
+    };
+    let all = floor().into_iter().chain((0..count.saturating_sub(2)).map(sliver));
+    scene("slivers", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+}
+
+/// Triangles that lie over each other in the plane of a wall, before a mirror.
+fn one_plane(count: usize) -> Scene {
+    let wall = |n: usize| {
+        let random = Stream::new(6, n as u64);
+        let at = |i: u64| Vec3::new(16.0 * random.uniform(i) as f32 - 8.0, 6.0 * random.uniform(i + 1) as f32, 4.0);
+        ([at(0), at(2), at(4)], 1)
+    };
+    let all = floor().into_iter().chain((0..count).map(wall));
+    scene("one-plane", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+}
+
+/// One triangle many times, before a mirror.
+fn same(count: usize) -> Scene {
+    let corners = [Vec3::new(-4.0, 0.0, 4.0), Vec3::new(0.0, 5.0, 4.0), Vec3::new(4.0, 0.0, 4.0)];
+    let all = floor().into_iter().chain((0..count).map(|_| (corners, 1)));
+    scene("same", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+}
+
+/// A box of mirrors around the camera, with smaller boxes in it, moved along each axis.
+fn closed_box(offset: f32) -> Scene {
+    let at = |corner: Vec3, size: f32, inwards: bool, material: usize| {
+        let axes = [[Vec3::X, Vec3::Y, Vec3::Z], [Vec3::Y, Vec3::Z, Vec3::X], [Vec3::Z, Vec3::X, Vec3::Y]];
+        axes.into_iter().flat_map(move |[a, b, c]| {
+            let (near, far) = (corner, corner + size * c);
+            let (outer, inner) = if inwards { (near, far) } else { (far, near) };
+            [quad(outer, size * a, size * b, material), quad(inner, size * b, size * a, material)].concat()
+        })
+    };
+    let boxes = (0..200).flat_map(|n| {
+        let random = Stream::new(8, n);
+        let place = Vec3::from_array([0, 1, 2].map(|axis| 16.0 * random.uniform(axis) as f32 - 9.0));
+        at(place + Vec3::splat(offset), 0.5, false, 1)
+    });
+    let walls = at(Vec3::splat(offset - 10.0), 20.0, true, 0);
+    let moved = |v: Vec3| v + Vec3::splat(offset);
+    scene("closed-box", walls.chain(boxes), moved(Vec3::new(0.0, 0.0, -9.5)), moved(Vec3::new(0.0, -2.0, 0.0)), 100.0)
+}
+
+/// A wall behind planes that are half holes, before a mirror: a ray passes many triangles that do not stop it.
+fn behind_holes(planes: usize) -> Scene {
+    let plane = |n: usize| {
+        let z = 1.0 + 0.1 * n as f32;
+        quad(Vec3::new(-8.0, 0.0, z), 16.0 * Vec3::X, 5.0 * Vec3::Y, 2)
+    };
+    let wall = quad(Vec3::new(-8.0, 0.0, 8.0), 16.0 * Vec3::X, 5.0 * Vec3::Y, 1);
+    let all = floor().into_iter().chain((0..planes).flat_map(plane)).chain(wall);
+    scene("behind-holes", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+}
+
+/// A chequerboard of squares in two planes a millimetre apart, all mirrors, before a wall: no ray may meet the plane that it
+/// begins on, and none that begins on the lower plane may miss the upper one's sides.
+fn near_planes(distance: f32) -> Scene {
+    let side = distance / 8.0;
+    let squares = (0..256).flat_map(|n| {
+        let (x, z) = ((n % 16) as f32 - 8.0, (n / 16) as f32);
+        let height = if (n % 16 + n / 16) % 2 == 0 { 1e-3 } else { 0.0 };
+        quad(Vec3::new(x * side, height, z * side), side * Vec3::Z, side * Vec3::X, 0)
+    });
+    let (low, wide) = (Vec3::new(-2.0 * distance, -0.5 * distance, 2.0 * distance), 4.0 * distance);
+    let wall = quad(low, wide * Vec3::X, wide * Vec3::Y, 1);
+    let eye = Vec3::new(0.0, 0.3 * distance, -0.6 * distance);
+    scene("near-planes", squares.chain(wall), eye, Vec3::new(0.0, 0.0, 0.8 * distance), 10.0 * distance)
+}
