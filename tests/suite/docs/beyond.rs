@@ -276,18 +276,35 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
 
+/// The error of a method among the triangles over that of `ssct`, for each view of a scene.
+fn errors_over_ssct(records: &[Value], scene: &str, method: &str, roughness: &str) -> Result<Vec<f64>> {
+    let [own, base] = [(method, "none"), ALONE].map(|of| by_view(records, of, roughness, "rmse"));
+    if own.is_empty() || own.keys().ne(base.keys()) {
+        return Err(format!("{scene} at roughness {roughness}: not every view has {method} and ssct"));
+    }
+    Ok(own.values().zip(base.values()).map(|(a, b)| a / b).collect())
+}
+
+/// What the scene's triangles gain at each roughness: the error of `unified` over that of `ssct`.
+pub fn triangles_by_roughness(folder: &Path) -> Result<String> {
+    let folders = [folder.to_owned()];
+    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(&folders, scene)?;
+        let over = |roughness: &&str| median_and_greatest(&errors_over_ssct(&records, scene, "unified", roughness)?);
+        let cells = ROUGHNESS.iter().map(over).collect::<Result<Vec<_>>>()?;
+        Ok(std::iter::once((*scene).to_owned()).chain(cells).collect())
+    };
+    let head: Vec<String> = ROUGHNESS.iter().map(|roughness| format!("roughness {roughness}")).collect();
+    let head: Vec<&str> = std::iter::once("scene").chain(head.iter().map(String::as_str)).collect();
+    table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
+}
+
 /// What the scene's triangles gain at a roughness: `unified` and `traced` over `ssct`, with the right places of mirrors.
 pub fn triangles(folder: &Path, roughness: &str) -> Result<String> {
     let folders = [folder.to_owned()];
     let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
         let records = of_scene(&folders, scene)?;
-        let over = |method: &str| -> Result<String> {
-            let [own, base] = [(method, "none"), ALONE].map(|of| by_view(&records, of, roughness, "rmse"));
-            if own.is_empty() || own.keys().ne(base.keys()) {
-                return Err(format!("{scene} at roughness {roughness}: not every view has {method} and ssct"));
-            }
-            median_and_greatest(&own.values().zip(base.values()).map(|(a, b)| a / b).collect::<Vec<_>>())
-        };
+        let over = |method: &str| median_and_greatest(&errors_over_ssct(&records, scene, method, roughness)?);
         let time = |method: &str| median_and_greatest(&times_over(&folders, scene, method, roughness)?);
         let mut row = vec![(*scene).to_owned(), over("unified")?, over("traced")?];
         // Lobes end in many places.

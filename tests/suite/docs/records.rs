@@ -35,6 +35,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["views-above", limit, behind, roughness] => beyond::views_above(folders, limit, behind, roughness)?,
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
+        ["triangles"] => beyond::triangles_by_roughness(first)?,
         ["triangles", roughness] => beyond::triangles(first, roughness)?,
         ["triangle-times", roughness] => gpu::triangle_times(folders, roughness)?,
         ["time-range", method, roughness] => gpu::time_range(first, method, roughness)?,
