@@ -96,3 +96,4 @@ pub use gpu::memory::{DeviceMemory, MemoryBlock, MemoryPlace};
 pub use gpu::sync::ImageUse;
 pub use gpu::{PassTime, Skipped};
 pub use passes::{Reflectors, WIDE_ABOVE};
+pub use scene::ProjectionKind;

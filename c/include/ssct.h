@@ -170,6 +170,9 @@ typedef struct SsctParameter {
 /// The images that are produced: SSCT_OUTPUT_*, combined by `|`.
 typedef uint32_t SsctOutputs;
 
+/// The projection of a camera: one of SSCT_PROJECTION_*.
+typedef uint32_t SsctProjection;
+
 /// What is to be reflected, and how.
 typedef struct SsctReflectionsInfo {
   /// sizeof(SsctReflectionsInfo).
@@ -190,6 +193,8 @@ typedef struct SsctReflectionsInfo {
   uint32_t frames_in_flight;
   /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
   const struct SsctTriangles *triangles;
+  /// The projection of every frame's camera.
+  SsctProjection projection;
 } SsctReflectionsInfo;
 
 /// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
@@ -203,7 +208,8 @@ typedef struct SsctCamera {
   size_t struct_size;
   /// World to view space: a rotation and a translation.
   float world_to_view[16];
-  /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+  /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
+  /// orthographic one has its near plane at the eye or in front of it.
   float view_to_clip[16];
   /// Where the top of the image is in clip space.
   SsctClipY clip_y;
@@ -482,6 +488,12 @@ typedef struct SsctTriangleMesh {
 
 /// Nothing reflects. It stands alone.
 #define SSCT_REFLECTORS_NONE 16
+
+/// All rays of sight leave from the eye.
+#define SSCT_PROJECTION_PERSPECTIVE 0
+
+/// All rays of sight are parallel.
+#define SSCT_PROJECTION_ORTHOGRAPHIC 1
 
 /// Memory on the device.
 #define SSCT_MEMORY_PLACE_DEVICE 0

@@ -102,7 +102,8 @@ pub struct SsctCamera {
     pub struct_size: usize,
     /// World to view space: a rotation and a translation.
     pub world_to_view: [f32; 16],
-    /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+    /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
+    /// orthographic one has its near plane at the eye or in front of it.
     pub view_to_clip: [f32; 16],
     /// Where the top of the image is in clip space.
     pub clip_y: SsctClipY,
@@ -175,7 +176,7 @@ pub extern "C" fn ssct_image_use(of: SsctUse) -> SsctImageUse {
     })
 }
 
-fn none_of(names: &str, field: &str, value: u32) -> Failure {
+pub fn none_of(names: &str, field: &str, value: u32) -> Failure {
     Failure::usage(format!("{field} is {value}, which is none of {names}"))
 }
 

@@ -6,11 +6,16 @@ use crate::border::{
 };
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
-use crate::image::{SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctNormals, camera, factor, image, normals};
+use crate::image::{
+    SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctNormals, camera, factor, image, none_of, normals,
+};
 use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
 use ash::vk;
-use ssct::{CaptureCubes, FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors, Triangles};
+use ssct::{
+    CaptureCubes, FrameInput, OutputImage, ProjectionKind, Recorded, Reflections, ReflectionsInfo, Reflectors,
+    Triangles,
+};
 use std::ffi::{CString, c_char};
 
 /// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
@@ -52,6 +57,14 @@ pub const SSCT_REFLECTORS_NONE: SsctReflectors = 16;
 // The number in the comments above; as a constant, it would be of the type double in C.
 const _: () = assert!(ssct::WIDE_ABOVE == 0.2);
 
+/// The projection of a camera: one of SSCT_PROJECTION_*.
+pub type SsctProjection = u32;
+
+/// All rays of sight leave from the eye.
+pub const SSCT_PROJECTION_PERSPECTIVE: SsctProjection = 0;
+/// All rays of sight are parallel.
+pub const SSCT_PROJECTION_ORTHOGRAPHIC: SsctProjection = 1;
+
 /// A parameter of a method and its value, as docs/options.md lists them: { "fade", "off" }. "preset" is one of them.
 #[repr(C)]
 pub struct SsctParameter {
@@ -83,6 +96,8 @@ pub struct SsctReflectionsInfo {
     pub frames_in_flight: u32,
     /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
     pub triangles: *const SsctTriangles,
+    /// The projection of every frame's camera.
+    pub projection: SsctProjection,
 }
 
 /// What a frame shows, and where from.
@@ -246,6 +261,7 @@ fn reflections_of(
         &context.context,
         &ReflectionsInfo {
             extent: [info.extent.width, info.extent.height],
+            projection: projection(info.projection)?,
             method,
             parameters,
             captures: Some(info.capture_side).filter(|side| *side != 0),
@@ -257,6 +273,14 @@ fn reflections_of(
         },
     )?;
     Ok(SsctReflections { reflections: Guarded::new(reflections), recorded: Report::default(), times: Times::default() })
+}
+
+fn projection(value: SsctProjection) -> Outcome<ProjectionKind> {
+    match value {
+        SSCT_PROJECTION_PERSPECTIVE => Ok(ProjectionKind::Perspective),
+        SSCT_PROJECTION_ORTHOGRAPHIC => Ok(ProjectionKind::Orthographic),
+        other => Err(none_of("SSCT_PROJECTION_*", "info.projection", other)),
+    }
 }
 
 /// Destroys reflections; NULL is none. The device is done with every frame that was recorded.

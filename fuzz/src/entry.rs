@@ -5,7 +5,7 @@ use exr::meta::MetaData;
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Scene, Surface};
+use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Opening, Scene, Surface};
 use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use std::cell::OnceCell;
 use std::path::Path;
@@ -128,7 +128,7 @@ pub fn frame() -> Vec<u8> {
     let gbuffer = GBufferData {
         width: 4,
         height: 4,
-        camera: Camera::new(Vec3::ONE, Vec3::ZERO, Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 }, 1.0),
+        camera: Camera::new(Vec3::ONE, Vec3::ZERO, Lens::perspective(1.2, 0.25, 50.0), 1.0),
         depth: (0..n).map(|i| i as f32 / 16.0).collect(),
         normal: vec![Vec3::new(0.0, 0.6, -0.8); n],
         reflectivity: vec![0.25; n],
@@ -194,8 +194,12 @@ fn sound_path(path: &CameraPath) {
 }
 
 fn sound_camera(camera: &Camera) {
-    let Lens { fov_y_radians, near_m, far_m } = camera.lens;
-    assert!(fov_y_radians > 0.0 && near_m > 0.0 && far_m > near_m && far_m.is_finite());
+    let Lens { near_m, far_m, .. } = camera.lens;
+    let opens = match camera.lens.opening {
+        Opening::Angle(fov) => fov > 0.0 && near_m > 0.0,
+        Opening::Height(height) => height > 0.0 && near_m >= 0.0,
+    };
+    assert!(opens && far_m > near_m && far_m.is_finite());
     assert!(camera.world_to_view.is_finite(), "{camera:?}");
     assert!(camera.view_to_clip_reversed().is_finite(), "{camera:?}");
 }

@@ -196,7 +196,7 @@ fn gbuffers() -> Vec<Vec<u8>> {
         camera: Camera::new(
             glam::Vec3::new(1.0, 2.0, 3.0),
             glam::Vec3::ZERO,
-            Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 },
+            Lens::perspective(1.2, 0.25, 50.0),
             1.5,
         ),
         depth: (0..n).map(|i| i as f32 * 0.15).collect(),

@@ -26,14 +26,15 @@ void main() {
     if (BEHIND && texelFetch(reflection_buffer, pixel, 0).a >= 1.0)
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth) * captures.view_unit;
-    float along = dot(point, normal);
+    vec3 sight = Sight(point);
+    float along = dot(sight, normal);
     // From below its surface a pixel reflects nothing.
     if (along >= 0.0)
         return;
-    vec3 direction = point - (2.0 * along / dot(normal, normal)) * normal;
+    vec3 direction = sight - (2.0 * along / dot(normal, normal)) * normal;
     // A mirror's footprint is the pixel's, which has widened since the eye; a lobe's is the thesis's cone (4.2.4).
-    float pixel_side = 2.0 * unified.pixel_to_view.y;
+    float widened = ORTHOGRAPHIC ? FAR_EYE : length(point);
     bool is_mirror = material.y <= 0.0;
-    Push(uvec2(pixel), point, direction, is_mirror ? length(point) : 0.0,
-         is_mirror ? pixel_side : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
+    Push(uvec2(pixel), point, direction, is_mirror ? widened : 0.0,
+         is_mirror ? PixelSpread() : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
 }

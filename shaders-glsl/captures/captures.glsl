@@ -5,7 +5,7 @@
 #define CAPTURES_CAPTURES_GLSL
 
 #include "captures/cube.glsl"
-#include "unified/parameters.glsl"
+#include "unified/view.glsl"
 
 // Filled in by src/passes/lost.rs.
 layout(std140, binding = 16) uniform CaptureBlock {
@@ -14,7 +14,7 @@ layout(std140, binding = 16) uniform CaptureBlock {
     vec4 least;                  // from the eye to the corners of a box outside of which nothing stands; w unused
     vec4 greatest;
     int count;
-    float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint
+    float view_unit;             // metres to one unit of ViewPoint: near (1 + k) of the camera, or 1 without perspective
     float face_unit;             // the same of the faces' cameras
 } captures;
 

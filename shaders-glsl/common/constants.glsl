@@ -93,6 +93,7 @@ const float WIDE_FOOTPRINTS = 25.0;   // Footprints to a wide lobe: one a ray.
 // than at this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
 const float NEAR_HIT = 8.0;
 const float FAR_AWAY = 1e3;           // So many times as far away the point of such a hit is put.
+const float FAR_EYE = 1e6;            // Metres: so far away is the eye of an orthographic projection where footprints ask for it.
 const float FAR_SKY = 1e6;            // So far away, in units of ViewPoint, the point of a ray that the screen lets into the sky is put.
 // What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
 const float LEAST_WEIGHT = 1e-4;

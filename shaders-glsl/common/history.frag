@@ -4,6 +4,7 @@
 // within what the pixels around show now (variance clipping, Salvi 2016), and averaged with that of this frame.
 
 #include "common/octahedral.glsl"
+#include "common/sight.glsl"
 #include "common/sound.glsl"
 
 // Filled in by src/passes/history.rs.
@@ -82,7 +83,7 @@ vec4 Before(vec3 seen, vec3 surface, vec3 normal, out float age) {
         if (!(guide.y > 0.0))
             continue;
         vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.x);
-        bool same_plane = abs(dot(there - surface, normal)) < SAME_PLANE * there.z;
+        bool same_plane = abs(dot(there - surface, normal)) < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
         bool same_normal = dot(FromOctahedral(guide.zw), normal) > SAME_NORMAL;
         vec2 near = mix(1.0 - part, part, vec2(next));
         float weight = same_plane && same_normal ? near.x * near.y : 0.0;
@@ -120,7 +121,7 @@ void main() {
         if (history.has_distance != 0) {
             // What a plane mirror shows stands behind it, on the line of sight, and stays there while the camera moves.
             float away = texelFetch(distance_buffer, pixel, 0).r * history.unit;
-            vec3 image = point + normalize(point) * away;
+            vec3 image = point + normalize(Sight(point)) * away;
             before = Before((history.view_to_view_before * vec4(image, 1.0)).xyz, surface, turned, age);
         }
         // On the surface itself, where nothing is known of what it reflects, or the mirror is too curved for that.

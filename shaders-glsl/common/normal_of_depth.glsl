@@ -1,6 +1,8 @@
 // Normals from depth alone. Needs camera.glsl, constants.glsl, and from whoever includes this
 //   float Depth(ivec2 pixel)   reversed depth, 0 where nothing stands
 
+#include "common/sight.glsl"
+
 vec3 ViewPoint(ivec2 pixel, float depth) {
     vec2 ndc = (vec2(pixel) + 0.5) / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
@@ -22,6 +24,7 @@ vec3 NormalOfDepth(ivec2 pixel, float depth) {
     vec3 point = ViewPoint(pixel, depth);
     vec3 across = cross(StepAlong(ivec2(1, 0), pixel, depth, point), StepAlong(ivec2(0, 1), pixel, depth, point));
     float squared = dot(across, across);
-    vec3 normal = squared > 0.0 ? across * inversesqrt(squared) : -normalize(point);
-    return dot(normal, point) > 0.0 ? -normal : normal;
+    vec3 sight = Sight(point);
+    vec3 normal = squared > 0.0 ? across * inversesqrt(squared) : -normalize(sight);
+    return dot(normal, sight) > 0.0 ? -normal : normal;
 }

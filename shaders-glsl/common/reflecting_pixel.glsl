@@ -1,6 +1,7 @@
 // A reflecting pixel in world axes, for methods that look something up by it. Needs camera.glsl.
 
 #include "common/constants.glsl"
+#include "common/sight.glsl"
 
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
@@ -27,7 +28,7 @@ ReflectingPixel FetchReflectingPixel(vec2 frag_coord) {
     vec3 position = h.xyz / h.w;
     vec3 normal = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
     found.position = (camera.view_to_world * vec4(position, 1.0)).xyz;
-    found.reflection = normalize(mat3(camera.view_to_world) * reflect(normalize(position), normal));
+    found.reflection = normalize(mat3(camera.view_to_world) * reflect(normalize(Sight(position)), normal));
     found.roughness = material.g;
     return found;
 }

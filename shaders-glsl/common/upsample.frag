@@ -5,6 +5,7 @@
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
+#include "common/sight.glsl"
 
 layout(push_constant) uniform UpsampleBlock {
     int divisor; // full pixels a side of a block
@@ -36,6 +37,7 @@ void main() {
     if (!Reflects(pixel))
         return;
     vec3 position = Position(pixel);
+    float reach = Reach(position.z, camera.clip_to_view_reversed);
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     ivec2 base = pixel / block.divisor;
     vec2 f = vec2(pixel - base * block.divisor) / float(block.divisor);
@@ -53,7 +55,7 @@ void main() {
         if (share <= 0.0 || !Reflects(stands_at))
             continue;
         // Off its plane by that share of its depth, a texel has lost most of its weight.
-        float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * position.z);
+        float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * reach);
         float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
         float weight = exp(-off * off) * pow(facing, NORMAL_POWER);
         vec4 reflection = texelFetch(small_reflection, small, 0);

@@ -4,6 +4,7 @@
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
+#include "common/sight.glsl"
 #include "scene/lit.glsl"
 
 layout(binding = 2) uniform sampler2D depth_buffer;    // reversed
@@ -23,7 +24,7 @@ void main() {
 
     if (depth <= 0.0 || albedo.a < 0.5) {
         vec4 along = camera.clip_to_view * vec4(ndc, 0.5, 1.0);
-        vec3 direction = mat3(camera.view_to_world) * (along.xyz / along.w);
+        vec3 direction = mat3(camera.view_to_world) * Sight(along.xyz / along.w);
         out_color = vec4(SKY_APART ? vec3(0.0) : textureLod(environment, direction, 0.0).rgb, 0.0);
         return;
     }

@@ -5,7 +5,7 @@
 
 #include "common/lobe.glsl"
 #include "common/sequence.glsl"
-#include "unified/parameters.glsl"
+#include "unified/view.glsl"
 
 // Filled in by src/methods/stochastic.rs, for each ray of a pixel anew.
 layout(push_constant) uniform StochasticBlock {

@@ -21,11 +21,16 @@ Among SeeMet(TreeRay ray, Met met, bool leaves, float width) {
     return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY);
 }
 
-// What a ray sees that begins on a pixel's triangle; `leaves` is that of BeginRay. The footprint measures `spread` for each
-// metre from where the ray begins: as in the references, all rays of a pixel leave from its one point.
+// The width of a ray's footprint that measures `spread` for each metre from where the ray begins: as in the references, all
+// rays of a pixel leave from its one point. Where rays of sight are parallel, a pixel's rays stay as wide as the pixel.
+float FootprintWidth(float spread, float metres) {
+    return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y + spread * metres : spread * metres;
+}
+
+// What a ray sees that begins on a pixel's triangle; `leaves` is that of BeginRay.
 Among See(TreeRay ray, bool leaves, float spread) {
     Met met = Closest(ray);
-    return SeeMet(ray, met, leaves, spread * met.t);
+    return SeeMet(ray, met, leaves, FootprintWidth(spread, met.t));
 }
 
 #endif

@@ -15,16 +15,18 @@ bool FindSlot(uint triangle, out uint slot) {
     return is_known;
 }
 
-// The point of a triangle, by its slot, that is seen from the eye in the direction `towards`: a + u (b - a) + v (c - a).
+// The point of a triangle, by its slot, that a ray of sight meets, from a place relative to the eye in the direction
+// `towards`: a + u (b - a) + v (c - a).
 // Rounding moves it along each axis by no more than `error`: the last addition by half a unit in the last place of the point,
 // and the differences, products and the other addition by 5 half units of each edge's part (Higham, "Accuracy and Stability of
 // Numerical Algorithms", 2002, section 3.1).
-vec3 PointOfTriangle(uint slot, vec3 towards, out vec3 flat_normal, out vec3 error) {
+vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, out vec3 error) {
     int at = triangles.corners + 3 * int(slot);
     vec3 a = uintBitsToFloat(Geometry(at).xyz);
     precise vec3 along_b = uintBitsToFloat(Geometry(at + 1).xyz) - a;
     precise vec3 along_c = uintBitsToFloat(Geometry(at + 2).xyz) - a;
-    precise vec3 from_eye = a - triangles.eye;
+    precise vec3 eye = ORTHOGRAPHIC ? triangles.eye + from : triangles.eye;
+    precise vec3 from_eye = a - eye;
     vec3 normal = cross(along_b, along_c);
     float u = dot(towards, cross(along_c, from_eye)), v = dot(towards, cross(from_eye, along_b));
     float inverse = 1.0 / dot(towards, normal);
@@ -44,15 +46,19 @@ TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
     vec3 flat_normal, error;
     uint slot;
     bool is_known = FindSlot(triangle, slot);
-    vec3 point = PointOfTriangle(slot, start, flat_normal, error);
+    // Parallel rays of sight begin anywhere along themselves, and best near the triangle.
+    vec3 sight = ORTHOGRAPHIC ? captures.view_to_world[2].xyz : start;
+    vec3 point = PointOfTriangle(slot, start, sight, flat_normal, error);
     float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
-    leaves = !is_known || side * dot(flat_normal, start) < 0.0;
+    leaves = !is_known || side * dot(flat_normal, sight) < 0.0;
     // Once for the point, and once for the corners of what lies beside it in the same plane.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
     // A rasteriser interpolates depth between corners that may lie at the near plane, where it is 1. So depth errs by a few
-    // half units in the last place of 1; and since depth is unit / z, each of these is z z / unit of one in metres.
-    float depth_error = 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
+    // half units in the last place of 1; and since depth is unit / z, each of these is z z / unit of one in metres. Where depth
+    // is linear in z, each is the distance between the planes.
+    float depth_error = ORTHOGRAPHIC ? 4.0 * ROUNDING / unified.depth_offset
+                                     : 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
     return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
                    is_known ? 0.0 : depth_error);
 }

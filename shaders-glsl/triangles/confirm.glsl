@@ -19,7 +19,7 @@ bool Confirm(Ray ray, ivec2 pixel, float spread, out Among seen) {
     bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
     bool is_met = is_known && met.id != NO_TRIANGLE && (!asks || StopsRay(met));
     met.id = is_met ? met.id : NO_TRIANGLE;
-    seen = SeeMet(tree_ray, met, leaves, spread * met.t);
+    seen = SeeMet(tree_ray, met, leaves, FootprintWidth(spread, met.t));
     return is_met || !leaves;
 }
 

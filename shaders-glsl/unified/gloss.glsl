@@ -16,7 +16,7 @@
 
 #include "common/lobe.glsl"
 #include "common/sequence.glsl"
-#include "unified/parameters.glsl"
+#include "unified/view.glsl"
 #ifdef NARROW
 #include "common/octahedral.glsl"
 #else
@@ -31,7 +31,7 @@ struct Lobe {
 
 // The lobe of a pixel, of whose point the direction alone counts.
 Lobe LobeOf(vec3 point, vec3 normal, float roughness) {
-    return Lobe(normal, MirrorDirection(point, normal), LobePower(roughness));
+    return Lobe(normal, MirrorDirection(Sight(point), normal), LobePower(roughness));
 }
 
 // What a ray saw. All is 0 for no ray.
@@ -46,7 +46,7 @@ struct Seen {
 // diameter at the hit in pixels is the level's texel.
 float FootprintLevel(vec3 point, vec3 there, float density, float share) {
     vec3 away = there - point;
-    float pixel = there.z * unified.pixel_to_view.y;
+    float pixel = ORTHOGRAPHIC ? unified.pixel_to_view.y : there.z * unified.pixel_to_view.y;
     return max(0.5 * (log2(2.0 * share * dot(away, away) / (pixel * pixel)) - (density - LOG_DENSITY_BIAS)), 0.0);
 }
 

@@ -196,7 +196,7 @@ layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
 
 struct Cell {
     vec4 reflection;
-    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go; 0: none
+    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none
 };
 
 // The cell itself, or the nearest one that the image has.
@@ -267,8 +267,8 @@ Cell CellOf(ivec2 cell) {
     Gather(sum, here, RowAcross(inner, cell, outward, -1));
     Gather(sum, here, Row(cell, outward, 1));
     bool shows = roughness > 0.0;
-    return Cell(shows ? Reflection(sum) : vec4(0.0),
-                shows ? vec4(normal, min(point.z, GREATEST_HALF)) : vec4(0.0));
+    float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
+    return Cell(shows ? Reflection(sum) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
 }
 
 #else
@@ -278,6 +278,14 @@ layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 
 // Off its plane by this share of its depth, a cell has lost most of its weight.
 #define PLANE_TOLERANCE VISIBLE_WITHIN
+
+// How far the pixel that stands for a cell lies off the plane of a pixel, in tolerances, if rays of sight are parallel:
+// `beside` is by how much its distance across the view says so, and `facing` is the cosine at which the plane is seen. Its
+// depth is read again: 16 bits tell z less well than the height of the image, of which the tolerance is a share.
+float OffPlane(ivec2 cell, float depth, float beside, float facing) {
+    float there = DepthAt(min(CellPixel(cell), unified.size - 1));
+    return (beside + facing * (depth - there) / unified.depth_offset) / unified.reach;
+}
 
 // A wide lobe, between the four cells around the pixel, by how near their rays begin, and as far as each lies in the
 // pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
@@ -298,7 +306,9 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
         vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
         vec2 away = vec2(CellPixel(at) - pixel);
         vec2 near = CELL_REACH - abs(away);
-        float off = (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
+        float off = ORTHOGRAPHIC
+            ? OffPlane(at, depth, dot(turn, away), facing)
+            : (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
         float same = Overlap(normal - surface.xyz, power);
         float squared = off * off;
         float weight = surface.w > 0.0 ? near.x * near.y * max(same / (1.0 + squared * squared), LEAST_WEIGHT) : 0.0;

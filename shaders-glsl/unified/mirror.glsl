@@ -50,7 +50,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         return true;
     bool faces;
     Ray ray = MirrorRay(pixel, depth, normal, faces);
-    float spread = 2.0 * unified.pixel_to_view.y;
+    float spread = PixelSpread();
 #ifdef AMONG_TRIANGLES
     if (faces) {
         Among seen = SeeFrom(ray, spread);
@@ -78,7 +78,8 @@ bool Show(ivec2 pixel, out Shown shown) {
                                          Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {
         // A mirror's footprint is the pixel's, which has widened since the eye.
-        PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit, spread);
+        float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
+        PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
 #endif
     if (shows) {

@@ -18,13 +18,15 @@ layout(std140, binding = UNIFIED_BINDING) uniform UnifiedBlock {
     ivec2 size;          // pixels
     ivec2 padded;        // pixels of the pyramid: whole cells of its coarsest level
     int top_level;       // the pyramid's coarsest level
-    float depth_offset;  // near / (far - near), which is -M_22 with reversed depth
+    float depth_offset;  // near / (far - near), which is -M_22 with reversed depth; 1 / (far - near) without perspective
     float fade_start;    // I_start and I_end of Eq. 4.7
     float fade_end;
     int fade;            // 0: no fade at all
     vec2 shift;          // how far the image is shifted against the axis of the view, in half pixels: x to the right, y up
     int sky;             // 1: what shows the environment shows it along the ray, and `environment` holds it
     int turn;            // frames of a history before this one; 0 without one
+    float depth_origin;  // reversed depth at z = 0 without perspective, which is M_23
+    float reach;         // metres from the lower to the upper side of the image without perspective
 } unified;
 
 bool Reflects(vec2 material) {
@@ -68,21 +70,6 @@ int DrawArguments(int list) {
 // Workgroups along each axis, none of which has more than every device takes: those of a tile, tiles in a row, rows.
 int DispatchArguments(int list, int halve) {
     return 4 * LISTS + 3 * (2 * list + halve);
-}
-
-// The view-space direction in which continuous pixel coordinates are seen; z is 1.
-vec3 ViewRay(vec2 position) {
-    precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y)
-                         - unified.shift;
-    precise vec2 view = centred * unified.pixel_to_view;
-    return vec3(view, 1.0);
-}
-
-// View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
-// reversed depth to a point.
-vec3 ViewPoint(vec2 position, float depth) {
-    precise vec3 point = ViewRay(position) / (depth + unified.depth_offset);
-    return point;
 }
 
 // The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.

@@ -7,10 +7,12 @@
 // A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
 //   |z - z'| / z = |d' - d| / (d' + k),   d(z + T) = (d - k q) / (1 + q),   q = T / z.
-// The differences of nearby depths are exact, so nothing cancels at any distance.
+// The differences of nearby depths are exact, so nothing cancels at any distance. If rays of sight are parallel, depth itself
+// is proportional to z, and T is a difference of depths.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+#include "common/sight.glsl"
 #include "unified/pyramid.glsl"
 
 layout(binding = 1) uniform sampler2D depth_buffer; // reversed; 0 is sky
@@ -26,9 +28,9 @@ int CellRow(int level) {
     return 16 - (128 >> level);
 }
 
-// 1 / (d + k); negative for sky.
+// 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {
-    precise float offset = depth + unified.depth_offset;
+    precise float offset = ORTHOGRAPHIC ? 1.0 : depth + unified.depth_offset;
     return depth > 0.0 ? 1.0 / offset : -1.0;
 }
 
@@ -43,6 +45,11 @@ vec2 Block(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     float y = min(Span(depth, up.x, up.y), Span(depth, down.x, down.y));
     x = x < NOTHING ? x : 0.0;
     y = y < NOTHING ? y : 0.0;
+    if (ORTHOGRAPHIC) {
+        precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
+        precise float behind = depth - ((x + y) + least);
+        return depth > 0.0 ? vec2(depth, behind) : EMPTY_BLOCK;
+    }
     precise float thickness = (x + y) + SHARE_OF_DEPTH;
     precise float scale = 1.0 / (1.0 + thickness);
     precise float back = (depth - unified.depth_offset * thickness) * scale;

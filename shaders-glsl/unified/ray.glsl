@@ -3,7 +3,7 @@
 #ifndef UNIFIED_RAY_GLSL
 #define UNIFIED_RAY_GLSL
 
-#include "unified/parameters.glsl"
+#include "unified/view.glsl"
 
 // A ray in the image: a straight line in (pixel x, pixel y, reversed depth), by a parameter s >= 0
 // that counts pixels along the axis in which the ray moves faster.
@@ -15,6 +15,10 @@
 // The point at P + tD projects to P.xyz + s D' with s = t / (1 + t d_z). The six clip planes,
 // |x|, |y| <= w and 0 <= z <= w, are the sides of a box there, and the near plane is met before
 // w = 0: the homogeneous clip is a clip against the box, without its cancellation.
+//
+// If rays of sight are parallel, w is 1 everywhere, and depth changes with z alone: the derivative is
+//   (M_00 d_x,  M_11 d_y,  -k d_z),  k = 1 / (far - near),
+// and s is t itself.
 
 struct Ray {
     vec2 start;     // continuous pixel coordinates: the centre of a pixel of the screen, any place of a face
@@ -28,7 +32,7 @@ struct Ray {
 
 
 // From a place in a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end`
-// is 0 for a ray that does not move in the image.
+// is 0 for a ray that does not move in the image: it stays in its pixel, and the sign of its rate says which plane it goes to.
 Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     Ray ray;
     ray.start = start;
@@ -38,7 +42,7 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     precise vec2 moved = change.xy * vec2(unified.size) * vec2(0.5, -0.5);
     float fastest = max(abs(moved.x), abs(moved.y));
     if (!(fastest > 1e-30)) {
-        ray.rate = vec3(0.0);
+        ray.rate = vec3(0.0, 0.0, change.z);
         ray.inverse = vec2(NEVER);
         ray.end = 0.0;
         return ray;
@@ -60,13 +64,33 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     return ray;
 }
 
-// The point of a pixel, divided by its view depth, as a view-space vector, and as ndc from the axis of the view.
+// The view-space direction in which a pixel is seen, with z = 1, and its place as ndc from the axis of the view.
 void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
     precise vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1) - unified.shift;
     precise vec2 v = centre * unified.pixel_to_view;
     precise vec2 c = centre * unified.pixel_to_clip;
-    view = vec3(v, 1.0);
+    view = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : vec3(v, 1.0);
     ndc = c;
+}
+
+// The change of ndc along a view-space vector, from a point that is seen at `ndc`.
+vec2 NdcChange(vec2 ndc, vec3 along) {
+    if (ORTHOGRAPHIC) {
+        precise vec2 parallel = unified.view_to_clip * along.xy;
+        return parallel;
+    }
+    precise vec2 change = unified.view_to_clip * along.xy - ndc * along.z;
+    return change;
+}
+
+// The change of reversed depth with a change of view-space z.
+float DepthChange(float depth, float z) {
+    if (ORTHOGRAPHIC) {
+        precise float linear = -(unified.depth_offset * z);
+        return linear;
+    }
+    precise float change = -((depth + unified.depth_offset) * z);
+    return change;
 }
 
 // Along a view-space direction of any length.
@@ -74,9 +98,8 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     vec3 view;
     vec2 ndc;
     PixelPoint(pixel, view, ndc);
-    precise vec2 change = unified.view_to_clip * direction.xy - ndc * direction.z;
-    precise float change_z = -((depth + unified.depth_offset) * direction.z);
-    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
+    vec3 change = vec3(NdcChange(ndc, direction), DepthChange(depth, direction.z));
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, change);
 }
 
 // Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
@@ -90,11 +113,12 @@ Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     precise float along = view.x * normal.x + view.y * normal.y + normal.z;
     precise float squared = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
     precise float a = -2.0 * along * (1.0 / squared);
-    precise vec2 change = (unified.view_to_clip * normal.xy - ndc * normal.z) * a;
-    precise float change_z = -((depth + unified.depth_offset) * (1.0 + a * normal.z));
+    precise vec2 change = NdcChange(ndc, normal) * a;
+    precise float along_z = 1.0 + a * normal.z;
     precise vec3 direction = view + a * normal;
     faces = along < 0.0;
-    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
+    vec3 in_image = vec3(change, DepthChange(depth, along_z));
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, in_image);
 }
 
 #endif

@@ -18,8 +18,9 @@ layout(push_constant) uniform LookBlock {
     float range_low;  // shown black
     float range_high; // shown white
     float gain;       // factor of the difference
-    float near_plane; // metres, for depths
+    float near_plane; // metres, for depths of a perspective
     float far_plane;
+    int is_linear;    // 1: depth is linear
 } look;
 
 layout(location = 0) out vec4 out_color;
@@ -29,6 +30,8 @@ layout(location = 0) out vec4 out_color;
 float DepthShade(float reversed) {
     if (reversed <= 0.0)
         return 0.0;
+    if (look.is_linear != 0)
+        return reversed;
     float z = look.near_plane * look.far_plane
         / (look.near_plane + reversed * (look.far_plane - look.near_plane));
     return clamp(1.0 - log(z / look.near_plane) / log(1e4), 0.0, 1.0);

@@ -1,8 +1,8 @@
 //! A camera from the matrices of another renderer.
 
 use crate::error::{Error, Result};
+use crate::scene::Camera;
 use crate::scene::camera::{ReadProjection, is_rotation};
-use crate::scene::{Camera, Lens};
 use glam::{Mat3, Mat4, Vec4};
 
 /// Where the top of the image is in the caller's clip space.
@@ -23,7 +23,8 @@ pub enum ClipY {
 pub struct CameraInput {
     /// World to view space: a rotation and a translation.
     pub world_to_view: [f32; 16],
-    /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+    /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
+    /// orthographic one has its near plane at the eye or in front of it.
     pub view_to_clip: [f32; 16],
     /// Where the top of the image is in clip space.
     pub clip_y: ClipY,
@@ -54,22 +55,16 @@ impl CameraInput {
         }
         let clip = Mat4::from_cols_array(&self.view_to_clip);
         let read = ReadProjection::new(&clip, self.clip_y == ClipY::Up).map_err(|why| wrong("view_to_clip", why))?;
-        let ReadProjection { projection, turn, is_reversed, near: near_m, far } = read;
-        let far_m = far.min(INFINITE_FAR * near_m);
-        let scale = projection.scale;
+        let ReadProjection { projection, turn, is_reversed, near: near_m, .. } = read;
         let view_to_view = Mat3::from_diagonal(turn);
         let world = Mat4::from_cols_array(&self.world_to_view);
         if !is_rotation(&Mat3::from_mat4(world).as_dmat3()) || world.row(3) != Vec4::W {
             return Err(wrong("world_to_view", "is no rotation and translation: scale belongs to the scene"));
         }
-        let lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m, far_m };
-        let camera = Camera {
-            world_to_view: Mat4::from_mat3(view_to_view) * world,
-            lens,
-            aspect: scale[1] / scale[0],
-            near_plane: None,
-            projection: Some(projection),
-        };
+        let mut camera = Camera::of_projection(Mat4::from_mat3(view_to_view) * world, projection);
+        if !projection.kind.is_orthographic() {
+            camera.lens.far_m = camera.lens.far_m.min(INFINITE_FAR * near_m);
+        }
         Ok(Taken { camera, to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] }, view_to_view })
     }
 }
@@ -79,8 +74,39 @@ mod tests {
     use super::*;
     use glam::{Vec3, Vec4Swizzles};
 
-    /// The conventions that engines have: a projection matrix, and what the camera looks along.
-    fn conventions() -> Vec<(&'static str, Mat4, ClipY)> {
+    /// The conventions that engines have: a projection matrix, the top of the image, and along which way of z the camera
+    /// looks.
+    fn conventions() -> Vec<(&'static str, Mat4, ClipY, f32)> {
+        let perspectives = perspectives().into_iter().map(|(name, clip, y)| (name, clip, y, clip.z_axis.w));
+        perspectives.chain(parallels()).collect()
+    }
+
+    /// Orthographic projections: the near plane at 0.25 m or at the eye.
+    fn parallels() -> Vec<(&'static str, Mat4, ClipY, f32)> {
+        let (fx, fy, near, far) = (0.2_f32, 0.3_f32, 0.25_f32, 80.0_f32);
+        let matrix = |y: f32, u: f32, v: f32, a: f32, b: f32| {
+            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, b, 0.0, u, v, a, 1.0])
+        };
+        let reversed = |near: f32| (far / (far - near), -1.0 / (far - near));
+        let standard = |near: f32| (-near / (far - near), 1.0 / (far - near));
+        let (a, b) = reversed(near);
+        let (c, d) = standard(near);
+        vec![
+            ("parallel, left-handed, reversed", matrix(fy, 0.0, 0.0, a, b), ClipY::Up, 1.0),
+            ("parallel, right-handed, reversed", matrix(fy, 0.0, 0.0, a, -b), ClipY::Up, -1.0),
+            ("parallel, left-handed, standard, y down", matrix(-fy, 0.2, -0.3, c, d), ClipY::Down, 1.0),
+            ("parallel, right-handed, standard, off axis", matrix(fy, 0.2, -0.3, c, -d), ClipY::Up, -1.0),
+            (
+                "parallel, near plane at the eye",
+                matrix(fy, 0.0, 0.1, standard(0.0).0, -standard(0.0).1),
+                ClipY::Up,
+                -1.0,
+            ),
+            ("parallel, near plane at the eye, reversed", matrix(fy, 0.0, 0.1, 1.0, -1.0 / far), ClipY::Down, 1.0),
+        ]
+    }
+
+    fn perspectives() -> Vec<(&'static str, Mat4, ClipY)> {
         let (fx, fy, near, far) = (1.2_f32, 1.9_f32, 0.25_f32, 80.0_f32);
         let matrix = |x: f32, y: f32, u: f32, v: f32, a: f32, b: f32, s: f32| {
             Mat4::from_cols_array(&[x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, u, v, a, s, 0.0, 0.0, b, 0.0])
@@ -103,12 +129,15 @@ mod tests {
 
     #[test]
     fn every_convention_shows_a_point_where_the_caller_s_matrices_show_it() {
-        for (name, clip, clip_y) in conventions() {
-            let forward = clip.z_axis.w;
+        for (name, clip, clip_y, forward) in conventions() {
             let world = Mat4::from_rotation_y(0.4) * Mat4::from_translation(Vec3::new(1.0, -2.0, 0.5));
             let input =
                 CameraInput { world_to_view: world.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
             let Taken { camera, to_reversed, .. } = input.take().expect(name);
+            assert_eq!(camera.kind().is_orthographic(), name.starts_with("parallel"), "{name}");
+            let planes = [camera.lens.near_m, 80.0 / camera.lens.far_m];
+            assert!((planes[0] - 0.25).abs() < 1e-5 || name.contains("at the eye") && planes[0] == 0.0, "{name}");
+            assert!((planes[1] - 1.0).abs() < 1e-3 || name.contains("infinite"), "{name}: {planes:?}");
             assert!(camera.view_to_clip_reversed().is_finite() && camera.view_to_clip().is_finite(), "{name}");
             for point in [Vec3::new(0.3, 0.2, 2.0), Vec3::new(-1.0, 0.7, 20.0), Vec3::new(0.0, -0.4, 0.6)] {
                 let view = point * Vec3::new(1.0, 1.0, forward);
@@ -127,7 +156,7 @@ mod tests {
 
     #[test]
     fn what_is_no_camera_is_refused_with_a_sentence() {
-        let (_, clip, clip_y) = conventions().swap_remove(0);
+        let (_, clip, clip_y, _) = conventions().swap_remove(0);
         let good =
             CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
         assert!(good.take().is_ok());
@@ -141,6 +170,16 @@ mod tests {
         refused(|c| c.view_to_clip[4] = 0.3, "skew");
         refused(|c| c.view_to_clip[14] = f32::NAN, "finite");
         refused(|c| c.view_to_clip[10] = 0.5, "far plane");
+        let parallel = |change: fn(&mut [f32; 16]), word: &str| {
+            let mut view_to_clip = parallels()[0].1.to_cols_array();
+            change(&mut view_to_clip);
+            let said = CameraInput { view_to_clip, ..good }.take().err().expect(word).to_string();
+            assert!(said.contains(word), "{said}");
+        };
+        parallel(|m| m[14] = 0.5, "near plane behind the eye");
+        parallel(|m| m[8] = 0.1, "skew");
+        parallel(|m| m[10] = 0.0, "same depth");
+        parallel(|m| m[15] = 2.0, "last row");
         refused(|c| c.world_to_view[0] = 2.0, "scale");
     }
 }

@@ -86,7 +86,11 @@ impl CaptureCubes {
         let camera = input.take()?;
         let projection = camera.camera.view_to_clip_reversed();
         let is_quarter = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
-        if !is_quarter || projection.z_axis.x != 0.0 || projection.z_axis.y != 0.0 {
+        if camera.camera.kind().is_orthographic()
+            || !is_quarter
+            || projection.z_axis.x != 0.0
+            || projection.z_axis.y != 0.0
+        {
             return Err(Error::Usage("the captures' view_to_clip is not that of a quarter turn".into()));
         }
         let (gpu, extent) = (&context.gpu, [info.side; 2]);

@@ -13,6 +13,7 @@ use crate::parameter::{Choices, Parameter, Preset};
 use crate::passes::import::{Foreign, ImportPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{GBuffer, Reflectors};
+use crate::scene::ProjectionKind;
 use ash::vk;
 
 /// What is to be reflected, and how.
@@ -20,6 +21,8 @@ use ash::vk;
 pub struct ReflectionsInfo<'a> {
     /// Width and height of the view in pixels.
     pub extent: [u32; 2],
+    /// The projection of every frame's camera.
+    pub projection: ProjectionKind,
     /// A method of [`methods`](super::methods()).
     pub method: &'a str,
     /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is one of
@@ -40,10 +43,11 @@ pub struct ReflectionsInfo<'a> {
 }
 
 impl Default for ReflectionsInfo<'_> {
-    /// `unified` with its published values, at 1 × 1 pixel; composite and reflection.
+    /// `unified` with its published values, at 1 × 1 pixel, seen in perspective; composite and reflection.
     fn default() -> Self {
         Self {
             extent: [1, 1],
+            projection: ProjectionKind::Perspective,
             method: "unified",
             parameters: &[],
             captures: None,
@@ -182,11 +186,11 @@ impl Reflections {
     /// Makes all that the frames of a view need. Nothing is submitted.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a method, a parameter, a value or a size that there is not, or a method that needs the scene
-    /// or captures that are not given; [`Error::Memory`] and [`Error::Vulkan`] from the device.
+    /// [`Error::Usage`] for a method, a parameter, a value or a size that there is not, a method that needs the scene
+    /// or captures that are not given, or one that does not take the projection; [`Error::Memory`] and [`Error::Vulkan`] from the device.
     pub fn new(context: &Context, info: &ReflectionsInfo) -> Result<Self> {
         let method = super::method(info.method)?;
-        let mut setup = Setup::new(info.extent);
+        let mut setup = Setup::new(info.extent).seen_by(info.projection);
         for (name, value) in info.parameters {
             set(&mut setup, method, name, value)?;
         }
@@ -330,7 +334,12 @@ impl Reflections {
                 self.beyond.said()
             )));
         }
-        input.camera.take()
+        let taken = input.camera.take()?;
+        self.setup
+            .projection
+            .check(&taken.camera)
+            .map_err(|e| Error::Usage(format!("{e}: see ReflectionsInfo.projection")))?;
+        Ok(taken)
     }
 }
 

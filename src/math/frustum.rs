@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn the_area_of_a_triangle_is_that_of_its_part_on_screen() {
-        let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens { fov_y_radians: 1.0, ..Lens::default() }, 1.0);
+        let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens::perspective(1.0, 0.1, 1000.0), 1.0);
         let matrix = c.view_to_clip() * c.world_to_view;
         let h = 5.0 * 0.5_f32.tan();
         let at = |x: f32, y: f32| Vec3::new(x * h, y * h, 5.0);

@@ -12,6 +12,7 @@ use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, NO_HIT, Reflection, pyramid, 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     takes_captures: true,
+    takes_orthographic: true,
     ..MethodInfo::scene(
         "captures",
         "rays followed exactly through captures of the scene alone",
@@ -34,7 +35,8 @@ impl CapturesMethod {
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let extent = making.setup.extent;
         let (hits, behind) = (making.hits, making.behind);
-        let wants = FollowWants { over: false, composite: false, reflection: true, hits, behind };
+        let projection = making.setup.projection;
+        let wants = FollowWants { over: false, composite: false, reflection: true, hits, behind, projection };
         Ok(Self {
             lost: LostRays::new(gpu, extent, true)?,
             follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,

@@ -3,7 +3,7 @@
 use super::beyond::{Captured, PreparedTriangles, taken, takes_captures, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
-use super::setup::{BeyondScreen, CaptureCount, HistoryUse};
+use super::setup::{BeyondScreen, CaptureCount, HistoryUse, takes_projection};
 use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -15,7 +15,7 @@ use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{Captures, GBuffer};
-use crate::scene::Capture;
+use crate::scene::{Capture, ProjectionKind};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -36,6 +36,7 @@ pub struct Output<'a> {
 /// A method of one size on one device, with what surrounds it.
 pub struct Effect {
     method: Box<dyn Method>,
+    projection: ProjectionKind,
     /// Other normals for the rays; with a bump, reflections are displaced afterwards.
     trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
     /// Draws what lies behind the first surfaces, for a method that is set up for it.
@@ -171,7 +172,8 @@ impl Effect {
         wants: Wants,
         (has_scene, captured, triangles): (bool, Option<Captured>, Option<TriangleReading>),
     ) -> Result<Self> {
-        let (name, extent, effect) = (info.name, setup.extent, setup.effect());
+        let (name, effect) = (info.name, setup.effect());
+        let Setup { extent, projection, .. } = *setup;
         let divisor = effect.divisor();
         // A method that follows rays in captures or among triangles needs no scene if they are made already.
         let is_given =
@@ -180,6 +182,7 @@ impl Effect {
         if !is_seen(info) {
             return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
         }
+        takes_projection(info, setup)?;
         if divisor != 1 && !info.is_screen_space() {
             let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
@@ -253,14 +256,18 @@ impl Effect {
         };
         if divisor != 1 {
             inner.setup.extent = resolution::divided(extent, divisor);
-            scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
+            scaled = Some((
+                DownsamplePass::new(&gpu, extent, divisor)?,
+                UpsamplePass::new(&gpu, extent, projection, divisor)?,
+            ));
         }
         let effect = Self {
             method: info.make(&gpu, &inner)?,
+            projection,
             trace_normals: other_normals
                 .then(|| -> Result<_> {
                     let bump = is_bumped.then(|| BumpPass::new(&gpu, extent, effect.bump_after)).transpose()?;
-                    Ok((TraceNormalsPass::new(&gpu, extent, effect.trace_normals)?, bump))
+                    Ok((TraceNormalsPass::new(&gpu, extent, projection, effect.trace_normals)?, bump))
                 })
                 .transpose()?,
             second_layer: has_layers
@@ -269,7 +276,7 @@ impl Effect {
             scaled,
             fallback: fallback.transpose()?,
             history: history
-                .then(|| HistoryPass::new(&gpu, extent, effect.history_frames, effect.history_deviations))
+                .then(|| HistoryPass::new(&gpu, extent, projection, (effect.history_frames, effect.history_deviations)))
                 .transpose()?,
             bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
@@ -369,8 +376,10 @@ impl Effect {
     /// that draw the one at the camera.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none.
+    /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none; and for a camera of
+    /// another projection than the setup's.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
+        self.projection.check(input.camera)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
         if let (Some(Captured { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
             let scene = input.scene()?;

@@ -7,19 +7,22 @@
 //! captured maps up so, and `pccm` corrects them. Level by level the map is blurred by the lobe of a roughness.
 
 use super::capture::filtered_sky;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::environment::EnvironmentPass;
 use crate::passes::{Content, CubeMap};
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo::scene(
-    "environment",
-    "pre-filtered cube map of the sky, looked up by direction",
-    "Hermanns 2015, §3.1.3, §4.2.11",
-    |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, making.setup.extent)?)),
-);
+pub const INFO: MethodInfo = MethodInfo {
+    takes_orthographic: true,
+    ..MethodInfo::scene(
+        "environment",
+        "pre-filtered cube map of the sky, looked up by direction",
+        "Hermanns 2015, §3.1.3, §4.2.11",
+        |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, &making.setup)?)),
+    )
+};
 
 /// The lookup, and the map once there is one.
 pub struct EnvironmentMethod {
@@ -29,8 +32,8 @@ pub struct EnvironmentMethod {
 
 impl EnvironmentMethod {
     /// Without a map; preparing makes it.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Ok(Self { pass: EnvironmentPass::new(gpu, extent)?, map: None })
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        Ok(Self { pass: EnvironmentPass::new(gpu, setup.extent, setup.projection)?, map: None })
     }
 }
 

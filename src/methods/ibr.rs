@@ -75,7 +75,7 @@ fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
     let fov_y_radians = 2.0 * (v / away).atan();
     Camera {
         world_to_view: look_to_mat4(eye, -proxy.normal(), -proxy.half_v / v),
-        lens: Lens { fov_y_radians, near_m: away - depth, far_m: away + depth },
+        lens: Lens::perspective(fov_y_radians, away - depth, away + depth),
         aspect: u / v,
         near_plane: None,
         projection: None,

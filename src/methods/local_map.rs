@@ -6,9 +6,12 @@ use super::MethodInfo;
 use super::pccm::PccmMethod;
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo::scene(
-    "local-map",
-    "cube maps captured in the scene, looked up by direction without correction of parallax",
-    "Hermanns 2015, §3.1.3; Schmidt 2013, §4.2, figure 29",
-    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent, false)?)),
-);
+pub const INFO: MethodInfo = MethodInfo {
+    takes_orthographic: true,
+    ..MethodInfo::scene(
+        "local-map",
+        "cube maps captured in the scene, looked up by direction without correction of parallax",
+        "Hermanns 2015, §3.1.3; Schmidt 2013, §4.2, figure 29",
+        |gpu, making| Ok(Box::new(PccmMethod::new(gpu, &making.setup, false)?)),
+    )
+};

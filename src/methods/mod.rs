@@ -220,6 +220,8 @@ pub struct MethodInfo {
     pub takes_captures: bool,
     /// Whether it follows rays among the triangles of the scene, if it is to.
     pub takes_triangles: bool,
+    /// Whether it takes cameras whose rays of sight are parallel.
+    pub takes_orthographic: bool,
     /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
     /// Its own parameters, if it is of the table.
@@ -244,6 +246,7 @@ impl MethodInfo {
             follows_oracle: false,
             takes_captures: false,
             takes_triangles: false,
+            takes_orthographic: false,
             traces_hi_z: false,
             parameters: Vec::new,
             combinations: |_| Vec::new(),
@@ -278,7 +281,8 @@ impl MethodInfo {
     /// A screen-space method that is not of the table. Its strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
         let none: Create = |_, _| Err(Error::Usage("this method is made by what added it".into()));
-        Self { added: Some(added), ..Self::screen(name, summary, source, none) }
+        // What it makes of a camera is its own affair.
+        Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, none) }
     }
 
     /// The method of one size on one device.

@@ -2,7 +2,7 @@
 //! the scene's probes by this renderer; two are used in a frame, blended in each pixel (section 6).
 
 use super::capture::{capture, captured_of};
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::pccm::PccmPass;
@@ -11,12 +11,15 @@ use crate::scene::{Material, Probe};
 use glam::Vec3;
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo::scene(
-    "pccm",
-    "cube maps captured in the scene, corrected for parallax by proxy boxes",
-    "Schmidt 2013, §5.2, listing 1",
-    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent, true)?)),
-);
+pub const INFO: MethodInfo = MethodInfo {
+    takes_orthographic: true,
+    ..MethodInfo::scene(
+        "pccm",
+        "cube maps captured in the scene, corrected for parallax by proxy boxes",
+        "Schmidt 2013, §5.2, listing 1",
+        |gpu, making| Ok(Box::new(PccmMethod::new(gpu, &making.setup, true)?)),
+    )
+};
 
 /// The lookup, and the maps once they are captured.
 pub struct PccmMethod {
@@ -28,8 +31,9 @@ pub struct PccmMethod {
 
 impl PccmMethod {
     /// Without maps; preparing captures them. Whether they are corrected for parallax tells `pccm` from `local-map`.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], corrected: bool) -> Result<Self> {
-        Ok(Self { pass: PccmPass::new(gpu, extent, corrected)?, maps: Vec::new(), captured: Vec::new() })
+    pub fn new(gpu: &Gpu, setup: &Setup, corrected: bool) -> Result<Self> {
+        let pass = PccmPass::new(gpu, setup.extent, setup.projection, corrected)?;
+        Ok(Self { pass, maps: Vec::new(), captured: Vec::new() })
     }
 }
 

@@ -1,11 +1,13 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
-use super::{MethodInfo, captures, environment, pccm};
+use super::{METHODS, MethodInfo, captures, environment, pccm};
+use crate::error::{Error, Result};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
 };
 use crate::passes::trace_normals::TraceNormals;
+use crate::scene::ProjectionKind;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
 use std::collections::BTreeMap;
 
@@ -234,14 +236,22 @@ impl EffectParams {
 pub struct Setup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
+    /// The projection of the cameras that images are seen from.
+    pub projection: ProjectionKind,
     /// The values of parameters.
     pub values: Values,
 }
 
 impl Setup {
-    /// The published values at a size.
+    /// The published values at a size, for perspectives.
     pub fn new(extent: [u32; 2]) -> Self {
-        Self { extent, values: Values::default() }
+        Self { extent, projection: ProjectionKind::Perspective, values: Values::default() }
+    }
+
+    /// Returns this setup for images of a projection.
+    #[must_use]
+    pub fn seen_by(&self, projection: ProjectionKind) -> Self {
+        Self { projection, ..self.clone() }
     }
 
     /// The published values at a size, for methods whose rays all end on the screen.
@@ -252,7 +262,7 @@ impl Setup {
     /// Returns this setup at another size.
     #[must_use]
     pub fn at(&self, extent: [u32; 2]) -> Self {
-        Self { extent, values: self.values.clone() }
+        Self { extent, ..self.clone() }
     }
 
     /// Returns this setup with another preset; values that were given stay.
@@ -266,7 +276,7 @@ impl Setup {
     /// Returns this setup with what a function changes in [`EffectParams`] or in a method's own parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
-        Self { extent: self.extent, values: self.values.with(change) }
+        Self { values: self.values.with(change), ..*self }
     }
 
     /// The parameters of a method.
@@ -287,6 +297,21 @@ impl Setup {
         let size = [("width", width.value()), ("height", height.value()), ("preset", self.values.preset.value())];
         size.into_iter().chain(rows.map(|row| (row.name, self.values.of(&row)))).collect()
     }
+}
+
+/// # Errors
+/// [`Error::Usage`] if a method does not take cameras of the setup's projection.
+pub(super) fn takes_projection(info: &MethodInfo, setup: &Setup) -> Result<()> {
+    if info.takes_orthographic || !setup.projection.is_orthographic() {
+        return Ok(());
+    }
+    let others: Vec<&str> = METHODS.iter().filter(|m| m.takes_orthographic).map(|m| m.name).collect();
+    Err(Error::Usage(format!(
+        "the method {} needs a perspective, which its published formulas are made for, and the camera is orthographic; these \
+         take both: {}",
+        info.name,
+        others.join(", ")
+    )))
 }
 
 /// What is wanted of an effect.

@@ -71,7 +71,7 @@
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
 //! plain twins in `reference::unified`.
 
-use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
+use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
@@ -95,6 +95,7 @@ pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     takes_captures: true,
     takes_triangles: true,
+    takes_orthographic: true,
     parameters: UnifiedParams::table,
     ..MethodInfo::screen(
         "unified",
@@ -246,13 +247,15 @@ impl UnifiedMethod {
     }
 
     fn with(gpu: &Gpu, making: &Making, screen: bool, [trace, resolve]: [TileStage; 2]) -> Result<Self> {
-        let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
+        let Setup { extent, projection, .. } = making.setup;
+        let (effect, hits) = (making.setup.effect(), making.hits);
         let followed = making.captures.is_some() || making.triangles.is_some();
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let sky = effect.definitions == DefinitionsVersion::V2;
         let parts = UnifiedSetup {
             extent,
+            projection,
             strip: pyramid::strip(extent),
             // A hit from behind is a worse guess than what a capture sees.
             oracle: if followed { OracleVersion::V2 } else { effect.oracle },
@@ -270,18 +273,19 @@ impl UnifiedMethod {
         let image = |name| parts.target(gpu, name, LIT_COLOR);
         let beyond = match (making.triangles, making.captures) {
             (Some(triangles), _) if screen => {
-                let wanted = TriangleWants { composite, reflection, hits };
+                let wanted = TriangleWants { composite, reflection, hits, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
             }
             (None, Some(face)) => {
-                let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
+                let over = parts.over;
+                let wanted = FollowWants { over, composite, reflection, hits, behind: false, projection };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
             // What goes among the triangles at once stands on no list.
             _ => None,
         };
         Ok(Self {
-            pyramid: PyramidPass::new(gpu, extent)?,
+            pyramid: PyramidPass::of(gpu, extent, projection)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
@@ -424,6 +428,8 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];
     let side = extent.map(f64::from);
+    // The image is shifted by z or by 1, whichever w is.
+    let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
     UnifiedBlock {
         view_to_clip: to_clip.map(|v| v as f32),
         pixel_to_clip: side.map(|n| (1.0 / n) as f32),
@@ -432,7 +438,9 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
         padded: pyramid::padded(extent).map(|v| v as i32),
         top_level: pyramid::top_level(extent) as i32,
         depth_offset: -projection.z_axis.z as f32,
-        shift: [0, 1].map(|i| (side[i] * [projection.z_axis.x, projection.z_axis.y][i]) as f32),
+        shift: [0, 1].map(|i| (side[i] * shift[i]) as f32),
+        depth_origin: projection.w_axis.z as f32,
+        reach: camera.reach_m(1.0) as f32,
         fade_start: 0.8,
         fade_end: 1.0,
         fade: i32::from(fade),

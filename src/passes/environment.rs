@@ -3,7 +3,7 @@
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct EnvironmentPass {
@@ -12,10 +12,11 @@ pub struct EnvironmentPass {
 }
 
 impl EnvironmentPass {
-    /// For a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    /// For a size in pixels and a projection.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
+        let constants = programs::EnvironmentConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?,
             reflection: Image::target(gpu, "environment", LIT_COLOR, extent)?,
         })
     }

@@ -6,6 +6,7 @@ use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
+use crate::scene::ProjectionKind;
 
 /// The pipelines.
 pub struct FollowPass {
@@ -29,6 +30,8 @@ pub struct FollowWants {
     pub hits: bool,
     /// Rays begin only where another reflection does not cover all.
     pub behind: bool,
+    /// The screen's projection.
+    pub projection: ProjectionKind,
 }
 
 /// What every pass here reads.
@@ -47,10 +50,11 @@ impl FollowPass {
     /// followed from its beginning stands behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
-        let FollowWants { over, composite, reflection, hits, behind } = wanted;
+        let FollowWants { over, composite, reflection, hits, behind, projection } = wanted;
+        let begin = programs::BeginInCapturesConstants { behind, orthographic: projection.is_orthographic() };
         let mirrors = programs::FollowMirrorsConstants { strip, over, composite, reflection, hits };
         Ok(Self {
-            begin: ComputePipeline::with(gpu, &programs::BeginInCapturesConstants { behind })?,
+            begin: ComputePipeline::with(gpu, &begin)?,
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
             narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over })?,
             wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over })?,

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::gpu::shader::HistoryBlock;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::passes::lost::unit;
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 use std::cell::Cell;
 
@@ -30,18 +30,19 @@ struct Kept {
 }
 
 impl HistoryPass {
-    /// For a size in pixels: how many frames are averaged at most, and how many standard deviations of what is seen
+    /// For a size in pixels and a projection: how many frames are averaged at most, and how many standard deviations of what is seen
     /// around a pixel its history may lie from their mean.
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], averaged: u32, deviations: f32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, (averaged, deviations): (u32, f32)) -> Result<Self> {
+        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic() };
         let image = |name, format| Image::target(gpu, name, format, extent);
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR, GUIDE])?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE], &constants)?,
             kept: [kept()?, kept()?],
             frames: Cell::new(0),
             camera: Cell::new(None),

@@ -1,22 +1,21 @@
 //! Takes over the G-buffer of another renderer, in whatever conventions it has, as images that every method reads. Not
 //! counted: a renderer that draws such images itself does without.
 
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, PerProjection, Reflectors, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{Import, ImportConstants};
 use crate::gpu::shader::ImportBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, image};
 use crate::math::constants::NORMAL_OF_DEPTH;
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 use glam::{Mat3, Mat4};
-use std::sync::OnceLock;
 
 /// Pipelines and images of one size.
 pub struct ImportPass {
     gpu: Gpu,
     /// For each way to store normals (`NORMAL_*`), once a frame has it.
-    pipelines: [OnceLock<ComputePipeline<Import<'static>>>; NORMAL_OF_DEPTH as usize + 1],
+    pipelines: [PerProjection<ComputePipeline<Import<'static>>>; NORMAL_OF_DEPTH as usize + 1],
     depth: Image,
     normal: Image,
     material: Image,
@@ -68,7 +67,7 @@ impl ImportPass {
         };
         Ok(Self {
             gpu: gpu.clone(),
-            pipelines: [const { OnceLock::new() }; NORMAL_OF_DEPTH as usize + 1],
+            pipelines: [const { PerProjection::new() }; NORMAL_OF_DEPTH as usize + 1],
             depth: make("depth", vk::Format::R32_SFLOAT, 1)?,
             normal: make("normal", NORMAL, 1)?,
             material: make("material", MATERIAL, 1)?,
@@ -91,7 +90,7 @@ impl ImportPass {
     pub fn record(&self, frame: &mut Frame, from: &Foreign, camera: &Camera) -> Result<GBuffer<'_>> {
         let (kind, to_view) =
             from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
-        let (block, camera) = (block(from, to_view), camera_block(camera, self.extent()));
+        let (block, projection, camera) = (block(from, to_view), camera.kind(), camera_block(camera, self.extent()));
         let source = |factor| match factor {
             Factor::Constant(_) => Sampled::nearest(from.color.all()),
             Factor::Channel(image, _) => Sampled::nearest(image.all()),
@@ -110,7 +109,7 @@ impl ImportPass {
             material_image: self.material.all(),
             color_image: self.color.level(0),
         };
-        frame.compute(self.label, self.pipeline(kind)?, &program, [width, height, 1])?;
+        frame.compute(self.label, self.pipeline(kind, projection)?, &program, [width, height, 1])?;
         let of_constants = Reflectors::of(from.material[0].constant(), from.material[1].constant());
         let reflectors = from.reflectors.and(of_constants);
         Ok(GBuffer {
@@ -124,13 +123,9 @@ impl ImportPass {
     }
 
     /// The pipeline for a way to store normals, made when a frame first has it.
-    fn pipeline(&self, normal_kind: i32) -> Result<&ComputePipeline<Import<'static>>> {
-        let kept = &self.pipelines[normal_kind as usize];
-        if let Some(made) = kept.get() {
-            return Ok(made);
-        }
-        let made = ComputePipeline::with(&self.gpu, &ImportConstants { normal_kind })?;
-        Ok(kept.get_or_init(|| made))
+    fn pipeline(&self, normal_kind: i32, kind: ProjectionKind) -> Result<&ComputePipeline<Import<'static>>> {
+        let constants = ImportConstants { normal_kind, orthographic: kind.is_orthographic() };
+        self.pipelines[normal_kind as usize].get(kind, || ComputePipeline::with(&self.gpu, &constants))
     }
 }
 

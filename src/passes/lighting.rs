@@ -1,14 +1,16 @@
 //! Lit colour from the G-buffer: direct light without shadows, and the sky. A scene pass.
 
 use super::scene_data::SceneData;
-use super::{GBuffer, LIT_COLOR, camera_block};
+use super::{GBuffer, LIT_COLOR, PerProjection, camera_block};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 
-/// The pipeline.
+/// The pipelines.
 pub struct LightingPass {
-    pipeline: GraphicsPipeline<programs::Lighting<'static>>,
+    gpu: Gpu,
+    sky_apart: bool,
+    pipelines: PerProjection<GraphicsPipeline<programs::Lighting<'static>>>,
     label: &'static str,
 }
 
@@ -24,9 +26,14 @@ impl LightingPass {
     }
 
     fn with(gpu: &Gpu, sky_apart: bool) -> Result<Self> {
-        let constants = programs::LightingConstants { sky_apart };
-        let pipeline = GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?;
-        Ok(Self { pipeline, label: "lighting" })
+        let made = Self { gpu: gpu.clone(), sky_apart, pipelines: PerProjection::new(), label: "lighting" };
+        made.pipeline(ProjectionKind::Perspective)?;
+        Ok(made)
+    }
+
+    fn pipeline(&self, kind: ProjectionKind) -> Result<&GraphicsPipeline<programs::Lighting<'static>>> {
+        let constants = programs::LightingConstants { sky_apart: self.sky_apart, orthographic: kind.is_orthographic() };
+        self.pipelines.get(kind, || GraphicsPipeline::fullscreen_with(&self.gpu, [LIT_COLOR], &constants))
     }
 
     /// Under another name, for a scene that a method draws for itself.
@@ -47,7 +54,7 @@ impl LightingPass {
         let lights = scene.light_block(camera.world_to_view);
         frame.fullscreen(
             self.label,
-            &self.pipeline,
+            self.pipeline(camera.kind())?,
             [Target::overwrite(gbuffer.color.level(0))],
             &programs::Lighting {
                 camera: &camera_data,

@@ -117,6 +117,7 @@ impl LookPass {
             gain: look.gain,
             near_plane: look.lens.near_m,
             far_plane: look.lens.far_m,
+            is_linear: i32::from(look.lens.kind().is_orthographic()),
             ..LookBlock::default()
         };
         frame.fullscreen(

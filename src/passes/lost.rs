@@ -8,7 +8,7 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::CaptureBlock;
 use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, ImageSlice, Sampled};
 use crate::math::constants::NO_TRIANGLE;
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 use glam::Vec3;
 
@@ -121,7 +121,11 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     block
 }
 
-/// near (1 + k) of a camera, k = near / (far - near): reversed depth plus k is this over z.
+/// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): near (1 + k) of a perspective, k = near / (far - near),
+/// since reversed depth plus k is this over z; else 1.
 pub fn unit(camera: &Camera) -> f32 {
-    camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32
+    match camera.kind() {
+        ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,
+        ProjectionKind::Orthographic => 1.0,
+    }
 }

@@ -52,10 +52,11 @@ use crate::gpu::shader::{CameraBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Target};
 use crate::math::constants;
 use crate::parameter::choices;
-use crate::scene::{Aabb, Camera};
+use crate::scene::{Aabb, Camera, ProjectionKind};
 use ash::vk;
 use glam::Vec3;
 use std::cell::Cell;
+use std::sync::OnceLock;
 
 /// Format of the lit colour and its chain.
 pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -469,5 +470,27 @@ pub fn camera_block(camera: &Camera, extent: [u32; 2]) -> CameraBlock {
         resolution: extent.map(|v| v as f32),
         near_plane: camera.lens.near_m,
         far_plane: camera.lens.far_m,
+    }
+}
+
+/// A pipeline for each kind of projection, made when a frame first has a camera of that kind.
+struct PerProjection<P>([OnceLock<P>; 2]);
+
+impl<P> PerProjection<P> {
+    const fn new() -> Self {
+        Self([const { OnceLock::new() }; 2])
+    }
+
+    /// The pipeline of a kind, which `make` makes.
+    ///
+    /// # Errors
+    /// Errors of `make`.
+    fn get(&self, kind: ProjectionKind, make: impl FnOnce() -> Result<P>) -> Result<&P> {
+        let kept = &self.0[usize::from(kind.is_orthographic())];
+        if let Some(made) = kept.get() {
+            return Ok(made);
+        }
+        let made = make()?;
+        Ok(kept.get_or_init(|| made))
     }
 }

@@ -5,7 +5,7 @@ use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{LocalCubeMap, PccmBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::scene::{Camera, Probe};
+use crate::scene::{Camera, Probe, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct PccmPass {
@@ -15,11 +15,12 @@ pub struct PccmPass {
 }
 
 impl PccmPass {
-    /// For a size in pixels, with the correction or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], corrected: bool) -> Result<Self> {
+    /// For a size in pixels and a projection, with the correction or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, corrected: bool) -> Result<Self> {
+        let constants = programs::PccmConstants { corrected, orthographic: kind.is_orthographic() };
         let label = if corrected { "pccm" } else { "local map" };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &programs::PccmConstants { corrected })?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?,
             reflection: Image::target(gpu, label, LIT_COLOR, extent)?,
             label,
         })

@@ -7,6 +7,7 @@ use crate::gpu::program::Program;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, programs};
 use crate::math::constants::PYRAMID_TILE_SIDE;
+use crate::scene::ProjectionKind;
 use ash::vk;
 
 /// Pixels along a side of what a workgroup of the shader makes.
@@ -51,12 +52,18 @@ pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
 }
 
 impl PyramidPass {
-    /// For images of a size in pixels.
+    /// For images of a size in pixels that a perspective made.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::of(gpu, extent, ProjectionKind::Perspective)
+    }
+
+    /// For images of a size in pixels that a projection made.
+    pub fn of(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let strip = strip(extent);
+        let constants = programs::PyramidConstants { strip: strip as i32, orthographic: kind.is_orthographic() };
         Ok(Self {
-            pipeline: ComputePipeline::with(gpu, &programs::PyramidConstants { strip: strip as i32 })?,
+            pipeline: ComputePipeline::with(gpu, &constants)?,
             image: Image::new(
                 gpu,
                 &ImageDesc {

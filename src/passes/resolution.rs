@@ -5,7 +5,7 @@ use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -87,10 +87,11 @@ pub struct UpsamplePass {
 }
 
 impl UpsamplePass {
-    /// For reflections of a full size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
+    /// For reflections of a full size in pixels, and a projection.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, divisor: u32) -> Result<Self> {
+        let constants = programs::UpsampleConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [REFLECTION])?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [REFLECTION], &constants)?,
             divisor,
             reflection: Image::target(gpu, "upsampled reflection", REFLECTION, extent)?,
         })

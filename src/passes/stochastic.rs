@@ -79,7 +79,12 @@ impl StochasticTrace<StochasticExact<'static>> {
         (sky, hits): (bool, bool),
     ) -> Result<Self> {
         let (strip, oracle) = (strip as i32, u32::from(oracle) as i32);
-        Self::of(gpu, extent, &StochasticExactConstants { strip, oracle, followed: false, sky, hits }, hits)
+        Self::of(
+            gpu,
+            extent,
+            &StochasticExactConstants { strip, oracle, followed: false, sky, hits, orthographic: false },
+            hits,
+        )
     }
 
     /// A ray for each pixel.
@@ -117,7 +122,8 @@ impl StochasticTrace<StochasticThesis<'static>> {
     /// # Errors
     /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: MarchNumbers, (sky, hits): (bool, bool)) -> Result<Self> {
-        let constants = march_constants!(StochasticThesisConstants { fallback: true, sky, hits }, march);
+        let constants =
+            march_constants!(StochasticThesisConstants { fallback: true, sky, hits, orthographic: false }, march);
         Self::of(gpu, extent, &constants, hits)
     }
 
@@ -168,7 +174,7 @@ impl StochasticResolvePass {
     pub fn new(gpu: &Gpu, extent: [u32; 2], over: bool) -> Result<Self> {
         let stored = |name, format| stored_target(gpu, name, format, extent);
         Ok(Self {
-            pipeline: ComputePipeline::with(gpu, &StochasticResolveConstants { over })?,
+            pipeline: ComputePipeline::with(gpu, &StochasticResolveConstants { over, orthographic: false })?,
             sum: stored("ray sums", vk::Format::R32G32B32A32_SFLOAT)?,
             weight: stored("ray weights", vk::Format::R32G32B32A32_SFLOAT)?,
             reflection: stored("reflection", LIT_COLOR)?,

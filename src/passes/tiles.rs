@@ -11,6 +11,7 @@ use crate::gpu::shader::{TileListBlock, UnifiedBlock};
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Target};
 use crate::math::OracleVersion;
 use crate::math::constants::{LISTS, TILE_SIDE};
+use crate::scene::ProjectionKind;
 use ash::vk;
 
 /// The stage of a device in which a program over tiles runs.
@@ -35,6 +36,8 @@ pub fn count(extent: [u32; 2]) -> [u32; 2] {
 pub struct UnifiedSetup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
+    /// The projection that the image is seen by.
+    pub projection: ProjectionKind,
     /// Log2 of the columns to a strip of the pyramid's image (`passes::pyramid::strip`).
     pub strip: u32,
     /// Which version of the oracle says what is hit.

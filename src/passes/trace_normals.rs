@@ -6,7 +6,7 @@ use crate::gpu::programs::{TraceNormals as Program, TraceNormalsConstants};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
 use crate::math::constants::{TRACE_GEOMETRIC, TRACE_SHADING, TRACE_UP};
 use crate::parameter::choices;
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 
 choices! {
     /// What rays are reflected at.
@@ -27,9 +27,9 @@ pub struct TraceNormalsPass {
 }
 
 impl TraceNormalsPass {
-    /// For a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: TraceNormals) -> Result<Self> {
-        let constants = TraceNormalsConstants { kind: kind as i32 };
+    /// For a size in pixels and a projection.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], projection: ProjectionKind, kind: TraceNormals) -> Result<Self> {
+        let constants = TraceNormalsConstants { kind: kind as i32, orthographic: projection.is_orthographic() };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen_with(gpu, [NORMAL], &constants)?,
             normal: stored_target(gpu, "trace normal", NORMAL, extent)?,

@@ -7,6 +7,7 @@ use super::{Canvas, GBuffer, Hits, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
+use crate::scene::ProjectionKind;
 
 /// The pipelines.
 pub struct TriangleTracePass {
@@ -25,6 +26,8 @@ pub struct TriangleWants {
     pub reflection: bool,
     /// Where each ray ended.
     pub hits: bool,
+    /// The screen's projection.
+    pub projection: ProjectionKind,
 }
 
 /// What every pass here reads.
@@ -60,7 +63,8 @@ impl TriangleTracePass {
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
         let TriangleReading { geometry_texels, image_texels, asks, lights, .. } = reading;
-        let TriangleWants { composite, reflection, hits } = wanted;
+        let TriangleWants { composite, reflection, hits, projection } = wanted;
+        let orthographic = projection.is_orthographic();
 
         let of_mirrors = programs::TriangleMirrorsConstants {
             composite,
@@ -70,9 +74,10 @@ impl TriangleTracePass {
             image_texels,
             asks,
             lights,
+            orthographic,
         };
-        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels, asks, lights };
-        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels, asks, lights };
+        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels, asks, lights, orthographic };
+        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels, asks, lights, orthographic };
         Ok(Self {
             mirrors: ComputePipeline::with(gpu, &of_mirrors)?,
             narrow: ComputePipeline::with(gpu, &of_narrow)?,

@@ -92,6 +92,7 @@ impl UnifiedGlossPass {
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
         let UnifiedSetup { over, composite, screen, followed, triangles, sky, trace, resolve, .. } = *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
+        let orthographic = setup.projection.is_orthographic();
         let narrow = Over { list: NARROW_LIST, halved: false };
         let [pixels, halves] = [false, true].map(|halved| Over { list: WIDE_LIST, halved });
         let cells = setup.extent.map(|n| n.div_ceil(2));
@@ -101,8 +102,8 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, narrow),
                     || [RECORD],
-                    |_| TraceNarrowConstants { strip, oracle, followed, sky },
-                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky },
+                    |_| TraceNarrowConstants { strip, oracle, followed, sky, orthographic },
+                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky, orthographic },
                 )?),
                 Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
                     let fragment = |_| TraceNarrowConfirmedConstants {
@@ -114,6 +115,7 @@ impl UnifiedGlossPass {
                         image_texels,
                         asks,
                         lights,
+                        orthographic,
                     };
                     let compute = |whole| TraceNarrowConfirmedComputeConstants {
                         strip,
@@ -125,13 +127,21 @@ impl UnifiedGlossPass {
                         image_texels,
                         asks,
                         lights,
+                        orthographic,
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
                     NarrowTraces::Confirmed(pipeline)
                 }
                 Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
                     NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
-                        TraceNarrowAmongTrianglesConstants { whole, geometry_texels, image_texels, asks, lights }
+                        TraceNarrowAmongTrianglesConstants {
+                            whole,
+                            geometry_texels,
+                            image_texels,
+                            asks,
+                            lights,
+                            orthographic,
+                        }
                     })?)
                 }
             },
@@ -139,16 +149,16 @@ impl UnifiedGlossPass {
                 gpu,
                 (resolve, narrow),
                 formats,
-                |whole| ResolveNarrowConstants { over, whole, composite },
-                |whole| ResolveNarrowComputeConstants { over, whole, composite, beside },
+                |whole| ResolveNarrowConstants { over, whole, composite, orthographic },
+                |whole| ResolveNarrowComputeConstants { over, whole, composite, beside, orthographic },
             )?,
             trace_wide: match triangles {
                 None => WideTraces::Screen(TiledPipeline::new(
                     gpu,
                     (trace, halves),
                     || [PLACE, LIT_COLOR],
-                    |_| TraceWideConstants { strip, oracle, followed, sky },
-                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky },
+                    |_| TraceWideConstants { strip, oracle, followed, sky, orthographic },
+                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky, orthographic },
                 )?),
                 Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
                     let fragment = |_| TraceWideConfirmedConstants {
@@ -160,6 +170,7 @@ impl UnifiedGlossPass {
                         image_texels,
                         asks,
                         lights,
+                        orthographic,
                     };
                     let compute = |whole| TraceWideConfirmedComputeConstants {
                         strip,
@@ -171,6 +182,7 @@ impl UnifiedGlossPass {
                         image_texels,
                         asks,
                         lights,
+                        orthographic,
                     };
                     let formats = || [PLACE, LIT_COLOR];
                     WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
@@ -182,6 +194,7 @@ impl UnifiedGlossPass {
                         image_texels,
                         asks,
                         lights,
+                        orthographic,
                     })?)
                 }
             },
@@ -189,15 +202,15 @@ impl UnifiedGlossPass {
                 gpu,
                 (resolve, halves),
                 || [LIT_COLOR; 2],
-                |whole| CellsConstants { strip, screen, over, whole },
-                |whole| CellsComputeConstants { strip, screen, over, whole },
+                |whole| CellsConstants { strip, screen, over, whole, orthographic },
+                |whole| CellsComputeConstants { strip, screen, over, whole, orthographic },
             )?,
             resolve_wide: TiledPipeline::new(
                 gpu,
                 (resolve, pixels),
                 formats,
-                |whole| ResolveWideConstants { strip, screen, over, whole, composite },
-                |whole| ResolveWideComputeConstants { strip, screen, over, whole, composite, beside },
+                |whole| ResolveWideConstants { strip, screen, over, whole, composite, orthographic },
+                |whole| ResolveWideComputeConstants { strip, screen, over, whole, composite, beside, orthographic },
             )?,
             between: BetweenPasses {
                 records: image("seen", RECORD, setup.extent)?,

@@ -62,13 +62,24 @@ impl UnifiedTracePass {
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
         let UnifiedSetup { followed, triangles, composite, sky, trace, .. } = *setup;
+        let orthographic = setup.projection.is_orthographic();
         let over = Over { list: MIRROR_LIST, halved: false };
         let beside = setup.beside();
         let (stage, mirrors) = match triangles {
             None => {
-                let fragment = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
-                let compute =
-                    |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
+                let fragment =
+                    |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky, orthographic };
+                let compute = |whole| MirrorComputeConstants {
+                    strip,
+                    oracle,
+                    hits,
+                    whole,
+                    followed,
+                    composite,
+                    sky,
+                    beside,
+                    orthographic,
+                };
                 (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
             Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if setup.screen => {
@@ -84,6 +95,7 @@ impl UnifiedTracePass {
                     image_texels,
                     asks,
                     lights,
+                    orthographic,
                 };
                 let compute = |whole| MirrorConfirmedComputeConstants {
                     strip,
@@ -98,6 +110,7 @@ impl UnifiedTracePass {
                     image_texels,
                     asks,
                     lights,
+                    orthographic,
                 };
                 (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
@@ -111,6 +124,7 @@ impl UnifiedTracePass {
                     image_texels,
                     asks,
                     lights,
+                    orthographic,
                 };
                 (TileStage::Compute, Mirrors::Triangles(TiledCompute::new(gpu, over, constants)?))
             }

@@ -1,15 +1,80 @@
 //! Lenses, views and cameras.
 
 use super::MaterialChange;
+use crate::error::Error;
 use glam::camera::lh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
-/// The parameters of a perspective projection, without the aspect ratio.
+/// The kind of a camera's projection. It decides how depth, rays of sight and footprints are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ProjectionKind {
+    /// All rays of sight leave from the eye: w is the view-space z, and depth is linear in 1 / z.
+    #[default]
+    Perspective,
+    /// All rays of sight are parallel: w is 1, and depth is linear in z.
+    Orthographic,
+}
+
+impl ProjectionKind {
+    /// Whether rays of sight are parallel.
+    pub fn is_orthographic(self) -> bool {
+        self == Self::Orthographic
+    }
+
+    /// # Errors
+    /// [`Error::Usage`] for a camera of the other kind.
+    pub fn check(self, camera: &Camera) -> crate::error::Result<()> {
+        if camera.kind() == self {
+            return Ok(());
+        }
+        let said = |kind| if kind == Self::Perspective { "a perspective" } else { "orthographic" };
+        let message =
+            format!("the camera is {}, and the passes were made for one that is {}", said(camera.kind()), said(self));
+        Err(Error::Usage(message))
+    }
+
+    /// Reversed depth between a near and a far plane as a function of z: the first number plus the second over z, or times
+    /// z if rays are parallel. Only a perspective has a far plane at infinity.
+    pub fn reversed_depth(self, near: f64, far: f64) -> [f64; 2] {
+        match self {
+            Self::Perspective if far.is_infinite() => [0.0, near],
+            Self::Perspective => [-near / (far - near), near * far / (far - near)],
+            Self::Orthographic => [far / (far - near), -1.0 / (far - near)],
+        }
+    }
+
+    /// The depth of a view-space z, by the two numbers of [`Self::reversed_depth`].
+    pub fn depth_at(self, [a, b]: [f64; 2], z: f64) -> f64 {
+        match self {
+            Self::Perspective => a + b / z,
+            Self::Orthographic => a + b * z,
+        }
+    }
+
+    /// The view-space z of a depth, by the two numbers of [`Self::reversed_depth`].
+    pub fn z_at(self, [a, b]: [f64; 2], depth: f64) -> f64 {
+        match self {
+            Self::Perspective => b / (depth - a),
+            Self::Orthographic => (depth - a) / b,
+        }
+    }
+}
+
+/// How much a lens sees from the lower to the upper side of the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Opening {
+    /// A perspective with a vertical field of view in radians, 0 < fov < π.
+    Angle(f32),
+    /// An orthographic projection of so many metres, > 0, at any distance.
+    Height(f32),
+}
+
+/// The parameters of a projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// Vertical field of view in radians, 0 < fov < π.
-    pub fov_y_radians: f32,
-    /// Near plane in metres, > 0.
+    /// How much it sees, and with which projection.
+    pub opening: Opening,
+    /// Near plane in metres, > 0; that of an orthographic projection may be at the eye.
     pub near_m: f32,
     /// Far plane in metres, > near.
     pub far_m: f32,
@@ -18,7 +83,53 @@ pub struct Lens {
 impl Default for Lens {
     /// The lens of the author's program: 74° vertical field of view, near plane 0.1 m, far plane 1000 m.
     fn default() -> Self {
-        Self { fov_y_radians: 74_f32.to_radians(), near_m: 0.1, far_m: 1000.0 }
+        Self::perspective(74_f32.to_radians(), 0.1, 1000.0)
+    }
+}
+
+impl Lens {
+    /// A perspective with a vertical field of view.
+    pub const fn perspective(fov_y_radians: f32, near_m: f32, far_m: f32) -> Self {
+        Self { opening: Opening::Angle(fov_y_radians), near_m, far_m }
+    }
+
+    /// An orthographic projection of an image so many metres high.
+    pub const fn orthographic(height_m: f32, near_m: f32, far_m: f32) -> Self {
+        Self { opening: Opening::Height(height_m), near_m, far_m }
+    }
+
+    /// The kind of its projection.
+    pub fn kind(&self) -> ProjectionKind {
+        match self.opening {
+            Opening::Angle(_) => ProjectionKind::Perspective,
+            Opening::Height(_) => ProjectionKind::Orthographic,
+        }
+    }
+
+    /// The vertical field of view; `None` for an orthographic projection, which has none.
+    pub fn fov_y_radians(&self) -> Option<f32> {
+        match self.opening {
+            Opening::Angle(fov) => Some(fov),
+            Opening::Height(_) => None,
+        }
+    }
+
+    /// Metres from the lower to the upper side of what the image shows at a view-space z.
+    pub fn height_at_m(&self, z: f32) -> f32 {
+        match self.opening {
+            Opening::Angle(fov) => 2.0 * z * (0.5 * fov).tan(),
+            Opening::Height(height) => height,
+        }
+    }
+
+    /// The lens of a scene whose lengths are scaled.
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        let opening = match self.opening {
+            Opening::Angle(fov) => Opening::Angle(fov),
+            Opening::Height(height) => Opening::Height(height * factor),
+        };
+        Self { opening, near_m: self.near_m * factor, far_m: self.far_m * factor }
     }
 }
 
@@ -46,34 +157,59 @@ pub struct Camera {
     pub lens: Lens,
     /// Width over height of the image.
     pub aspect: f32,
-    /// A plane in view space that replaces the near plane where depth is reversed: points with n · x + w < 0
-    /// are not drawn. The camera must be behind it.
+    /// A plane in view space that replaces the near plane of a perspective where depth is reversed: points with
+    /// n · x + w < 0 are not drawn. The camera must be behind it.
     pub near_plane: Option<Vec4>,
     /// A projection that is known by its numbers alone, in place of lens and aspect.
     pub projection: Option<Projection>,
 }
 
-/// The elements of a perspective matrix with reversed depth that are neither 0 nor 1.
+/// A projection by its numbers: the elements of the matrix with reversed depth that are neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
+    /// Its kind.
+    pub kind: ProjectionKind,
     /// M_00 and M_11, both above 0: y is up in clip space.
     pub scale: [f32; 2],
-    /// How far the image is shifted against the axis of the view: M_02 and M_12, in units of ndc.
+    /// How far the image is shifted against the axis of the view, in units of ndc: M_02 and M_12 of a perspective, M_03 and
+    /// M_13 of an orthographic projection.
     pub shift: [f32; 2],
-    /// M_22 and M_23: depth is the first plus the second over z.
+    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23, and the other way round if rays are parallel.
     pub depth: [f32; 2],
 }
 
 impl Projection {
     /// The matrix, with reversed depth or with standard depth, which is one minus that.
     fn matrix(self, reversed: bool) -> Mat4 {
-        let Self { scale: [x, y], shift: [u, v], depth: [a, b] } = self;
+        let Self { kind, scale: [x, y], shift: [u, v], depth: [a, b] } = self;
         let [a, b] = if reversed { [a, b] } else { [1.0 - a, -b] };
-        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [u, v, a, 1.0], [0.0, 0.0, b, 0.0]])
+        let [z, w] = match kind {
+            ProjectionKind::Perspective => [[u, v, a, 1.0], [0.0, 0.0, b, 0.0]],
+            ProjectionKind::Orthographic => [[0.0, 0.0, b, 0.0], [u, v, a, 1.0]],
+        };
+        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z, w])
+    }
+
+    /// The distances of the near and the far plane; the far one is infinite for a perspective without one.
+    pub fn planes(&self) -> [f32; 2] {
+        let [a, b] = self.depth;
+        match self.kind {
+            ProjectionKind::Perspective => [b / (1.0 - a), if a < 0.0 { -b / a } else { f32::INFINITY }],
+            // A near plane at the eye may be rounded to just behind it.
+            ProjectionKind::Orthographic => [((1.0 - a) / b).max(0.0), -a / b],
+        }
+    }
+
+    /// How much it sees.
+    pub fn opening(&self) -> Opening {
+        match self.kind {
+            ProjectionKind::Perspective => Opening::Angle(2.0 * (1.0 / self.scale[1]).atan()),
+            ProjectionKind::Orthographic => Opening::Height(2.0 / self.scale[1]),
+        }
     }
 }
 
-/// What can be read off the perspective matrix of any renderer.
+/// What can be read off the projection matrix of any renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadProjection {
     /// The projection in the conventions of this crate.
@@ -99,31 +235,63 @@ impl ReadProjection {
             return Err("has numbers that are not finite");
         }
         let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
-        if x.w != 0.0 || y.w != 0.0 || w.w != 0.0 || z.w.abs() != 1.0 {
-            return Err("is no perspective projection: its last row must be 0, 0, ±1, 0");
-        }
-        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && w.x == 0.0 && w.y == 0.0;
+        let kind = match clip.row(3).abs().to_array() {
+            [0.0, 0.0, 1.0, 0.0] => ProjectionKind::Perspective,
+            [0.0, 0.0, 0.0, 1.0] if w.w > 0.0 => ProjectionKind::Orthographic,
+            _ => {
+                return Err(
+                    "is neither a perspective projection, whose last row is 0, 0, ±1, 0, nor an orthographic one, \
+                            whose last row is 0, 0, 0, 1",
+                );
+            }
+        };
+        // The image is shifted by z or by 1, whichever w is.
+        let (shifts, unshifted) = if kind.is_orthographic() { (w, z) } else { (z, w) };
+        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && unshifted.x == 0.0 && unshifted.y == 0.0;
         if !is_plain || x.x == 0.0 || y.y == 0.0 {
             return Err("has a rotation, a skew or a translation, or a view of no width");
         }
-        let forward = z.w;
+        let (forward, is_reversed) = match kind {
+            ProjectionKind::Perspective => (z.w, w.z > 0.0),
+            ProjectionKind::Orthographic => forward_of_orthographic(z.z, w.z)?,
+        };
         let up = if y_is_up { 1.0 } else { -1.0 };
         let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
-        // Depth is a + b / z, with z along the view.
-        let (a, b) = (z.z * forward, w.z);
-        let is_reversed = b > 0.0;
-        let [a, b] = if is_reversed { [a, b] } else { [1.0 - a, -b] };
-        let near = b / (1.0 - a);
-        if !(b > 0.0 && near > 0.0) {
-            return Err("has no near plane in front of the eye");
+        // Depth is a + b / z or a + b z, with z along the view.
+        let [a, b] = if kind.is_orthographic() { [w.z, z.z * forward] } else { [z.z * forward, w.z] };
+        let depth = if is_reversed { [a, b] } else { [1.0 - a, -b] };
+        let side = if kind.is_orthographic() { 1.0 } else { forward };
+        let shift = [shifts.x * side, up * shifts.y * side];
+        let projection = Projection { kind, scale: [x.x.abs(), y.y.abs()], shift, depth };
+        let [near, far] = projection.planes();
+        if kind == ProjectionKind::Perspective {
+            if !(depth[1] > 0.0 && near > 0.0) {
+                return Err("has no near plane in front of the eye");
+            }
+            if depth[0] > 0.0 {
+                return Err("has its far plane behind the eye");
+            }
         }
-        if a > 0.0 {
-            return Err("has its far plane behind the eye");
-        }
-        let far = if a < 0.0 { -b / a } else { f32::INFINITY };
-        let shift = [z.x * forward, up * z.y * forward];
-        let projection = Projection { scale: [x.x.abs(), y.y.abs()], shift, depth: [a, b] };
         Ok(Self { projection, turn, is_reversed, near, far })
+    }
+}
+
+/// The direction along z in which an orthographic matrix looks, and whether its depth is reversed, from depth's slope and
+/// depth at z = 0. Nothing else tells a right-handed view with standard depth from a left-handed one with reversed depth: the
+/// eye stands before the near plane, where depth is beyond that of the near plane.
+fn forward_of_orthographic(slope: f32, at_eye: f32) -> Result<(f32, bool), &'static str> {
+    if slope == 0.0 {
+        return Err("gives every point the same depth");
+    }
+    if at_eye >= 1.0 {
+        Ok((-slope.signum(), true))
+    } else if at_eye <= 0.0 {
+        Ok((slope.signum(), false))
+    } else {
+        Err(
+            "is orthographic and has its near plane behind the eye, where near and far cannot be told apart: move the eye \
+             back to the near plane",
+        )
     }
 }
 
@@ -152,9 +320,14 @@ impl Camera {
     /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and
     /// invertible.
     pub fn is_sound(&self) -> bool {
-        let Lens { fov_y_radians: fov, near_m: near, far_m: far } = self.lens;
-        let in_range = fov > 0.0 && fov < std::f32::consts::PI && near > 0.0 && far > near && far.is_finite();
-        in_range
+        let Lens { opening, near_m: near, far_m: far } = self.lens;
+        let opens = match opening {
+            Opening::Angle(fov) => fov > 0.0 && fov < std::f32::consts::PI && near > 0.0,
+            Opening::Height(height) => height > 0.0 && height.is_finite() && near >= 0.0,
+        };
+        opens
+            && far > near
+            && far.is_finite()
             && self.aspect > 0.0
             && self.aspect.is_finite()
             && self.world_to_view.inverse().is_finite()
@@ -162,12 +335,51 @@ impl Camera {
             && self.view_to_clip_reversed().as_dmat4().inverse().is_finite()
     }
 
+    /// Makes a camera of a projection that is known by its numbers alone.
+    pub fn of_projection(world_to_view: Mat4, projection: Projection) -> Self {
+        let [near, far] = projection.planes();
+        let lens = Lens { opening: projection.opening(), near_m: near, far_m: far };
+        let aspect = projection.scale[1] / projection.scale[0];
+        Self { world_to_view, lens, aspect, near_plane: None, projection: Some(projection) }
+    }
+
+    /// The kind of its projection.
+    pub fn kind(&self) -> ProjectionKind {
+        self.projection.map_or(self.lens.kind(), |projection| projection.kind)
+    }
+
+    /// Metres that shares of a view-space z are shares of: z itself, which a pixel's width grows with. Where rays of sight
+    /// are parallel it does not, and the height of what the image shows takes the place of z.
+    pub fn reach_m(&self, z: f64) -> f64 {
+        match self.kind() {
+            ProjectionKind::Perspective => z,
+            ProjectionKind::Orthographic => 2.0 / f64::from(self.view_to_clip_reversed().y_axis.y),
+        }
+    }
+
+    /// The unit direction in view space in which a point of it is seen.
+    pub fn sight(&self, point: DVec3) -> DVec3 {
+        match self.kind() {
+            ProjectionKind::Perspective => point.normalize(),
+            ProjectionKind::Orthographic => DVec3::Z,
+        }
+    }
+
     /// View to clip space with standard depth (near 0, far 1), which the published methods use.
     pub fn view_to_clip(&self) -> Mat4 {
-        if let Some(projection) = self.projection {
-            return projection.matrix(false);
+        match (self.projection, self.lens.opening) {
+            (Some(projection), _) => projection.matrix(false),
+            (None, Opening::Angle(fov)) => perspective(fov, self.aspect, self.lens.near_m, self.lens.far_m),
+            (None, Opening::Height(height)) => self.orthographic(height).matrix(false),
         }
-        perspective(self.lens.fov_y_radians, self.aspect, self.lens.near_m, self.lens.far_m)
+    }
+
+    /// The projection of an image so many metres high.
+    fn orthographic(&self, height_m: f32) -> Projection {
+        let kind = ProjectionKind::Orthographic;
+        let depth = kind.reversed_depth(self.lens.near_m.into(), self.lens.far_m.into()).map(|v| v as f32);
+        let up = 2.0 / height_m;
+        Projection { kind, scale: [up / self.aspect, up], shift: [0.0; 2], depth }
     }
 
     /// View to clip space with reversed depth (near 1, far 0), with which the G-buffer is rendered.
@@ -176,12 +388,14 @@ impl Camera {
     /// (Lengyel 2005, for reversed depth): depth is 1 − s (n · x + w) / z, with s chosen so that depth stays
     /// above 0 at the frustum's corners.
     pub fn view_to_clip_reversed(&self) -> Mat4 {
-        if let Some(projection) = self.projection {
-            return projection.matrix(true);
-        }
-        let usual = perspective(self.lens.fov_y_radians, self.aspect, self.lens.far_m, self.lens.near_m);
+        let fov = match (self.projection, self.lens.opening) {
+            (Some(projection), _) => return projection.matrix(true),
+            (None, Opening::Height(height)) => return self.orthographic(height).matrix(true),
+            (None, Opening::Angle(fov)) => fov,
+        };
+        let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
         let Some(plane) = self.near_plane.map(|p| p.as_dvec4()) else { return usual };
-        let up = f64::from(0.5 * self.lens.fov_y_radians).tan();
+        let up = f64::from(0.5 * fov).tan();
         let right = up * f64::from(self.aspect);
         let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         let steepest = corners

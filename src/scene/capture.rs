@@ -24,7 +24,7 @@ pub const FAR_M: f32 = 10_000.0;
 /// that the six close up. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the faces of
 /// the poles need it.
 pub fn face_camera(position: Vec3, face: usize, near_m: f32) -> Camera {
-    let lens = Lens { fov_y_radians: FRAC_PI_2, near_m, far_m: FAR_M };
+    let lens = Lens::perspective(FRAC_PI_2, near_m, FAR_M);
     Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), lens, 1.0)
 }
 

@@ -16,7 +16,7 @@ pub mod tree;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-pub use camera::{Camera, Lens, Projection, View};
+pub use camera::{Camera, Lens, Opening, Projection, ProjectionKind, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
 pub use path::CameraPath;
@@ -303,11 +303,11 @@ impl Scene {
     }
 
     /// Scales all lengths about the origin: those of views, paths, lights, probes, impostors and captures, and the clip
-    /// planes of lenses. Energies of point lights are lengths squared.
+    /// planes and heights of lenses. Energies of point lights are lengths squared.
     pub fn scale(&mut self, factor: f32) {
         let own = self.views.iter_mut().filter_map(|view| view.lens.as_mut());
         for lens in own.chain([&mut self.lens]) {
-            (lens.near_m, lens.far_m) = (lens.near_m * factor, lens.far_m * factor);
+            *lens = lens.scaled(factor);
         }
         for light in &mut self.lights {
             if let Light::Point { energy, .. } = light {

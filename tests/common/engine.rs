@@ -7,13 +7,13 @@ use glam::{Mat3, Mat4, Vec3};
 use half::f16;
 use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::scene::Projection;
+use ssct::scene::{Projection, ProjectionKind};
 use ssct::{
     CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, ImageInput, ImageUse,
     NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors,
 };
 use ssct_lab::reference::unified::octahedral;
-use ssct_lab::scene::{GBufferData, Lens, Surface, library};
+use ssct_lab::scene::{Camera, GBufferData, Surface, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -185,14 +185,16 @@ impl Theirs {
         let ours = data.camera.view_to_clip_reversed().to_cols_array();
         let mut clip = ours;
         let side = if convention.right_handed { -1.0 } else { 1.0 };
+        let is_parallel = data.camera.kind().is_orthographic();
         if convention.standard_depth {
-            clip[10] = 1.0 - ours[10];
-            clip[14] = -ours[14];
+            // Depth is multiplied by w, which is z or 1.
+            let (of_z, of_one) = if is_parallel { (0.0, 1.0) } else { (1.0, 0.0) };
+            clip[10] = of_z - ours[10];
+            clip[14] = of_one - ours[14];
         }
-        clip[10] *= side;
-        clip[11] = side;
+        (8..12).for_each(|i| clip[i] *= side);
         if convention.clip_y == ClipY::Down {
-            clip[5] = -clip[5];
+            [1, 5, 9, 13].into_iter().for_each(|i| clip[i] = -clip[i]);
         }
         let world_to_view = Mat4::from_mat3(turn) * data.camera.world_to_view;
         let to_world = Mat3::from_mat4(data.camera.world_to_view).transpose();
@@ -266,16 +268,17 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     let clip = camera.view_to_clip_reversed();
     let [a, b] = [clip.z_axis.z, clip.w_axis.z];
     let scale = [clip.x_axis.x, clip.y_axis.y];
-    data.camera.projection = Some(Projection { scale, shift: [0.0; 2], depth: [a, b] });
-    data.camera.aspect = scale[1] / scale[0];
-    data.camera.lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m: b / (1.0 - a), far_m: -b / a };
+    let kind = ProjectionKind::Perspective;
+    let projection = Projection { kind, scale, shift: [0.0; 2], depth: [a, b] };
+    data.camera = Camera::of_projection(data.camera.world_to_view, projection);
     // The example's images know no surface that shows the sky.
     data.surface.fill(Surface::Lit);
     data
 }
 
 pub fn info<'a>(data: &GBufferData, method: &'a str) -> ReflectionsInfo<'a> {
-    ReflectionsInfo { extent: [data.width, data.height], method, ..ReflectionsInfo::default() }
+    let (extent, projection) = ([data.width, data.height], data.camera.kind());
+    ReflectionsInfo { extent, projection, method, ..ReflectionsInfo::default() }
 }
 
 pub fn bits(pixels: &Pixels) -> Vec<u32> {

@@ -2,7 +2,7 @@
 //! the files are what any renderer would write.
 
 use glam::{Mat4, Vec3};
-use ssct::scene::Projection;
+use ssct::scene::{Projection, ProjectionKind};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
 use std::path::Path;
 use std::process::Command;
@@ -21,9 +21,10 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
         |name: &str, z: f32| of(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
     let material: Vec<Vec3> = vectors("material", 1.0);
     let turn = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
-    let projection = Projection { scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
+    let kind = ProjectionKind::Perspective;
+    let projection = Projection { kind, scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
     let [near, far] = [clip[14] / (1.0 + clip[10]), clip[14] / clip[10]];
-    let lens = Lens { fov_y_radians: 2.0 * (1.0 / projection.scale[1]).atan(), near_m: near, far_m: far };
+    let lens = Lens::perspective(2.0 * (1.0 / projection.scale[1]).atan(), near, far);
     GBufferData {
         width,
         height,

@@ -262,8 +262,7 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     for factor in [1e-3, 1e3] {
         let mut scene = Scene { views: vec![view.clone()], ..hard.clone() };
         scene.scale(factor);
-        let Lens { fov_y_radians, near_m, far_m } = Lens::default();
-        scene.lens = Lens { fov_y_radians, near_m: near_m * factor, far_m: far_m * factor };
+        scene.lens = Lens::default().scaled(factor);
         let view = scene.views[0].clone();
         all.push((format!("clutter times {factor}"), scene, view, [97, 61]));
     }
@@ -343,7 +342,7 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
     let extent = [160, 120];
     let drawn = draw(gpu, &scene, &view, extent);
     let rotation = drawn.data.camera.world_to_view.as_dmat4().inverse();
-    let tan = f64::from(drawn.data.camera.lens.fov_y_radians / 2.0).tan();
+    let tan = f64::from(drawn.data.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     let shown = (0..drawn.data.depth.len()).map(|i| {
         let (x, y) = (i as u32 % extent[0], i as u32 / extent[0]);
         let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];

@@ -74,6 +74,14 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         ),
         (aimed(&["--device", "no such device"]), 2, "no device \"no such device\"; there is: 0 "),
         (aimed(&["--device", "99"]), 2, "no device \"99\""),
+        (aimed(&["--orthographic-height", "0"]), 2, "--orthographic-height 0: must be a number of metres above 0"),
+        (aimed(&["--orthographic-height", "3", "--fov", "60"]), 2, "cannot be used with"),
+        (
+            aimed(&["--orthographic-height", "3", "--method", "ssct"]),
+            2,
+            "the method ssct needs a perspective, which its published formulas are made for, and the camera is orthographic; \
+             these take both: local-map, pccm, environment, captures, traced, unified",
+        ),
         (aimed(&["--roughness", "7"]), 2, "--roughness 7: must lie between 0 and 1"),
         (aimed(&["--roughness", "NaN"]), 2, "--roughness NaN: must lie between 0 and 1"),
         (aimed(&["--roughness", "0,0.1"]), 2, "give one --roughness"),

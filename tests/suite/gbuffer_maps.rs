@@ -129,7 +129,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
         .named("depth")
         .tiled(16)
         .compressed(Compression::PIZ)
-        .with("lens/fov", AttributeValue::F32(camera.lens.fov_y_radians))
+        .with("lens/fov", AttributeValue::F32(camera.lens.fov_y_radians().unwrap()))
         .with("planes", AttributeValue::Text(format!("{}", camera.lens.near_m).as_str().into()))
         .with("far plane", AttributeValue::F64(f64::from(camera.lens.far_m)))
         .with("aspect", AttributeValue::F32(camera.aspect))
@@ -272,14 +272,17 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         file = "b.exr"
         channels = ["R", "G", "B"]
         "#,
-        f64::from(lens.fov_y_radians).to_degrees(),
+        f64::from(lens.fov_y_radians().unwrap()).to_degrees(),
         lens.near_m,
         lens.far_m,
         numbers(&turned)
     );
     let got = read(&folder, &map, "a.exr");
     assert!(got.camera.world_to_view.abs_diff_eq(data.camera.world_to_view, 1e-6 * data.camera.eye().length()));
-    assert!((got.camera.lens.fov_y_radians - lens.fov_y_radians).abs() <= 1e-7 * lens.fov_y_radians);
+    assert!(
+        (got.camera.lens.fov_y_radians().unwrap() - lens.fov_y_radians().unwrap()).abs()
+            <= 1e-7 * lens.fov_y_radians().unwrap()
+    );
     assert_eq!((got.camera.lens.near_m, got.camera.lens.far_m), (lens.near_m, lens.far_m));
     assert!(got.color == data.color && got.surface == data.surface);
     let mut held = data.clone();
@@ -339,7 +342,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     };
     let distances = (0..data.depth.len()).map(|i| {
         let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        let top = (0.5 * f64::from(data.camera.lens.fov_y_radians)).tan();
+        let top = (0.5 * f64::from(data.camera.lens.fov_y_radians().unwrap())).tan();
         let ray = DVec3::new(
             (2.0 * x / f64::from(SIZE[0]) - 1.0) * top * f64::from(data.camera.aspect),
             (1.0 - 2.0 * y / f64::from(SIZE[1])) * top,
@@ -370,7 +373,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
             "origin = \"bottom-left\"\n[conventions]\nview = \"right\"\n[camera]\nfov-y-rad = {}\nnear = {}\nfar = {}\n\
              [depth]\n{depth}\n[normal]\nspace = \"view\"\n{normal}\n[roughness]\nchannel = \"rough\"\n\
              kind = \"lobe\"\n[reflectivity]\nchannel = \"refl\"\n[[color]]\nchannels = [\"R\", \"G\", \"B\"]\n",
-            f64::from(lens.fov_y_radians),
+            f64::from(lens.fov_y_radians().unwrap()),
             lens.near_m,
             lens.far_m,
         )

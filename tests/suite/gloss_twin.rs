@@ -26,16 +26,16 @@ const FADE: [f32; 2] = [0.8, 1.0];
 
 /// How a G-buffer is drawn.
 #[derive(Debug, Clone, Copy)]
-struct Way {
-    oracle: OracleVersion,
+pub(crate) struct Way {
+    pub(crate) oracle: OracleVersion,
     /// Over the tiles of a list; else the whole image, all reflectors of which must be of one kind.
-    tiles: bool,
+    pub(crate) tiles: bool,
     /// Whether another reflection is behind.
-    over: bool,
+    pub(crate) over: bool,
 }
 
 /// What the device made of a G-buffer, pass by pass.
-struct Drawn {
+pub(crate) struct Drawn {
     chain: Vec<Level<Vec3>>,
     narrow: Level<Gathered>,
     wide: Level<Gathered>,
@@ -44,13 +44,14 @@ struct Drawn {
     composite: Pixels,
 }
 
-fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
+pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
     let setup = UnifiedSetup {
         extent,
+        projection: data.camera.kind(),
         strip,
         oracle,
         over,
@@ -63,7 +64,7 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         trace: TileStage::Fragment,
         resolve: TileStage::Fragment,
     };
-    let pyramid = PyramidPass::new(gpu, extent).unwrap();
+    let pyramid = PyramidPass::of(gpu, extent, setup.projection).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();
     let gloss = UnifiedGlossPass::new(gpu, &setup).unwrap();
@@ -151,15 +152,15 @@ fn aim_error(aim: &Aim) -> f32 {
 
 /// What was compared in a pass.
 #[derive(Debug, Default, Clone, Copy)]
-struct Count {
+pub(crate) struct Count {
     /// Rays, or pixels and cells.
-    all: usize,
+    pub(crate) all: usize,
     /// Rays that hit, or pixels and cells that show a hit.
-    hits: usize,
+    pub(crate) hits: usize,
     /// Rays that end in another pixel, or nowhere, if their direction is off by [`aim_error`].
-    ties: usize,
+    pub(crate) ties: usize,
     /// Rays, or pixels and cells, that are off by more than is allowed.
-    wrong: usize,
+    pub(crate) wrong: usize,
 }
 
 impl Count {
@@ -248,9 +249,9 @@ fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
 }
 
 /// "trace/narrow", "trace/wide", "cells", "resolve/narrow" and "resolve/wide".
-type Counts = [Count; 5];
+pub(crate) type Counts = [Count; 5];
 
-fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
+pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
     let traversal = Traversal::new(data).of_version(way.oracle);
     let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), way.over);
     let mut counts = Counts::default();
@@ -286,7 +287,8 @@ fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
             // Nothing is rounded there.
             None => {
                 let i = data.index(x, y);
-                let lit = if data.surface[i] == Surface::Lit { 1.0 } else { 0.0 };
+                let is_lit = data.surface[i] == Surface::Lit && data.depth[i] > 0.0;
+                let lit = f32::from(u8::from(is_lit));
                 count.wrong += usize::from(shown != [Vec4::ZERO, data.color[i].extend(lit)]);
             }
         }

@@ -45,6 +45,7 @@ mod library;
 mod many;
 mod mirror;
 mod oracle_rooms;
+mod orthographic;
 mod page;
 mod plain_words;
 mod planar;

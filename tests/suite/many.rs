@@ -36,7 +36,7 @@ fn three_thousand_materials_are_drawn() {
     // One uniform block of the camera for each makes more than a chunk of the frame's uniform memory.
     let (grid, extent, z) = ([60, 50], [240, 200], 10.0);
     let seen = camera(Vec3::ZERO, Vec3::Z, extent);
-    let half_height = z * (0.5 * seen.lens.fov_y_radians).tan();
+    let half_height = 0.5 * seen.lens.height_at_m(z);
     let folder = tempfile::tempdir().unwrap();
     let [mesh, materials] = mosaic(grid, [half_height * 1.2, half_height], z);
     for (name, text) in [("a.obj", mesh), ("a.mtl", materials)] {

@@ -17,22 +17,22 @@ use ssct_lab::scene::{GBufferData, Material, Scene, library};
 use ssct_lab::study::stress::trees;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
-const EXTENT: [u32; 2] = [160, 90];
+pub(crate) const EXTENT: [u32; 2] = [160, 90];
 
 /// Mirrors everywhere, with flat normals.
-fn mirrors(scene: &Scene, view: &str) -> Vec<Material> {
+pub(crate) fn mirrors(scene: &Scene, view: &str) -> Vec<Material> {
     let view = scene.view(view).unwrap();
     Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
 
-struct Drawn {
-    data: GBufferData,
+pub(crate) struct Drawn {
+    pub(crate) data: GBufferData,
     hits: Pixels,
-    reflection: Pixels,
+    pub(crate) reflection: Pixels,
     recorded: Vec<String>,
 }
 
-fn draw(
+pub(crate) fn draw(
     gpu: &Gpu,
     (scene, view): (&Scene, &str),
     materials: Vec<Material>,
@@ -49,18 +49,18 @@ fn draw(
     Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), hits, reflection, recorded: report.recorded }
 }
 
-fn traced() -> &'static MethodInfo {
+pub(crate) fn traced() -> &'static MethodInfo {
     methods::find("traced").unwrap()
 }
 
-fn beyond(first: First) -> Setup {
+pub(crate) fn beyond(first: First) -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
         .with(|p: &mut UnifiedParams| p.first = first)
 }
 
 /// How many rays end, and how many of them elsewhere than in the world.
-fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize, usize) {
+pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize, usize) {
     let world = World::new(scene, materials);
     let rays = RaySetup::new(&drawn.data);
     let data = &drawn.data;

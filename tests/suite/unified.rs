@@ -54,7 +54,7 @@ fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
 }
 
 /// A G-buffer of one kind with mirrors that reflect in any direction, or in depth only.
-fn random_gbuffer(kind: u64, extent: [u32; 2]) -> GBufferData {
+pub(crate) fn random_gbuffer(kind: u64, extent: [u32; 2]) -> GBufferData {
     let stream = Stream::new(kind, u64::from(extent[0] * 1000 + extent[1]));
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
     let unit = |i: u64, n: u64| stream.uniform(8 * i + n);
@@ -88,8 +88,9 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
-    let pass = PyramidPass::new(gpu, extent).unwrap();
-    let method = unified::INFO.alone(gpu, &setup(extent, oracle), Wants::HITS).unwrap();
+    let kind = data.camera.kind();
+    let pass = PyramidPass::of(gpu, extent, kind).unwrap();
+    let method = unified::INFO.alone(gpu, &setup(extent, oracle).seen_by(kind), Wants::HITS).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
     let parameters = unified::parameters(&data.camera, extent, true);
     let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
@@ -102,7 +103,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
 
 /// Holds pyramid and hits against the twin, bit by bit; how many pixels, how many hit, and how many met a block
 /// from behind.
-fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> [usize; 3] {
+pub(crate) fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> [usize; 3] {
     let (pyramid, hits) = run(gpu, data, oracle);
     let twin = Traversal::new(data).of_version(oracle);
     let strip = pyramid::strip([data.width, data.height]);
@@ -186,22 +187,24 @@ fn the_parameters_are_the_twins() {
         assert_eq!(gpu.pixel_to_view, twin.pixel_to_view.to_array());
         assert_eq!((gpu.size, gpu.padded), (twin.size.to_array(), twin.padded.to_array()));
         assert_eq!((gpu.top_level, gpu.depth_offset), (twin.top_level, twin.depth_offset));
+        assert_eq!((gpu.shift, gpu.reach), (twin.shift.to_array(), twin.reach));
     }
 }
 
+/// The materials of a view as mirrors without bumps.
+pub(crate) fn flat_mirrors(scene: &Scene, view: &View) -> Vec<Material> {
+    let globals = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
+    globals.materials(scene, view)
+}
+
 /// How the hits of a view compare with the oracle's in a version, and how many misses say why as the oracle does.
-fn agreement(
+pub(crate) fn agreement(
     stage: &mut Stage,
-    scene: &Scene,
-    view: &View,
+    (camera, materials): (Camera, Vec<Material>),
     extent: [u32; 2],
     oracle: OracleVersion,
 ) -> (HitAgreement, f64, usize) {
-    let globals = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
-    let camera = view.camera(scene, extent);
-    let shot =
-        Shot::new(stage, &unified::INFO, &setup(extent, oracle), Wants::HITS, camera, globals.materials(scene, view))
-            .unwrap();
+    let shot = Shot::new(stage, &unified::INFO, &setup(extent, oracle), Wants::HITS, camera, materials).unwrap();
     let (_, _, output) = stage.output(&shot).unwrap();
     let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
@@ -235,7 +238,8 @@ fn check_views(gpu: &Gpu, scene: &Scene, sizes: &[[u32; 2]]) {
     let mut stage = Stage::new(gpu, scene).unwrap();
     for view in scene.views.iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
         for (&extent, oracle) in sizes.iter().flat_map(|s| [(s, OracleVersion::V1), (s, OracleVersion::V2)]) {
-            let (found, reasons, unfinished) = agreement(&mut stage, scene, view, extent, oracle);
+            let seen = (view.camera(scene, extent), flat_mirrors(scene, view));
+            let (found, reasons, unfinished) = agreement(&mut stage, seen, extent, oracle);
             let share = found.hit_agreement.expect("something reflects");
             println!(
                 "{} {} {extent:?} oracle {oracle:?}: {:.4} % of {} (displaced {:.1e}, false {:.1e}, missed {:.1e}), p99 {:.1e} px, reasons {:.3} %",

@@ -57,8 +57,15 @@ pub struct SceneOptions {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
     /// Vertical field of view in degrees
+    ///
+    /// It makes a perspective of an orthographic view.
     #[arg(long, value_name = "DEG")]
     pub fov: Option<f32>,
+    /// Height of an orthographic view in metres
+    ///
+    /// The view is seen along parallel lines, from the same place.
+    #[arg(long, value_name = "M", conflicts_with = "fov")]
+    pub orthographic_height: Option<f32>,
     /// Near plane in metres
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,

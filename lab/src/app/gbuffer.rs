@@ -2,8 +2,7 @@
 
 use super::cli::{GBufferCommand, GBufferConvertOptions, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
-use crate::gpu::frame::Mode;
-use crate::methods::{self, METHODS, Setup, Wants};
+use crate::methods;
 use crate::report::{files, images};
 use crate::scene::capture_file::CaptureFolder;
 use crate::scene::gbuffer_map::GBufferMap;
@@ -29,9 +28,8 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = view.camera(&scene, options.size);
-    let setup = Setup::new(options.size);
-    let shot = Shot::new(&mut stage, &METHODS[0], &setup, Wants::IMAGE, camera, globals.materials(&scene, &view))?;
-    stage.run(&shot, Mode::Plain)?;
+    let shot = Shot::of_scene(&mut stage, options.size, camera, globals.materials(&scene, &view))?;
+    stage.draw(&shot)?;
     let data = gbuffer::read(&mut stage.context, &shot)?;
     files::write(&options.file, &gbuffer_file::encode(&data, &options.file)?)?;
     drop((shot, stage));

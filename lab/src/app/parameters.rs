@@ -21,7 +21,7 @@ const PRESET: &str = "preset";
 impl MethodOptions {
     /// How methods are set up at a size.
     pub fn setup(&self, extent: [u32; 2]) -> Setup {
-        Setup { extent, values: self.values.clone() }
+        Setup { values: self.values.clone(), ..Setup::new(extent) }
     }
 
     /// From values as they are typed, by the names of the flags.

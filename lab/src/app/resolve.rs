@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
-use crate::scene::{CameraPath, Lens, LoadOptions, Scene, View, gltf, library, obj, scene_file};
+use crate::scene::{CameraPath, Lens, LoadOptions, Opening, Scene, View, gltf, library, obj, scene_file};
 use crate::study::error::Variant;
 use crate::study::{Globals, sweep};
 use std::path::{Path, PathBuf};
@@ -99,11 +99,18 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
         if !(fov > 0.0 && fov < 180.0) {
             return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
         }
-        lens.fov_y_radians = fov.to_radians();
+        lens.opening = Opening::Angle(fov.to_radians());
+    }
+    if let Some(height) = options.orthographic_height {
+        if !(height > 0.0 && height.is_finite()) {
+            return Err(Error::Usage(format!("--orthographic-height {height}: must be a number of metres above 0")));
+        }
+        lens.opening = Opening::Height(height);
     }
     lens.near_m = options.near.unwrap_or(lens.near_m);
     lens.far_m = options.far.unwrap_or(lens.far_m);
-    if !(lens.near_m > 0.0 && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
+    let is_before_eye = lens.near_m > 0.0 || (lens.near_m == 0.0 && lens.kind().is_orthographic());
+    if !(is_before_eye && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
         return Err(Error::Usage(format!(
             "near {} and far {}: near must be above 0 and below far",
             lens.near_m, lens.far_m

@@ -9,6 +9,7 @@ use super::values::{Feed, Filled, FrameState};
 use super::{inputs, kinds};
 use crate::error::{Error, Result};
 use crate::gpu::Sampler;
+use crate::scene::ProjectionKind;
 use std::ops::Range;
 
 /// Compiles every shader and holds it against the manifest, without a device.
@@ -20,6 +21,25 @@ pub fn check(manifest: &Manifest) -> Result<()> {
         let compiled = shader::compile(&manifest.name, &manifest.include, pass)?;
         PassBindings::new(manifest, pass, &compiled).map(|_| ())
     })
+}
+
+/// # Errors
+/// [`Error::Usage`] if a method is fed what only a perspective has, and cameras are orthographic.
+pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Result<()> {
+    let is_angle = |given: &Feed| given.is_named("fov-y") || given.is_named("half-view");
+    let is_of_perspective = |pass: &Pass| {
+        let mut values = pass.values.values().map(|(given, _)| given);
+        let mut images = pass.inputs.values().map(|input| &input.what);
+        values.any(is_angle) || images.any(|what| *what == InputKind::Image(ImageSource::Visibility))
+    };
+    match manifest.passes.iter().find(|pass| is_of_perspective(pass)) {
+        Some(pass) if projection.is_orthographic() => Err(Error::Usage(format!(
+            "the method {}: its pass {:?} is fed fov-y, half-view or visibility, which only a perspective has, and the \
+             camera is orthographic; view-to-clip is a matrix of either",
+            manifest.name, pass.name
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// What a pass's shader binds, in the order of its bindings.

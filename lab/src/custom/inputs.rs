@@ -22,12 +22,13 @@ use crate::passes::hi_z::HiZPass;
 use crate::passes::pyramid::PyramidPass;
 use crate::passes::visibility::VisibilityPass;
 use crate::passes::{GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
 /// What makes the sources that a method reads.
 pub struct Inputs {
     made: Vec<(ImageSource, Made)>,
+    projection: ProjectionKind,
 }
 
 /// What makes a source, and where it then is.
@@ -60,9 +61,14 @@ enum Made {
 }
 
 impl Inputs {
-    /// For a size in pixels. Sources that others are made of are added.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], sources: &[ImageSource], conventions: Conventions) -> Result<Self> {
-        let mut inputs = Self { made: Vec::new() };
+    /// For a size in pixels and a projection. Sources that others are made of are added.
+    pub fn new(
+        gpu: &Gpu,
+        (extent, projection): ([u32; 2], ProjectionKind),
+        sources: &[ImageSource],
+        conventions: Conventions,
+    ) -> Result<Self> {
+        let mut inputs = Self { made: Vec::new(), projection };
         for source in sources {
             inputs.add(gpu, extent, source, conventions)?;
         }
@@ -116,7 +122,7 @@ impl Inputs {
                 self.add(gpu, extent, &ImageSource::ThesisHiZ, conventions)?;
                 Made::Visibility(VisibilityPass::new(gpu, extent)?)
             }
-            ImageSource::Pyramid => Made::Pyramid(PyramidPass::new(gpu, extent)?),
+            ImageSource::Pyramid => Made::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
             ImageSource::Motion => converted(CONVERT_MOTION, Hand::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {

@@ -159,7 +159,8 @@ struct Recorded {
 
 impl Running {
     fn new(gpu: &Gpu, manifest: &Manifest, parameters: &[Parameter], setup: &Setup, hits: bool) -> Result<Self> {
-        let extent = setup.extent;
+        let Setup { extent, projection, .. } = *setup;
+        bindings::check_projection(manifest, projection)?;
         let effect = setup.effect();
         let mut images = BTreeMap::new();
         for (name, section) in &manifest.images {
@@ -232,7 +233,7 @@ impl Running {
             }
         }
         Ok(Self {
-            inputs: Inputs::new(gpu, extent, &sources, manifest.conventions)?,
+            inputs: Inputs::new(gpu, (extent, projection), &sources, manifest.conventions)?,
             output: Finish::new(gpu, manifest, extent, hits)?,
             passes,
             images,

@@ -36,9 +36,9 @@ pub const NAMES: [(&str, &str); 28] = [
     ("pass-size", "2 or 4 numbers: the same of what the pass writes"),
     ("near", "near plane, metres"),
     ("far", "far plane, metres"),
-    ("fov-y", "vertical field of view, radians"),
+    ("fov-y", "vertical field of view, radians; perspectives only"),
     ("aspect", "width over height"),
-    ("half-view", "2 numbers: tangents of half the horizontal and half the vertical field of view"),
+    ("half-view", "2 numbers: tangents of half the horizontal and half the vertical field of view; perspectives only"),
     ("frame", "frames since the first"),
     ("is-first-frame", "1 in the first frame, whose history is empty, else 0"),
     ("level", "the level that the pass is recorded for"),
@@ -183,7 +183,7 @@ impl Feed {
                 "pass-size" => vec![pass_width, pass_height, 1.0 / pass_width, 1.0 / pass_height],
                 "near" => vec![f64::from(state.camera.lens.near_m)],
                 "far" => vec![f64::from(state.camera.lens.far_m)],
-                "fov-y" => vec![f64::from(state.camera.lens.fov_y_radians)],
+                "fov-y" => vec![state.camera.lens.fov_y_radians().unwrap_or_default().into()],
                 "aspect" => vec![width / height],
                 "half-view" => {
                     let projection = self::scale(state.camera);

@@ -244,12 +244,21 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     if reversed <= 0.0 {
         return 0;
     }
+    if lens.kind().is_orthographic() {
+        return shade(reversed);
+    }
     distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
 }
 
 /// Brightness of a view-space z: near is bright. The logarithm spreads what depth compresses; a hundred
-/// times the near distance is mid-grey.
+/// times the near distance is mid-grey. An orthographic projection compresses nothing.
 fn distance_shade(z: f32, lens: &Lens) -> u8 {
-    let share = (z / lens.near_m).ln() / (1e4_f32).ln();
-    (linear_to_srgb((1.0 - share).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
+    if lens.kind().is_orthographic() {
+        return shade((lens.far_m - z) / (lens.far_m - lens.near_m));
+    }
+    shade(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
+}
+
+fn shade(share: f32) -> u8 {
+    (linear_to_srgb(share.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

@@ -8,7 +8,7 @@
 
 use super::files::write;
 use super::images::write_rgba_png;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::DefinitionsVersion;
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
@@ -53,7 +53,14 @@ pub struct Exported {
 }
 
 /// Writes the folder.
+///
+/// # Errors
+/// [`Error::Usage`] for an orthographic camera, and errors of writing files.
 pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
+    let fov_y_radians = what.camera.lens.fov_y_radians().ok_or_else(|| {
+        let message = "scenes are exported for Mitsuba with perspectives alone, and this camera is orthographic";
+        Error::Usage(message.into())
+    })?;
     let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
     let world = World::new(what.scene, &materials);
     let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
@@ -61,7 +68,7 @@ pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
     let mut state = reference.start();
     reference.add(&mut state, what.samples);
 
-    write(&folder.join("scene.xml"), scene_xml(what, &materials).as_bytes())?;
+    write(&folder.join("scene.xml"), scene_xml(what, fov_y_radians, &materials).as_bytes())?;
     for (i, mesh) in what.scene.meshes.iter().enumerate() {
         write(&folder.join(mesh_file(i)), &ply(mesh))?;
     }
@@ -103,9 +110,9 @@ fn texture_file(index: usize) -> String {
     format!("textures/{index:03}.png")
 }
 
-/// The scene as Mitsuba 3 reads it. Materials are diffuse and the light is a constant environment,
+/// The scene as Mitsuba 3 reads it, seen in perspective by a field of view in radians. Materials are diffuse and the light is a constant environment,
 /// so that the scene can be rendered; the comparison only intersects rays and reads the albedo.
-fn scene_xml(what: &Export, materials: &[Material]) -> String {
+fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> String {
     let mirrored_x = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let to_world = what.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
     let matrix: Vec<String> = to_world.transpose().to_cols_array().iter().map(f64::to_string).collect();
@@ -121,7 +128,7 @@ fn scene_xml(what: &Export, materials: &[Material]) -> String {
          <film type=\"hdrfilm\">\n      <integer name=\"width\" value=\"{}\"/>\n      \
          <integer name=\"height\" value=\"{}\"/>\n    </film>\n  </sensor>",
         matrix.join(" "),
-        f64::from(lens.fov_y_radians).to_degrees(),
+        f64::from(fov_y_radians).to_degrees(),
         lens.near_m,
         lens.far_m,
         what.extent[0],

@@ -8,7 +8,7 @@ use super::stage::{Globals, Shot, Stage};
 use super::ties::is_tie;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu, Pixels, Precision};
-use crate::methods::{Effect, Input, METHODS, MethodInfo, SceneInput, Setup, Wants};
+use crate::methods::{Effect, Input, MethodInfo, SceneInput, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::{HitAgreement, HitVerdict};
 use crate::metrics::image::masked_rmse;
@@ -107,7 +107,7 @@ pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
     let mut stage = Stage::new(gpu, spec.scene)?;
     let camera = spec.view.camera(spec.scene, spec.setup.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
-    let shot = Shot::new(&mut stage, &METHODS[0], &spec.setup, Wants::IMAGE, camera, materials)?;
+    let shot = Shot::of_scene(&mut stage, spec.setup.extent, camera, materials)?;
     stage.draw(&shot)?;
     gbuffer::read(&mut stage.context, &shot)
 }
@@ -122,7 +122,7 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     let materials = spec.globals.materials(spec.scene, spec.view);
     let uploaded = GBufferImages::upload(context, data)?;
     let gbuffer: GBuffer = uploaded.gbuffer();
-    let setup = spec.setup.at([data.width, data.height]);
+    let setup = spec.setup.at([data.width, data.height]).seen_by(data.camera.kind());
     let mut all = Vec::new();
     for method in &spec.methods {
         let beside = SceneInput { data: scene, materials: &materials };

@@ -7,7 +7,7 @@ use crate::gpu::{DeviceInfo, Gpu, Skipped};
 use crate::methods::{self, EffectParams, MethodInfo, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
 use crate::passes::gbuffer::Drawn;
-use crate::scene::{Lens, Scene, View};
+use crate::scene::{Lens, Opening, Scene, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 
@@ -103,15 +103,21 @@ pub type RecordedSetup = Map<String, Json>;
 pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
     let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
     let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
+    let height = match lens.opening {
+        Opening::Angle(_) => None,
+        Opening::Height(height) => Some(("orthographic_height_m", Some(height))),
+    };
     let factors = [
-        ("fov_degrees", Some(lens.fov_y_radians.to_degrees())),
+        ("fov_degrees", lens.fov_y_radians().map(f32::to_degrees)),
         ("near_m", Some(lens.near_m)),
         ("far_m", Some(lens.far_m)),
         ("roughness", globals.roughness),
         ("reflectivity", Some(globals.reflectivity)),
         ("normal_deviation", globals.normal_deviation),
     ];
-    all.extend(factors.map(|(name, value)| (name.to_owned(), json!(value.map(Value::Number)))));
+    all.extend(
+        factors.into_iter().chain(height).map(|(name, value)| (name.to_owned(), json!(value.map(Value::Number)))),
+    );
     all
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
-use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants};
+use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants, unified};
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
@@ -168,10 +168,15 @@ impl Shot {
     ) -> Result<Self> {
         let Stage { context, data } = stage;
         let scene = SceneInput { data, materials: &materials };
-        let effect = Effect::new(context, method, setup, wants, Some(&scene))?;
+        let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene))?;
         let gpu = context.gpu();
         let gbuffer = if effect.wants_triangles() { GBufferPass::numbered } else { GBufferPass::new };
         Ok(Self { gbuffer: gbuffer(gpu, setup.extent)?, lighting: LightingPass::new(gpu)?, effect, camera, materials })
+    }
+
+    /// Makes a shot to draw a scene's G-buffer with, from any camera.
+    pub fn of_scene(stage: &mut Stage, extent: [u32; 2], camera: Camera, materials: Vec<Material>) -> Result<Self> {
+        Self::new(stage, &unified::INFO, &Setup::on_screen(extent), Wants::IMAGE, camera, materials)
     }
 
     /// The captures in which rays go on, and where they stand; none if the method takes none.

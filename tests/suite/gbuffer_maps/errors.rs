@@ -160,7 +160,7 @@ fn a_mistake_in_the_map_has_its_line() {
             "fov-y-deg = 60.0\n",
             "",
             "map.toml:5: [camera]: no lens is given: say one of fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, \
-             projection, or focal-length-mm with sensor-width-mm or sensor-height-mm",
+             orthographic-height, orthographic-width, projection, or focal-length-mm with sensor-width-mm or sensor-height-mm",
         ),
         ("fov-y-deg = 60.0", "fov-y-deg = 60.0\nfov-x-deg = 90.0", "map.toml:5: [camera]: more than one lens is given"),
         (
@@ -264,7 +264,7 @@ fn a_projection_that_does_not_go_with_the_conventions_is_named() {
         (
             reversed,
             ("view = \"left\"", "matrices = \"rows\""),
-            "is no perspective projection: its last row must be 0, 0, ±1, 0",
+            "is neither a perspective projection, whose last row is 0, 0, ±1, 0, nor an orthographic one",
         ),
         (reversed, (planes, "aspect = 1.5\n"), "a projection says the aspect and the shift itself; leave them out"),
         (

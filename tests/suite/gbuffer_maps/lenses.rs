@@ -4,8 +4,8 @@ use super::files::{Part, floats, write_exr};
 use super::named;
 use crate::common::folder::Folder;
 use glam::{DMat4, DVec3, DVec4, Mat4};
-use ssct_lab::scene::Camera;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_lab::scene::{Camera, Lens};
 
 const SIZE: [u32; 2] = [8, 4];
 const NEAR: f64 = 0.5;
@@ -168,4 +168,53 @@ fn a_camera_can_stand_and_be_upright_in_every_world() {
     is_it(place("world = \"left-z-up\"\nmetres-per-unit = 0.01", "eye = [300, 100, 200]\nlook-at = [700, -200, 100]"));
     let leaning = place("", &format!("eye = [1, 2, 3]\n{forward}\nup = [1, 1, 0]"));
     assert!(!leaning.abs_diff_eq(expected, 0.1) && (leaning.determinant() - 1.0).abs() < 1e-5);
+}
+
+/// Metres from the lower to the upper side of an orthographic image.
+const HEIGHT: f64 = 6.0;
+
+#[test]
+fn an_orthographic_lens_can_be_said_in_every_way() {
+    let planes = format!("near = {NEAR}\nfar = {FAR}");
+    let linear = "kind = \"view-z\"";
+    let reversed = |z: f64| if z >= FAR { 0.0 } else { (FAR - z) / (FAR - NEAR) };
+    let (plain, depth) = read("", &format!("orthographic-height = {HEIGHT}\n{planes}"), linear, view_z());
+    assert_eq!(plain.lens, Lens::orthographic(HEIGHT as f32, NEAR as f32, FAR as f32));
+    assert!(depth.iter().zip(depths()).all(|(d, z)| (f64::from(*d) - reversed(z)).abs() < 1e-6), "{depth:?}");
+    let wide = format!("orthographic-width = {}\n{planes}", HEIGHT * ASPECT);
+    // Rays of sight are parallel, so that a distance along one is a difference of z.
+    let (camera, there) = read("", &wide, "kind = \"distance\"", view_z());
+    same(&camera, &plain);
+    assert!(there == depth);
+    let centimetres = format!("orthographic-height = {}\nnear = {}\nfar = {}", HEIGHT * 1e2, NEAR * 1e2, FAR * 1e2);
+    let (camera, there) = read("metres-per-unit = 0.01", &centimetres, "kind = \"view-z\"\nscale = 100", view_z());
+    same(&camera, &plain);
+    assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6));
+    // By its matrix, in either handedness and kind of depth, with a window off the axis; in metres and in centimetres.
+    let shifted = format!("orthographic-height = {HEIGHT}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
+    let (expected, _) = read("", &shifted, linear, view_z());
+    let [w, h] = SIZE.map(f64::from);
+    let (u, v) = (2.0 * SHIFT[0] / w, -2.0 * SHIFT[1] / h);
+    for (kind, a, b, low) in
+        [("standard", -NEAR, 1.0, 0.0), ("reversed", FAR, -1.0, 0.0), ("minus-one-to-one", -NEAR, 1.0, -1.0)]
+    {
+        for (view, forward) in [("left", 1.0), ("right", -1.0)] {
+            for unit in [1.0, 0.01] {
+                let range = (FAR - NEAR) / (1.0 - low);
+                let of_z = |z: f64| low + (a + b * z) / range;
+                let clip = DMat4::from_cols(
+                    DVec4::new(unit * 2.0 / (HEIGHT * ASPECT), 0.0, 0.0, 0.0),
+                    DVec4::new(0.0, unit * 2.0 / HEIGHT, 0.0, 0.0),
+                    DVec4::new(0.0, 0.0, unit * forward * b / range, 0.0),
+                    DVec4::new(u, v, low + a / range, 1.0),
+                );
+                let projection = format!("projection = {:?}", clip.transpose().to_cols_array_2d());
+                let conventions = format!("view = \"{view}\"\nmatrices = \"rows\"\nmetres-per-unit = {unit}");
+                let depth_kind = format!("kind = \"{kind}\"");
+                let (camera, there) = read(&conventions, &projection, &depth_kind, view_z().map(|z| of_z(z.min(FAR))));
+                same(&camera, &expected);
+                assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6), "{kind} {view}: {there:?}");
+            }
+        }
+    }
 }

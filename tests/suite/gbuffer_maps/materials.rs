@@ -48,7 +48,7 @@ fn roughness_and_reflectivity_of_engines_in_bytes() {
             "[camera]\nfov-y-rad = {}\nnear = {}\nfar = {}\nworld-to-view = {}\n[depth]\nchannel = \"D\"\n\
              kind = \"reversed\"\n[normal]\nspace = \"view\"\nchannels = [\"X\", \"Y\", \"Z\"]\n[roughness]\n\
              {roughness}\n{reflectivity}\n[[color]]\nchannels = [\"c.R\", \"c.G\", \"c.B\"]\nencoding = \"srgb\"\n",
-            f64::from(lens.fov_y_radians),
+            f64::from(lens.fov_y_radians().unwrap()),
             lens.near_m,
             lens.far_m,
             numbers(&data.camera.world_to_view.as_dmat4()),

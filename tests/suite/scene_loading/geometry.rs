@@ -231,7 +231,9 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     let thing = folder.scene();
     let view = &thing.views[0];
     assert_eq!((view.name.as_str(), view.look_at), ("default", Vec3::ZERO));
-    assert!(view.eye.z < -2.0 && view.eye.length() * (0.5 * thing.lens.fov_y_radians).sin() >= 14_f32.sqrt());
+    assert!(
+        view.eye.z < -2.0 && view.eye.length() * (0.5 * thing.lens.fov_y_radians().unwrap()).sin() >= 14_f32.sqrt()
+    );
     // With its faces turned round, the box is a room.
     let room: String = BOX
         .lines()

@@ -151,7 +151,7 @@ fn every_key_arrives() {
         ]
     );
     assert_eq!((scene.materials[0].roughness, scene.materials[1].roughness), (0.5, 0.0));
-    let lens = Lens { fov_y_radians: 90_f32.to_radians(), near_m: 0.5, far_m: 50.0 };
+    let lens = Lens::perspective(90_f32.to_radians(), 0.5, 50.0);
     assert_eq!(scene.lens, lens);
     assert_eq!(
         scene.lights,
@@ -253,10 +253,31 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
 }
 
 #[test]
+fn views_may_be_orthographic() {
+    let text = "[[mesh]]\nfile = 'a.obj'\n[camera]\northographic_height_m = 4\nnear = 0.5\n[view.plan]\neye = [0, 9, 0]\n\
+                look_at = [0, 0, 0]\n[view.detail]\neye = [0, 9, 0]\nlook_at = [0, 0, 0]\northographic_height_m = 1.5\n\
+                [view.eye]\neye = [0, 1, -5]\nlook_at = [0, 1, 0]\nfov_y_deg = 90\n";
+    let scene = load(&folder(text), 2.0).unwrap();
+    // Lengths are scaled, and the height is one.
+    assert_eq!(scene.lens, Lens::orthographic(8.0, 1.0, 2000.0));
+    let lenses: Vec<_> = scene.views.iter().map(|v| v.lens).collect();
+    let perspective = Lens::perspective(90_f32.to_radians(), 1.0, 2000.0);
+    assert_eq!(lenses, [None, Some(Lens::orthographic(3.0, 1.0, 2000.0)), Some(perspective)]);
+    let refused = |old: &str, new: &str, expected: &str| {
+        let folder = folder(&text.replace(old, new));
+        let error = load(&folder, 1.0).unwrap_err().to_string();
+        assert_eq!(folder.without_folder(&error), format!("test.scene.toml:{expected}"));
+    };
+    let two = "fov_y_deg and orthographic_height_m are two projections: one of them is too many";
+    refused("near = 0.5", "fov_y_deg = 90", &format!("4: {two}"));
+    refused("height_m = 4", "height_m = 0", "4: orthographic_height_m must be a number > 0, not 0");
+}
+
+#[test]
 fn little_suffices() {
     let scene = load(&folder("[[mesh]]\nfile = 'A.OBJ'\n"), 1.0).unwrap();
     assert_eq!((scene.name.as_str(), scene.views[0].name.as_str()), ("test", "default"));
-    assert_eq!((scene.lights.len(), scene.lens.fov_y_radians), (1, Lens::default().fov_y_radians));
+    assert_eq!((scene.lights.len(), scene.lens.opening), (1, Lens::default().opening));
     let middle = Probe { name: "middle".into(), position: Vec3::new(0.5, 0.5, 0.0), bounds: scene.bounds() };
     assert_eq!((scene.probes, scene.impostors.len(), scene.area_lights.len()), (vec![middle], 0, 0));
     assert!(scene.captures.is_empty());

@@ -205,7 +205,8 @@ impl PrecisionSpec<'_> {
 pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     let truth = Truth::new(spec);
     let mut context = FrameContext::new(spec.gpu)?;
-    let effect = |m: &&'static MethodInfo| Ok((*m, Effect::new(&mut context, m, &spec.setup, Wants::HITS, None)?));
+    let setup = spec.setup.seen_by(truth.exact.data.camera.kind());
+    let effect = |m: &&'static MethodInfo| Ok((*m, Effect::new(&mut context, m, &setup, Wants::HITS, None)?));
     let effects = spec.methods.iter().map(effect).collect::<Result<Vec<_>>>()?;
     let sky = scene_data::environment(&mut context)?;
     let mut records = Vec::new();

@@ -217,7 +217,7 @@ fn sizes(quick: bool) -> Vec<Case> {
 
 fn ranges() -> Vec<Case> {
     let of = |(near_m, far_m): (f32, f32), fov: f32| {
-        let lens = Lens { near_m, far_m, fov_y_radians: fov.to_radians() };
+        let lens = Lens::perspective(fov.to_radians(), near_m, far_m);
         let name = format!("near {near_m} far {far_m} fov {fov}");
         Case::new(name, ODD, lens, |p: &Pixel| p.facet_texel(2))
     };

@@ -43,7 +43,7 @@ impl Motion {
     fn view(self, scene: &Scene, view: &View, frame: u32, rows: u32) -> View {
         let lens = view.lens.unwrap_or(scene.lens);
         // A pixel in the middle of the image, as a slope.
-        let pixel = 2.0 * (0.5 * lens.fov_y_radians).tan() / rows as f32;
+        let pixel = lens.height_at_m(1.0) / rows as f32;
         let ahead = view.look_at - view.eye;
         let right = Vec3::Y.cross(ahead).normalize_or(Vec3::X) * ahead.length();
         let n = frame as f32;

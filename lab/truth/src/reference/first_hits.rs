@@ -4,11 +4,12 @@
 
 use super::surface::{SurfacePoint, World, sky_color};
 use crate::scene::bvh::{TriangleHit, WorldRay};
-use crate::scene::{Camera, GBufferData};
+use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How far a depth of a G-buffer may lie from its surface, as a share of the distance. Most devices round the position of a vertex
+/// How far a depth of a G-buffer may lie from its surface, as a share of the distance, or of the height of the image where
+/// rays of sight are parallel. Most devices round the position of a vertex
 /// to a 256th of a pixel, by half of that at most. Where the depth changes from one pixel to the next by four times itself, which
 /// is steeper than what a picture can show, that rounding moves the depth by this share.
 const STORED_DEPTH_ERROR: f64 = 1.0 / 128.0;
@@ -72,9 +73,10 @@ impl Receiver {
     }
 }
 
-/// The camera's rays through an image, from the near plane to the far plane.
+/// The camera's rays of sight through an image, from the near plane to the far plane.
 #[derive(Debug, Clone, Copy)]
 pub struct PrimaryRays {
+    kind: ProjectionKind,
     clip_to_view: DMat4,
     view_to_world: DMat4,
     extent: [u32; 2],
@@ -86,6 +88,7 @@ impl PrimaryRays {
     /// The rays of a camera for an image of `extent` pixels.
     pub fn new(camera: &Camera, extent: [u32; 2]) -> Self {
         Self {
+            kind: camera.kind(),
             clip_to_view: camera.view_to_clip_reversed().as_dmat4().inverse(),
             view_to_world: camera.world_to_view.as_dmat4().inverse(),
             extent,
@@ -105,9 +108,14 @@ impl PrimaryRays {
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
         let (x, y) = (f64::from(x) + u, f64::from(y) + v);
         let ndc = DVec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, 0.5);
-        let along = self.clip_to_view.project_point3(ndc).normalize();
+        let point = self.clip_to_view.project_point3(ndc);
+        // A ray begins at the eye, or, if all are parallel, beside it.
+        let (along, beside) = match self.kind {
+            ProjectionKind::Perspective => (point.normalize(), None),
+            ProjectionKind::Orthographic => (DVec3::Z, Some(DVec3::new(point.x, point.y, 0.0))),
+        };
         let direction = self.view_to_world.transform_vector3(along).normalize();
-        let origin = self.view_to_world.w_axis.truncate();
+        let origin = beside.map_or(self.view_to_world.w_axis.truncate(), |b| self.view_to_world.transform_point3(b));
         (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
     }
 
@@ -157,11 +165,12 @@ impl FirstHits {
             let x = f64::from(index as u32 % gbuffer.width) + 0.5;
             let y = f64::from(index as u32 / gbuffer.width) + 0.5;
             let view = gbuffer.unproject(x, y, f64::from(depth), &clip_to_view);
+            let sight = if gbuffer.camera.kind().is_orthographic() { DVec3::Z } else { view };
             let normal = view_to_world.transform_vector3(gbuffer.normal[index].as_dvec3()).normalize_or_zero();
             all.view_z_m.push(if depth > 0.0 { view.z } else { f64::INFINITY });
             all.receivers.push(gbuffer.reflects(index).then(|| Receiver {
                 position: view_to_world.transform_point3(view),
-                incoming: view_to_world.transform_vector3(view).normalize(),
+                incoming: view_to_world.transform_vector3(sight).normalize(),
                 normal,
                 geometric_normal: normal,
                 roughness: f64::from(gbuffer.roughness[index]),
@@ -178,11 +187,26 @@ impl FirstHits {
     /// point stays.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
         let mut all = Self::from_gbuffer(gbuffer);
+        let (kind, reach) = (gbuffer.camera.kind(), gbuffer.camera.reach_m(1.0));
         let eye = gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         all.receivers.par_iter_mut().flatten().for_each(|receiver| {
-            let (direction, stored) = (receiver.incoming, receiver.position.distance(eye));
-            let [t_min, t_max] = [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| stored * (1.0 + error));
-            let ray = WorldRay { origin: eye, direction, t_min, t_max };
+            let direction = receiver.incoming;
+            let ray = match kind {
+                ProjectionKind::Perspective => {
+                    let stored = receiver.position.distance(eye);
+                    let [t_min, t_max] = [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| stored * (1.0 + error));
+                    WorldRay { origin: eye, direction, t_min, t_max }
+                }
+                ProjectionKind::Orthographic => {
+                    let error = STORED_DEPTH_ERROR * reach;
+                    WorldRay {
+                        origin: receiver.position - error * direction,
+                        direction,
+                        t_min: 0.0,
+                        t_max: 2.0 * error,
+                    }
+                }
+            };
             if let Some(hit) = world.closest(&ray) {
                 let point = world.point(&ray, &hit);
                 (receiver.position, receiver.geometric_normal) = (point.position, point.geometric_normal);

@@ -55,7 +55,7 @@ mod tests {
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
     use crate::reference::world::Escape;
-    use crate::scene::{Camera, Lens, Material, Scene, Surface};
+    use crate::scene::{Camera, Lens, Material, Opening, Scene, Surface};
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
 
@@ -68,7 +68,7 @@ mod tests {
             Material { albedo: COLOR, reflectivity: 1.0, ..Material::default() },
             Material { albedo: COLOR, reflectivity: 0.0, surface: wall, ..Material::default() },
         ];
-        let lens = Lens { fov_y_radians: 60_f32.to_radians(), ..Lens::default() };
+        let lens = Lens { opening: Opening::Angle(60_f32.to_radians()), ..Lens::default() };
         let scene = Scene { meshes: vec![floor, behind], materials, ..Scene::default() };
         let down = 25_f32.to_radians();
         (scene, Camera::new(Vec3::ZERO, Vec3::new(0.0, -down.sin(), down.cos()), lens, 1.0))

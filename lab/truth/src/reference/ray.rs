@@ -131,17 +131,17 @@ impl<'a> RaySetup<'a> {
         self.gbuffer.normal[self.gbuffer.index(x, y)].as_dvec3().try_normalize()
     }
 
-    /// The unit direction in view space of the camera ray through a place on the screen, in continuous pixel
+    /// The unit direction in view space of the ray of sight through a place on the screen, in continuous pixel
     /// coordinates.
     pub fn camera_ray(&self, x: f64, y: f64) -> DVec3 {
-        self.gbuffer.unproject(x, y, 0.5, &self.clip_to_view).normalize()
+        self.gbuffer.camera.sight(self.gbuffer.unproject(x, y, 0.5, &self.clip_to_view))
     }
 
-    /// The unit mirror direction in view space: reflect(normalize(position), normalize(normal)). `None` for sky
-    /// and for a pixel without a normal.
+    /// The unit mirror direction in view space: the direction of sight, reflected at the unit normal. `None` for sky and for
+    /// a pixel without a normal.
     pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
-        let incident = self.position(x, y)?.try_normalize()?;
-        Some(incident.reflect(self.normal(x, y)?))
+        let incident = self.gbuffer.camera.sight(self.position(x, y)?);
+        Some(incident.reflect(self.normal(x, y)?)).filter(|mirror| mirror.is_finite())
     }
 
     /// The visible part of the ray from a pixel's centre along a view-space direction of any length. `None` for
@@ -152,8 +152,8 @@ impl<'a> RaySetup<'a> {
         self.cut(start, self.position(x, y)?, direction)
     }
 
-    /// The visible part of the ray from any point in view space; `None` if the point is not ahead of the eye, or for a
-    /// direction of length zero.
+    /// The visible part of the ray from any point in view space; `None` if the point is not ahead of the eye of a perspective,
+    /// or for a direction of length zero.
     pub fn segment_from(&self, point: DVec3, direction: DVec3) -> Option<Segment> {
         self.cut(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
     }

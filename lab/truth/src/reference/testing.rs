@@ -81,7 +81,7 @@ pub fn flat(width: u32, height: u32, z: f64) -> GBufferData {
 pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
     let slope = |y: u32| {
         let ndc = 1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(height);
-        ndc * f64::from(Lens::default().fov_y_radians / 2.0).tan()
+        ndc * f64::from(Lens::default().fov_y_radians().expect("a perspective") / 2.0).tan()
     };
     // The floor is visible along y = slope · z = −1.
     let is_floor = move |y| slope(y) < -1.0 / 5.0;

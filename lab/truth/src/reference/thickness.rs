@@ -31,13 +31,14 @@ impl DepthBlock {
 }
 
 /// T in metres of a pixel at view depth `z`, from the view depths of its neighbours left, right, up and down;
-/// `None` for a neighbour that is sky or off screen.
-pub fn thickness(z: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
+/// `None` for a neighbour that is sky or off screen. `reach` is that of the camera at z
+/// ([`Camera::reach_m`](crate::scene::Camera::reach_m)).
+pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
         least.unwrap_or(0.0)
     };
-    span(left, right) + span(up, down) + SHARE_OF_DEPTH * z
+    span(left, right) + span(up, down) + SHARE_OF_DEPTH * reach
 }
 
 /// The block of every pixel.
@@ -57,7 +58,8 @@ pub fn blocks(gbuffer: &GBufferData) -> Level<DepthBlock> {
         let Some(z) = at(Some(x), Some(y)) else { return DepthBlock::EMPTY };
         let across = [at(x.checked_sub(1), Some(y)), at(Some(x + 1), Some(y))];
         let along = [at(Some(x), y.checked_sub(1)), at(Some(x), Some(y + 1))];
-        let behind = z + thickness(z, [across[0], across[1], along[0], along[1]]);
+        let reach = gbuffer.camera.reach_m(z);
+        let behind = z + thickness(z, reach, [across[0], across[1], along[0], along[1]]);
         let front = f64::from(gbuffer.depth[gbuffer.index(x, y)]);
         DepthBlock { back: view_to_clip.project_point3(DVec3::new(0.0, 0.0, behind)).z, front }
     })
@@ -71,10 +73,10 @@ mod tests {
 
     #[test]
     fn thickness_takes_the_smaller_step_of_each_axis() {
-        let t = thickness(10.0, [Some(10.5), Some(9.8), Some(13.0), Some(10.0)]);
+        let t = thickness(10.0, 10.0, [Some(10.5), Some(9.8), Some(13.0), Some(10.0)]);
         assert!((t - (0.2 + 0.0 + 0.04)).abs() < 1e-12);
-        assert!((thickness(10.0, [None, Some(12.0), None, None]) - (2.0 + 0.0 + 0.04)).abs() < 1e-12);
-        assert!((thickness(10.0, [None; 4]) - 0.04).abs() < 1e-12, "a lone pixel must get the least thickness");
+        assert!((thickness(10.0, 10.0, [None, Some(12.0), None, None]) - (2.0 + 0.0 + 0.04)).abs() < 1e-12);
+        assert!((thickness(10.0, 10.0, [None; 4]) - 0.04).abs() < 1e-12, "a lone pixel must get the least thickness");
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub use lobe::Lobe;
 
 use super::Level;
 use crate::math::{OracleVersion, constants};
-use crate::scene::{Camera, GBufferData};
+use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{IVec2, Vec2, Vec3};
 
 /// Twin of the block in `parameters.glsl`.
@@ -38,8 +38,16 @@ pub struct Parameters {
     pub padded: IVec2,
     /// The pyramid's coarsest level.
     pub top_level: i32,
-    /// near / (far − near).
+    /// near / (far − near), or 1 / (far − near) if rays of sight are parallel.
     pub depth_offset: f32,
+    /// How far the image is shifted against the axis of the view, in half pixels.
+    pub shift: Vec2,
+    /// Reversed depth at z = 0 if rays of sight are parallel.
+    pub depth_origin: f32,
+    /// Metres from the lower to the upper side of the image if rays of sight are parallel.
+    pub reach: f32,
+    /// `ORTHOGRAPHIC`, as a kind.
+    pub kind: ProjectionKind,
 }
 
 impl Parameters {
@@ -49,6 +57,7 @@ impl Parameters {
         let to_clip = glam::DVec2::new(projection.x_axis.x, projection.y_axis.y);
         let size = glam::UVec2::new(width, height);
         let top_level = width.max(height).next_power_of_two().ilog2().min(6);
+        let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
         Self {
             view_to_clip: to_clip.as_vec2(),
             pixel_to_clip: (1.0 / size.as_dvec2()).as_vec2(),
@@ -58,6 +67,10 @@ impl Parameters {
                 .as_ivec2(),
             top_level: top_level as i32,
             depth_offset: -projection.z_axis.z as f32,
+            shift: (size.as_dvec2() * shift.truncate().truncate()).as_vec2(),
+            depth_origin: projection.w_axis.z as f32,
+            reach: camera.reach_m(1.0) as f32,
+            kind: camera.kind(),
         }
     }
 }
@@ -233,8 +246,8 @@ impl<'a> Traversal<'a> {
         let along = view.x * n.x + view.y * n.y + n.z;
         let squared = n.x * n.x + n.y * n.y + n.z * n.z;
         let a = -2.0 * along * (1.0 / squared);
-        let change = (p.view_to_clip * n.truncate() - ndc * n.z) * a;
-        let change_z = -((depth + p.depth_offset) * (1.0 + a * n.z));
+        let change = p.ndc_change(ndc, n) * a;
+        let change_z = p.depth_change(depth, 1.0 + a * n.z);
         let direction = view.extend(1.0) + a * n;
         Some((self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z)), along < 0.0))
     }
@@ -244,16 +257,17 @@ impl<'a> Traversal<'a> {
         let (p, pixel) = (&self.parameters, IVec2::new(x as i32, y as i32));
         let depth = self.levels[0].at_clamped(x, y).front;
         let (_, ndc) = self.pixel_point(pixel);
-        let change = p.view_to_clip * direction.truncate() - ndc * direction.z;
-        let change_z = -((depth + p.depth_offset) * direction.z);
+        let change = p.ndc_change(ndc, direction);
+        let change_z = p.depth_change(depth, direction.z);
         let start = pixel.as_vec2() + 0.5;
         (depth > 0.0).then(|| self.make_ray(start, pixel, depth, direction, change.extend(change_z)))
     }
 
     fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
         let p = &self.parameters;
-        let centre = IVec2::new(2 * pixel.x + 1 - p.size.x, p.size.y - 2 * pixel.y - 1).as_vec2();
-        (centre * p.pixel_to_view, centre * p.pixel_to_clip)
+        let centre = IVec2::new(2 * pixel.x + 1 - p.size.x, p.size.y - 2 * pixel.y - 1).as_vec2() - p.shift;
+        let view = if p.kind.is_orthographic() { Vec2::ZERO } else { centre * p.pixel_to_view };
+        (view, centre * p.pixel_to_clip)
     }
 
     fn make_ray(&self, start: Vec2, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
@@ -261,7 +275,8 @@ impl<'a> Traversal<'a> {
         let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
         let fastest = moved.x.abs().max(moved.y.abs());
         if fastest.is_nan() || fastest <= 1e-30 {
-            return Ray { start, pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0, direction };
+            let rate = Vec3::new(0.0, 0.0, change.z);
+            return Ray { start, pixel, depth, rate, inverse: Vec2::splat(NEVER), end: 0.0, direction };
         }
         let scale = 1.0 / fastest;
         let (rate, depth_rate) = (moved * scale, change.z * scale);
@@ -391,8 +406,10 @@ impl<'a> Traversal<'a> {
         self.levels[0].at_clamped(pixel.x as u32, pixel.y as u32)
     }
 
+    /// The normal of a pixel, or none beyond the image, where rounding may put the first pixel of a ray through a corner.
     fn normal(&self, pixel: IVec2) -> Vec3 {
-        self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)]
+        let is_inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(self.parameters.size).all();
+        if is_inside { self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { Vec3::ZERO }
     }
 
     /// `IsBehind`.
@@ -445,14 +462,20 @@ fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     if depth <= 0.0 {
         return Block::EMPTY;
     }
+    let is_linear = parameters.kind.is_orthographic();
     let span = |dx, dy| {
         let neighbour = depth_at(p + IVec2::new(dx, dy));
-        let reciprocal = 1.0 / (neighbour + parameters.depth_offset);
+        let reciprocal = if is_linear { 1.0 } else { 1.0 / (neighbour + parameters.depth_offset) };
         if neighbour > 0.0 { (depth - neighbour).abs() * reciprocal } else { NEVER }
     };
     let least = |a: f32, b: f32| if a.min(b) < NEVER { a.min(b) } else { 0.0 };
-    let thickness =
-        (least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1))) + constants::SHARE_OF_DEPTH as f32;
+    let spans = least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1));
+    let share = constants::SHARE_OF_DEPTH as f32;
+    if is_linear {
+        let thickness = spans + share * (parameters.reach * parameters.depth_offset);
+        return Block { front: depth, back: depth - thickness };
+    }
+    let thickness = spans + share;
     let scale = 1.0 / (1.0 + thickness);
     Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
 }

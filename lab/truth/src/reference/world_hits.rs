@@ -22,7 +22,7 @@ pub enum WorldHit {
     Hit {
         /// World position in metres.
         position: DVec3,
-        /// Pixel coordinates, which may be off screen; `None` behind the eye.
+        /// Pixel coordinates, which may be off screen; `None` behind the eye of a perspective.
         pixel: Option<DVec2>,
         /// View-space z in metres.
         view_z_m: f64,
@@ -82,12 +82,13 @@ impl<'a> ShownPlaces<'a> {
         Self { gbuffer, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
-    /// Where a place projects to (`None` behind the eye), its view-space z in metres, and whether the pixel there shows
+    /// Where a place projects to (`None` behind the eye of a perspective), its view-space z in metres, and whether the pixel there shows
     /// it.
     pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
         let view = self.world_to_view.transform_point3(position);
         let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
-        let shows = |i: usize| (view.z - self.view_z_m[i]).abs() <= VISIBLE_WITHIN * view.z + VISIBLE_WITHIN;
+        let reach = self.gbuffer.camera.reach_m(view.z);
+        let shows = |i: usize| (view.z - self.view_z_m[i]).abs() <= VISIBLE_WITHIN * reach + VISIBLE_WITHIN;
         (pixel, view.z, pixel.and_then(|p| self.index(p)).is_some_and(shows))
     }
 
@@ -111,7 +112,7 @@ mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, Lens, Material, Scene};
+    use crate::scene::{Camera, Lens, Material, Opening, Scene};
     use glam::Vec3;
 
     /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
@@ -123,7 +124,7 @@ mod tests {
             materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
             ..Scene::default()
         };
-        let lens = Lens { fov_y_radians: 90_f32.to_radians(), ..Lens::default() };
+        let lens = Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() };
         let (width, height) = (40, 40);
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
         let world = World::new(&scene, &scene.materials);
@@ -171,6 +172,41 @@ mod tests {
             seen += 1;
         }
         assert_eq!(seen, 15 * 40);
+    }
+
+    #[test]
+    fn parallel_lines_of_sight_are_reflected_alike() {
+        let floor = rectangle(Vec3::new(-9.0, -1.0, -9.0), 18.0 * Vec3::Z, 18.0 * Vec3::X, 0);
+        let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
+        let scene = Scene {
+            meshes: vec![floor, wall],
+            materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
+            ..Scene::default()
+        };
+        // Down by 45°: a ray that meets the floor at z rises as steeply, and meets the wall 4 − z above the floor.
+        let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), Lens::orthographic(4.0, 0.0, 20.0), 1.0);
+        let world = World::new(&scene, &scene.materials);
+        let data = testing::traced(&world, &camera, [40, 40]);
+        let shown = FirstHits::shown(&world, &data);
+        let from_depth = FirstHits::from_gbuffer(&data);
+        let mut seen = 0;
+        for (i, hit) in world_hits(&world, &data, &shown).into_iter().enumerate() {
+            let Some(receiver) = &shown.receivers[i] else { continue };
+            // Pixels are 0.1 m wide; those of a row meet the floor at one z.
+            let up = 2.0 - (f64::from(i as u32 / 40) + 0.5) * 0.1;
+            let z = 1.0 + 2_f64.sqrt() * up;
+            let across = (f64::from(i as u32 % 40) + 0.5) * 0.1 - 2.0;
+            let place = DVec3::new(across, -1.0, z);
+            assert!(receiver.position.distance(place) < 1e-5, "{i}: {} is not {place}", receiver.position);
+            assert!(from_depth.receivers[i].expect("it reflects").position.distance(place) < 1e-5);
+            let WorldHit::Hit { position, pixel, length_m, .. } = hit else { panic!("{i}: {hit:?}") };
+            assert!(position.distance(DVec3::new(across, 3.0 - z, 4.0)) < 1e-4, "{i}: {position}");
+            assert!((length_m - 2_f64.sqrt() * (4.0 - z)).abs() < 1e-4);
+            // Nothing moves from column to column.
+            assert!((pixel.expect("ahead").x - (f64::from(i as u32 % 40) + 0.5)).abs() < 1e-3, "{pixel:?}");
+            seen += 1;
+        }
+        assert!(seen > 800, "{seen}");
     }
 
     #[test]

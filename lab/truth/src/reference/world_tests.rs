@@ -429,7 +429,7 @@ fn version_2_shows_the_environment_to_whoever_escapes() {
     // The pixel is so small that all its rays have one direction.
     let incoming = DVec3::new(0.3, -1.0, 0.2);
     let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
-    let lens = Lens { fov_y_radians: 1e-6, ..Lens::default() };
+    let lens = Lens { opening: crate::scene::Opening::Angle(1e-6), ..Lens::default() };
     let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
     let bring = |definitions, shown| {
         let reference = WorldReference::by(definitions, &world, &first_hits, &camera, shown, 1);

@@ -5,12 +5,12 @@
 //! `roughness`; `reflectivity`; and, where a surface shows the environment of [`sky`](super::sky), `sky`: 1 there and 0
 //! elsewhere (a file without the channel has no such surface, and one of another renderer needs none). Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
 //! `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward.
-//! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if a file
-//! lacks them, the projection is taken from its matrix.
+//! `fovYRadians` or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane`
+//! (metres) repeat the projection exactly; if a file lacks them, the projection is taken from its matrix.
 
 use super::camera::ReadProjection;
 use super::exr_channels::{self, ExrChannels, axis, check};
-use super::{Camera, GBufferData, Lens, Projection, Surface, bounded};
+use super::{Camera, GBufferData, Lens, Opening, Projection, ProjectionKind, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
@@ -48,9 +48,13 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let camera = &gbuffer.camera;
     let mut attributes =
         LayerAttributes { world_to_camera: Some(camera.world_to_view.to_cols_array()), ..LayerAttributes::default() };
+    let opening = match camera.lens.opening {
+        Opening::Angle(fov) => ("fovYRadians", AttributeValue::F32(fov)),
+        Opening::Height(height) => ("orthographicHeight", AttributeValue::F32(height)),
+    };
     let numbers = [
         ("viewToClip", AttributeValue::Matrix4x4(camera.view_to_clip_reversed().to_cols_array())),
-        ("fovYRadians", AttributeValue::F32(camera.lens.fov_y_radians)),
+        opening,
         ("aspectRatio", AttributeValue::F32(camera.aspect)),
         ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
@@ -122,13 +126,22 @@ fn is_unit(value: f32) -> bool {
 
 /// The view-space z of a reversed depth; 0 for sky.
 fn view_z(depth: f32, lens: &Lens) -> f32 {
-    if depth <= 0.0 { 0.0 } else { lens.near_m * lens.far_m / (lens.near_m + depth * (lens.far_m - lens.near_m)) }
+    let Lens { near_m: near, far_m: far, .. } = *lens;
+    match lens.kind() {
+        _ if depth <= 0.0 => 0.0,
+        ProjectionKind::Perspective => near * far / (near + depth * (far - near)),
+        ProjectionKind::Orthographic => far - depth * (far - near),
+    }
 }
 
 /// The reversed depth of a view-space z; sky if z is outside the near and far planes.
 pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
-    let inside = z >= lens.near_m && z <= lens.far_m;
-    if inside { lens.near_m * (lens.far_m - z) / (z * (lens.far_m - lens.near_m)) } else { 0.0 }
+    let Lens { near_m: near, far_m: far, .. } = *lens;
+    match lens.kind() {
+        _ if !(z >= near && z <= far) => 0.0,
+        ProjectionKind::Perspective => near * (far - z) / (z * (far - near)),
+        ProjectionKind::Orthographic => (far - z) / (far - near),
+    }
 }
 
 /// Reads the camera from a layer's attributes.
@@ -138,35 +151,42 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
         _ => None,
     };
     let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
-    let exact = (number("fovYRadians"), number("nearPlane"), number("farPlane"));
+    let height = number("orthographicHeight").map(Opening::Height);
+    let opening = number("fovYRadians").map(Opening::Angle).or(height);
+    let exact = (opening, number("nearPlane"), number("farPlane"));
     let (lens, aspect, projection) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
-        ((Some(fov_y_radians), Some(near_m), Some(far_m)), _) => {
-            (Lens { fov_y_radians, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
+        ((Some(opening), Some(near_m), Some(far_m)), _) => {
+            (Lens { opening, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
         }
         (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
         _ => {
             return Err(
-                "the projection is missing: neither viewToClip nor fovYRadians, nearPlane and farPlane are given"
+                "the projection is missing: neither viewToClip nor fovYRadians (or orthographicHeight), nearPlane and \
+                 farPlane are given"
                     .into(),
             );
         }
     };
     let made = Camera { world_to_view, lens, aspect, near_plane: None, projection };
     if !made.is_sound() {
-        let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
-        return Err(format!("a projection with fov {fov}, near {near}, far {far} and aspect {aspect} cannot be used"));
+        let Lens { opening, near_m: near, far_m: far } = lens;
+        let seen = match opening {
+            Opening::Angle(fov) => format!("fov {fov}"),
+            Opening::Height(height) => format!("a height of {height} m"),
+        };
+        return Err(format!("a projection with {seen}, near {near}, far {far} and aspect {aspect} cannot be used"));
     }
     Ok(made)
 }
 
-/// The lens, the aspect ratio and the numbers of a perspective matrix with reversed depth.
+/// The lens, the aspect ratio and the numbers of a projection matrix with reversed depth.
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
     if read.turn != Vec3::ONE || !read.is_reversed {
-        return Err("viewToClip is not a left-handed perspective with reversed depth".into());
+        return Err("viewToClip is not a left-handed projection with reversed depth".into());
     }
     let [x, y] = read.projection.scale;
-    let lens = Lens { fov_y_radians: 2.0 * (1.0 / y).atan(), near_m: read.near, far_m: read.far };
+    let lens = Lens { opening: read.projection.opening(), near_m: read.near, far_m: read.far };
     Ok((lens, y / x, Some(read.projection)))
 }
 
@@ -176,7 +196,7 @@ mod tests {
     use exr::meta::MetaData;
 
     fn sample() -> GBufferData {
-        let lens = Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 };
+        let lens = Lens::perspective(1.2, 0.25, 50.0);
         let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), lens, 1.5);
         let n = 6;
         GBufferData {
@@ -201,9 +221,21 @@ mod tests {
 
     #[test]
     fn a_file_round_trips_every_bit() {
-        let gbuffer = sample();
-        let (_folder, path) = written(&gbuffer);
-        assert!(load(&path).expect("loads") == gbuffer);
+        let perspective = sample();
+        let mut parallel = sample();
+        parallel.camera.lens = Lens::orthographic(7.3, 0.0, 50.0);
+        let mut by_numbers = parallel.clone();
+        let numbers = crate::scene::Projection {
+            kind: ProjectionKind::Orthographic,
+            scale: [0.3, 0.5],
+            shift: [0.25, -0.125],
+            depth: [1.25, -0.0625],
+        };
+        by_numbers.camera = Camera::of_projection(parallel.camera.world_to_view, numbers);
+        for gbuffer in [perspective, parallel, by_numbers] {
+            let (_folder, path) = written(&gbuffer);
+            assert!(load(&path).expect("loads") == gbuffer);
+        }
     }
 
     #[test]
@@ -225,11 +257,15 @@ mod tests {
         let gbuffer = sample();
         let (lens, aspect, _) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
         let expected = gbuffer.camera.lens;
+        let parallel = Lens::orthographic(7.0, 0.5, 50.0);
         assert!((lens.near_m - expected.near_m).abs() < 1e-6 && (lens.far_m - expected.far_m).abs() < 1e-3);
-        assert!((lens.fov_y_radians - expected.fov_y_radians).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);
+        let [fov, wanted] = [lens, expected].map(|lens| lens.fov_y_radians().expect("a perspective"));
+        assert!((fov - wanted).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);
         for depth in [0.02_f32, 0.3, 0.99] {
-            let back = reversed_depth(view_z(depth, &expected), &expected);
-            assert!((back - depth).abs() < 1e-6, "{depth} {back}");
+            for lens in [expected, parallel] {
+                let back = reversed_depth(view_z(depth, &lens), &lens);
+                assert!((back - depth).abs() < 1e-6, "{depth} {back}");
+            }
         }
         assert_eq!(reversed_depth(0.0, &expected), 0.0, "sky");
         assert!(from_matrix(&gbuffer.camera.view_to_clip().transpose()).is_err());

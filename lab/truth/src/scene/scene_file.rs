@@ -9,8 +9,8 @@ pub use captures::with_captures;
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
 use super::{
-    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, gltf,
-    viewpoint,
+    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Opening, Probe, Scene, Surface, View,
+    gltf, viewpoint,
 };
 use crate::error::{Error, Result};
 use crate::scene::far_away::far_origin;
@@ -53,7 +53,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         None => 1.0,
     };
     let metre = Lens::default();
-    let metre = Lens { near_m: metre.near_m * extra_scale, far_m: metre.far_m * extra_scale, ..metre };
+    let metre = metre.scaled(extra_scale);
     let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
     let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
     let views = source.views(sections.view, lens, extra_scale)?;
@@ -201,6 +201,7 @@ struct LightSection {
 #[serde(deny_unknown_fields)]
 struct LensSection {
     fov_y_deg: Option<Spanned<f32>>,
+    orthographic_height_m: Option<Spanned<f32>>,
     near: Option<Spanned<f32>>,
     far: Option<Spanned<f32>>,
 }
@@ -211,6 +212,7 @@ struct ViewSection {
     eye: Spanned<[f32; 3]>,
     look_at: Spanned<[f32; 3]>,
     fov_y_deg: Option<Spanned<f32>>,
+    orthographic_height_m: Option<Spanned<f32>>,
     near: Option<Spanned<f32>>,
     far: Option<Spanned<f32>>,
     #[serde(default)]
@@ -253,7 +255,8 @@ impl SourceText<'_> {
         Err(self.error(value.span(), message))
     }
 
-    /// The lens `base` with the changes of a section, whose planes are `scale` times as far away as it says. `at` is the
+    /// The lens `base` with the changes of a section, whose planes are `scale` times as far away as it says, as its height is
+    /// `scale` times as great. `at` is the
     /// section's place in the file, for errors.
     fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), at: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
@@ -263,7 +266,14 @@ impl SourceText<'_> {
                 let message = format!("fov_y_deg must lie between 0 and 180, but is {degrees}");
                 return Err(self.error(fov.span(), message));
             }
-            lens.fov_y_radians = degrees.to_radians();
+            lens.opening = Opening::Angle(degrees.to_radians());
+        }
+        if let Some(height) = &section.orthographic_height_m {
+            if section.fov_y_deg.is_some() {
+                let message = "fov_y_deg and orthographic_height_m are two projections: one of them is too many";
+                return Err(self.error(height.span(), message));
+            }
+            lens.opening = Opening::Height(self.positive("orthographic_height_m", height)? * scale);
         }
         if let Some(near) = &section.near {
             lens.near_m = self.positive("near", near)? * scale;
@@ -277,10 +287,13 @@ impl SourceText<'_> {
             return Err(self.error(at, message));
         }
         if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
-            let Lens { fov_y_radians, near_m, far_m } = lens;
-            let fov = fov_y_radians.to_degrees();
+            let Lens { opening, near_m, far_m } = lens;
+            let opening = match opening {
+                Opening::Angle(fov) => format!("fov_y_deg {}", fov.to_degrees()),
+                Opening::Height(height) => format!("orthographic_height_m {height}"),
+            };
             let message = format!(
-                "a lens with fov_y_deg {fov}, near {near_m} and far {far_m} is beyond the precision of the projection"
+                "a lens with {opening}, near {near_m} and far {far_m} is beyond the precision of the projection"
             );
             return Err(self.error(at, message));
         }
@@ -323,7 +336,7 @@ impl SourceText<'_> {
 
     fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
         let at = section.span();
-        let ViewSection { eye, look_at, fov_y_deg, near, far, materials } = section.into_inner();
+        let ViewSection { eye, look_at, fov_y_deg, orthographic_height_m, near, far, materials } = section.into_inner();
         let look_at_span = look_at.span();
         let eye = self.place("eye", &eye, extra_scale)?;
         let look_at = self.place("look_at", &look_at, extra_scale)?;
@@ -331,7 +344,7 @@ impl SourceText<'_> {
             let message = format!("view {name:?} looks at its own eye; look_at must be another point");
             return Err(self.error(look_at_span, message));
         }
-        let own = LensSection { fov_y_deg, near, far };
+        let own = LensSection { fov_y_deg, orthographic_height_m, near, far };
         let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), at)?) };
         let materials = self.changes(materials)?.into_iter().collect();
         Ok(View { name, eye, look_at, lens, materials })

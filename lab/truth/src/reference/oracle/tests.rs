@@ -20,7 +20,7 @@ const SKY: f64 = f64::INFINITY;
 fn a_floor_mirrors_the_wall() {
     let g = floor_and_wall(160, 90);
     let oracle = Oracle::new(&g);
-    let tan = f64::from(g.camera.lens.fov_y_radians / 2.0).tan();
+    let tan = f64::from(g.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     for (x, y) in [(80, 65), (10, 62), (150, 70), (79, 75)] {
         let ndc = [2.0 * (f64::from(x) + 0.5) / 160.0 - 1.0, 1.0 - 2.0 * (f64::from(y) + 0.5) / 90.0];
         let (a, b) = (ndc[0] * tan * 160.0 / 90.0, ndc[1] * tan);
@@ -43,7 +43,7 @@ fn rays_leave_the_screen() {
     // From the lowest row, the mirrored ray has risen by 2 m at the wall's depth. It is above the screen there,
     // and was always in front of the wall.
     let g = floor_and_wall(160, 90);
-    let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians / 2.0).tan();
+    let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     assert!(-2.0 - 5.0 * b > 0.0 && 5.0 * b.abs() < 5.0 * 0.7536);
     let oracle = Oracle::new(&g);
     let up = oracle.trace_direction(80, 89, DVec3::Y);

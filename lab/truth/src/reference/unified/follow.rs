@@ -5,7 +5,7 @@
 use super::{Code, Hit, NEVER, Over, Ray, Traversal, Walk, crossing, dot};
 use crate::math::constants;
 use crate::reference::CaptureData;
-use crate::scene::{Aabb, Camera};
+use crate::scene::{Aabb, Camera, ProjectionKind};
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
 /// How far away the sky is put, in metres.
@@ -108,7 +108,10 @@ impl<'a> CubeWalk<'a> {
     /// Makes the twin for some captures, which all have one lens and size.
     pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
         let faces = || captures.iter().flat_map(|c| &c.faces);
-        let unit = |camera: &Camera| camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32;
+        let unit = |camera: &Camera| match camera.kind() {
+            ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,
+            ProjectionKind::Orthographic => 1.0,
+        };
         Self {
             faces: faces().map(Traversal::new).collect(),
             places: captures.iter().map(|c| c.place - camera.eye()).collect(),

@@ -131,7 +131,8 @@ impl Gloss<'_> {
     pub fn cell(&self, rays: &Level<Gathered>, cell: IVec2) -> Cell {
         let Some(pixel) = self.wide_pixel(cell) else { return Cell::default() };
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
-        let lobe = Lobe::new(point, self.normal(pixel), self.roughness(pixel));
+        let p = &self.traversal.parameters;
+        let lobe = Lobe::new(p.sight(point), self.normal(pixel), self.roughness(pixel));
         let here = Here { point, lobe, peak: log_density(lobe.power, 0.0) };
         let beside = IVec2::new(cell.x, cell.y ^ 1);
         let [above, middle, below] = [-1, 0, 1].map(|y| self.row(rays, cell, y));
@@ -143,7 +144,8 @@ impl Gloss<'_> {
         for row in [above, exchanged(middle, 0), middle, exchanged(above, -1), below] {
             row.into_iter().for_each(|ray| here.gather(&mut sum, ray));
         }
-        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(point.z.min(super::GREATEST)) }
+        let z = if p.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
+        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
     /// `Row`.

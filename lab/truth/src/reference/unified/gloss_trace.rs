@@ -71,7 +71,7 @@ impl Gloss<'_> {
     /// The first half of `Look`; `common` is the part that a lobe of a power has in common with its neighbours'.
     fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> Aim {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
-        let lobe = Lobe::new(point, normal, self.roughness(pixel));
+        let lobe = Lobe::new(self.traversal.parameters.sight(point), normal, self.roughness(pixel));
         let common_part = common(lobe.power);
         let share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
         let angle = std::f32::consts::TAU * u.y;

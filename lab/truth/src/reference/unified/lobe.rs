@@ -3,6 +3,7 @@
 
 use super::Parameters;
 use crate::math::constants;
+use crate::scene::ProjectionKind;
 use glam::{IVec2, Vec2, Vec3};
 
 /// `LOG2_E`.
@@ -78,22 +79,50 @@ pub(super) fn inverse_sqrt(v: f32) -> f32 {
 }
 
 impl Parameters {
-    /// `ViewRay`: the view-space direction in which continuous pixel coordinates are seen; z is 1.
-    pub(super) fn view_ray(&self, position: Vec2) -> Vec3 {
+    /// `OffAxis`: how far continuous pixel coordinates lie off the axis of the view.
+    fn off_axis(&self, position: Vec2) -> Vec2 {
         let size = self.size.as_vec2();
-        let centred = Vec2::new(2.0 * position.x - size.x, size.y - 2.0 * position.y);
-        (centred * self.pixel_to_view).extend(1.0)
+        let centred = Vec2::new(2.0 * position.x - size.x, size.y - 2.0 * position.y) - self.shift;
+        centred * self.pixel_to_view
     }
 
-    /// `ViewPoint`: view space divided by near (1 + k), of continuous pixel coordinates and reversed depth.
+    /// `ViewRay`: the view-space direction in which continuous pixel coordinates are seen; z is 1.
+    pub(super) fn view_ray(&self, position: Vec2) -> Vec3 {
+        if self.kind.is_orthographic() { Vec3::Z } else { self.off_axis(position).extend(1.0) }
+    }
+
+    /// `ViewPoint`: view space, divided by near (1 + k) in a perspective, of continuous pixel coordinates and reversed depth.
     pub fn view_point(&self, position: Vec2, depth: f32) -> Vec3 {
-        self.view_ray(position) / (depth + self.depth_offset)
+        match self.kind {
+            ProjectionKind::Perspective => self.view_ray(position) / (depth + self.depth_offset),
+            ProjectionKind::Orthographic => {
+                self.off_axis(position).extend((self.depth_origin - depth) / self.depth_offset)
+            }
+        }
+    }
+
+    /// `Sight`: the direction in which a point is seen.
+    pub(super) fn sight(&self, point: Vec3) -> Vec3 {
+        if self.kind.is_orthographic() { Vec3::Z } else { point }
+    }
+
+    /// `NdcChange`.
+    pub(super) fn ndc_change(&self, ndc: Vec2, along: Vec3) -> Vec2 {
+        let parallel = self.view_to_clip * along.truncate();
+        if self.kind.is_orthographic() { parallel } else { parallel - ndc * along.z }
+    }
+
+    /// `DepthChange`.
+    pub(super) fn depth_change(&self, depth: f32, z: f32) -> f32 {
+        let slope = if self.kind.is_orthographic() { self.depth_offset } else { depth + self.depth_offset };
+        -(slope * z)
     }
 
     /// `FootprintLevel`: the level of the colour's chain for a ray of a density that stands for a share of the lobe.
     pub(super) fn footprint_level(&self, point: Vec3, there: Vec3, density: f32, share: f32) -> f32 {
         let away = there - point;
-        let pixel = there.z * self.pixel_to_view.y;
+        let z = if self.kind.is_orthographic() { 1.0 } else { there.z };
+        let pixel = z * self.pixel_to_view.y;
         let texels = (2.0 * share * away.dot(away) / (pixel * pixel)).log2();
         (0.5 * (texels - (density - LOG_DENSITY_BIAS))).max(0.0)
     }

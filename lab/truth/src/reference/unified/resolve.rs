@@ -6,6 +6,7 @@ use super::gloss_trace::cell_pixel;
 use super::lobe::{LEAST_WEIGHT, lobe_power, overlap};
 use crate::math::constants;
 use crate::reference::Level;
+use crate::scene::ProjectionKind;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
 /// `PLANE_TOLERANCE`: off its plane by this share of its depth, a cell has lost most of its weight.
@@ -32,7 +33,15 @@ impl Gloss<'_> {
             let Cell { mut reflection, surface } = drawn.unwrap_or_default();
             let away = (cell_pixel(at) - pixel).as_vec2();
             let near = CELL_REACH - away.abs();
-            let off = (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing;
+            let off = match p.kind {
+                ProjectionKind::Perspective => {
+                    (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing
+                }
+                ProjectionKind::Orthographic => {
+                    let there = self.depth(cell_pixel(at).min(p.size - 1));
+                    (turn.dot(away) + facing * (depth - there) / p.depth_offset) / p.reach
+                }
+            };
             let same = overlap(normal - surface.truncate(), power);
             let squared = off * off;
             let alike = (same / (1.0 + squared * squared)).max(LEAST_WEIGHT);

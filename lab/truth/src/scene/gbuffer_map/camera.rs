@@ -8,7 +8,7 @@ use super::keys::MapKeys;
 use super::numbers::MapNumbers;
 use crate::error::Result;
 use crate::scene::camera::{ReadProjection, is_rotation};
-use crate::scene::{Camera, Lens, Projection};
+use crate::scene::{Camera, Lens, Opening, Projection, ProjectionKind};
 use glam::camera::lh::view::look_to_mat4;
 use glam::{DMat3, DMat4, DVec4, Mat4};
 
@@ -39,7 +39,19 @@ enum MapLens {
         length: MapNumbers,
         sensor: MapNumbers,
     },
+    /// The extent of what the image shows along an axis, in the renderer's unit of length: rays of sight are parallel.
+    Extent {
+        axis: usize,
+        extent: MapNumbers,
+    },
     Matrix(MapNumbers),
+}
+
+/// How much a lens sees along an axis of the image: an angle in radians, or metres at any distance.
+#[derive(Debug, Clone, Copy)]
+enum MapOpening {
+    Angle(f64),
+    Extent(f64),
 }
 
 #[derive(Debug, Clone)]
@@ -63,8 +75,8 @@ struct MapPoints {
 }
 
 /// The ways to give a lens, for errors.
-const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, projection, or focal-length-mm with sensor-width-mm \
-                      or sensor-height-mm";
+const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-height, orthographic-width, projection, or \
+                      focal-length-mm with sensor-width-mm or sensor-height-mm";
 
 impl MapCamera {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
@@ -112,48 +124,63 @@ impl MapCamera {
             MapLens::Matrix(matrix) => by_matrix(matrix, [near, far], conventions, depth, files)?,
             MapLens::Angle { axis, angle, to_radians } => {
                 let angle = angle.one(files)? * to_radians;
-                self.by_angle(*axis, angle, [near, far], files)?
+                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
             }
             MapLens::Focal { axis, length, sensor } => {
                 let angle = 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan();
-                self.by_angle(*axis, angle, [near, far], files)?
+                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
+            }
+            MapLens::Extent { axis, extent } => {
+                let extent = extent.one(files)? * conventions.metres;
+                self.by_opening(*axis, MapOpening::Extent(extent), [near, far], files)?
             }
         };
         let coding = depth.coding(coding, conventions.metres);
         let camera = Camera { world_to_view: self.world_to_view(conventions, files)?, ..camera };
         if !camera.is_sound() {
-            let Lens { fov_y_radians: fov, near_m: near, far_m: far } = camera.lens;
-            let (degrees, aspect) = ((fov.to_degrees() * 100.0).round() / 100.0, camera.aspect);
+            let (Lens { opening, near_m: near, far_m: far }, aspect) = (camera.lens, camera.aspect);
+            let opening = match opening {
+                Opening::Angle(fov) => format!("a field of view of {}°", (fov.to_degrees() * 100.0).round() / 100.0),
+                Opening::Height(height) => format!("{height} m"),
+            };
             let message = format!(
-                "[camera]: a field of view of {degrees}° from top to bottom, planes at {near} m and {far} m and an \
-                 aspect of {aspect} cannot be used"
+                "[camera]: {opening} from top to bottom, planes at {near} m and {far} m and an aspect of {aspect} cannot \
+                 be used"
             );
             return Err(files.error(self.line, message));
         }
         Ok((camera, coding))
     }
 
-    /// The camera of a lens with an angle of view, in radians, along an axis of the image.
-    fn by_angle(
+    /// The camera of a lens by how much it sees along an axis of the image.
+    fn by_opening(
         &self,
         axis: usize,
-        angle: f64,
+        seen: MapOpening,
         planes: [Option<f32>; 2],
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
         let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?.unwrap_or(width / height);
-        let fov = if axis == 1 { angle } else { 2.0 * ((0.5 * angle).tan() / aspect).atan() };
+        let opening = match seen {
+            MapOpening::Angle(angle) if axis == 1 => Opening::Angle(angle as f32),
+            MapOpening::Angle(angle) => Opening::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
+            MapOpening::Extent(extent) => Opening::Height((if axis == 1 { extent } else { extent / aspect }) as f32),
+        };
         // `take` has seen to it that there are both planes.
         let [near_m, far_m] = planes.map(Option::unwrap_or_default);
-        let coding = DepthCoding::of_planes(f64::from(near_m), f64::from(far_m));
-        let lens = Lens { fov_y_radians: fov as f32, near_m, far_m };
+        let lens = Lens { opening, near_m, far_m };
+        let coding = DepthCoding::of_planes(lens.kind(), f64::from(near_m), f64::from(far_m));
         let aspect = aspect as f32;
         let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: None };
         let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
         let shift = shift.get(files)?;
-        let up = 1.0 / f64::from(0.5 * lens.fov_y_radians).tan();
+        let up = match opening {
+            Opening::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
+            Opening::Height(height) => 2.0 / f64::from(height),
+        };
         let projection = Projection {
+            kind: lens.kind(),
             scale: [up / f64::from(aspect), up].map(|v| v as f32),
             shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|v| v as f32),
             depth: coding.as_f32(),
@@ -219,22 +246,25 @@ fn by_matrix(
     let metres = conventions.metres;
     let own_near = (f64::from(read.near) * metres) as f32;
     let own_far = (f64::from(read.far) * metres) as f32;
-    let lens = Lens {
-        fov_y_radians: 2.0 * (1.0 / read.projection.scale[1]).atan(),
-        near_m: near.unwrap_or(own_near),
-        far_m: far.unwrap_or(own_far),
+    let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
+    // In metres, as the planes are.
+    let (scale, b) = match kind {
+        ProjectionKind::Perspective => (read.projection.scale, b * metres),
+        ProjectionKind::Orthographic => (read.projection.scale.map(|v| (f64::from(v) / metres) as f32), b / metres),
     };
+    let read_in_metres = Projection { scale, ..read.projection };
+    let lens =
+        Lens { opening: read_in_metres.opening(), near_m: near.unwrap_or(own_near), far_m: far.unwrap_or(own_far) };
     if !lens.far_m.is_finite() {
         return refused("has its far plane at infinity: say far, beyond which everything counts as sky");
     }
-    let [a, b] = read.projection.depth.map(f64::from);
-    let coding = DepthCoding { a, b: b * metres };
+    let coding = DepthCoding { kind, numbers: [a, b] };
     let ours = if near.or(far).is_some() {
-        DepthCoding::of_planes(f64::from(lens.near_m), f64::from(lens.far_m))
+        DepthCoding::of_planes(kind, f64::from(lens.near_m), f64::from(lens.far_m))
     } else {
         coding
     };
-    let projection = Projection { depth: ours.as_f32(), ..read.projection };
+    let projection = Projection { depth: ours.as_f32(), ..read_in_metres };
     let aspect = projection.scale[1] / projection.scale[0];
     let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
     Ok((camera, coding))
@@ -277,7 +307,16 @@ fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
 
 /// Takes the keys of the lens.
 fn lens(keys: &mut MapKeys) -> Result<MapLens> {
-    const WAYS: [&str; 6] = ["fov-y-deg", "fov-x-deg", "fov-y-rad", "fov-x-rad", "focal-length-mm", "projection"];
+    const WAYS: [&str; 8] = [
+        "fov-y-deg",
+        "fov-x-deg",
+        "fov-y-rad",
+        "fov-x-rad",
+        "orthographic-height",
+        "orthographic-width",
+        "focal-length-mm",
+        "projection",
+    ];
     let given = WAYS.iter().filter(|way| keys.has(way)).count();
     if given != 1 {
         let how_many = if given == 0 { "no lens is given" } else { "more than one lens is given" };
@@ -290,6 +329,11 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     for (key, axis, to_radians) in angles {
         if let Some(angle) = keys.numbers(key, 1)? {
             found = Some(MapLens::Angle { axis, angle, to_radians });
+        }
+    }
+    for (key, axis) in [("orthographic-height", 1), ("orthographic-width", 0)] {
+        if let Some(extent) = keys.numbers(key, 1)? {
+            found = Some(MapLens::Extent { axis, extent });
         }
     }
     if let Some(matrix) = keys.numbers("projection", 16)? {

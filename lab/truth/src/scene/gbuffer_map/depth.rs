@@ -5,33 +5,30 @@ use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::error::Result;
-use crate::scene::Camera;
+use crate::scene::{Camera, ProjectionKind};
 use glam::DVec3;
 
-/// Reversed depth as a function of view-space z: a + b / z.
+/// Reversed depth as a function of view-space z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DepthCoding {
-    pub a: f64,
-    pub b: f64,
+    pub kind: ProjectionKind,
+    /// The two numbers of [`ProjectionKind::reversed_depth`].
+    pub numbers: [f64; 2],
 }
 
 impl DepthCoding {
-    /// The coding between a near plane and a far plane, which may be infinite.
-    pub fn of_planes(near: f64, far: f64) -> Self {
-        if far.is_finite() {
-            Self { a: -near / (far - near), b: near * far / (far - near) }
-        } else {
-            Self { a: 0.0, b: near }
-        }
+    /// The coding between a near plane and a far plane; that of a perspective may be infinite.
+    pub fn of_planes(kind: ProjectionKind, near: f64, far: f64) -> Self {
+        Self { kind, numbers: kind.reversed_depth(near, far) }
     }
 
     /// The numbers as a [`Projection`](crate::scene::Projection) has them.
     pub fn as_f32(self) -> [f32; 2] {
-        [self.a as f32, self.b as f32]
+        self.numbers.map(|v| v as f32)
     }
 
     fn view_z(self, reversed: f64) -> f64 {
-        self.b / (reversed - self.a)
+        self.kind.z_at(self.numbers, reversed)
     }
 }
 
@@ -107,7 +104,7 @@ impl MapDepth {
     /// How the files encode depth: between the planes of the section if it has some, else as the camera does.
     pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
-            Some((near, far)) => DepthCoding::of_planes(near * metres, far * metres),
+            Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
             None => camera,
         }
     }
@@ -136,11 +133,12 @@ impl MapDepth {
         let (near, far) = (f64::from(camera.lens.near_m), f64::from(camera.lens.far_m));
         let is_ours = match camera.projection {
             Some(projection) => coding.as_f32() == projection.depth,
-            None => coding == DepthCoding::of_planes(near, far),
+            None => coding == DepthCoding::of_planes(camera.kind(), near, far),
         };
-        let of_z = |z: f64| match camera.projection.map(|projection| projection.depth.map(f64::from)) {
+        let of_z = |z: f64| match camera.projection {
             _ if z >= far => 0.0,
-            Some([a, b]) => a + b / z,
+            Some(projection) => projection.kind.depth_at(projection.depth.map(f64::from), z),
+            None if camera.kind().is_orthographic() => (far - z) / (far - near),
             None => near * (far - z) / (z * (far - near)),
         };
         let ray = rays(camera, size);
@@ -194,10 +192,13 @@ impl MapDepth {
     }
 }
 
-/// The view-space ray through the centre of each pixel, with z = 1.
+/// The view-space ray of sight through the centre of each pixel, with z = 1.
 fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
-    let clip = camera.view_to_clip_reversed().as_dmat4();
+    let (kind, clip) = (camera.kind(), camera.view_to_clip_reversed().as_dmat4());
     move |pixel| {
+        if kind.is_orthographic() {
+            return DVec3::Z;
+        }
         let (x, y) = (pixel % width as usize, pixel / width as usize);
         let ndc = [(x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0];
         DVec3::new((ndc[0] - clip.z_axis.x) / clip.x_axis.x, (ndc[1] - clip.z_axis.y) / clip.y_axis.y, 1.0)

@@ -234,16 +234,17 @@ impl UniqueNames {
 
 /// The view of a camera, or nothing, with a sentence, if it cannot be one.
 fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
-    let Projection::Perspective(perspective) = camera.projection() else {
-        notes.add("orthographic", "orthographic cameras are not supported and were left out".to_owned());
-        return None;
-    };
     let eye = to_world.w_axis.truncate();
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
-    let lens = Lens {
-        fov_y_radians: perspective.yfov(),
-        near_m: perspective.znear() * units.scale,
-        far_m: perspective.zfar().map_or(units.far_m, |far| far * units.scale),
+    let metres = |length: f32| length * units.scale;
+    let lens = match camera.projection() {
+        Projection::Perspective(p) => {
+            Lens::perspective(p.yfov(), metres(p.znear()), p.zfar().map_or(units.far_m, metres))
+        }
+        // Pixels are square whatever the width is, as with a perspective.
+        Projection::Orthographic(o) => {
+            Lens::orthographic(2.0 * metres(o.ymag().abs()), metres(o.znear()), metres(o.zfar()))
+        }
     };
     let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
     let [eye, look_at] = [eye, eye + distance * forward].map(|v| v.as_vec3());

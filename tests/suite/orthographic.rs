@@ -1,0 +1,395 @@
+//! Orthographic cameras, off-axis ones, and two views of one frame (docs/definitions.md, "Spaces"): `unified` hits what the
+//! oracle says, is its twin to the bit, and among triangles hits what the world says; other renderers' cameras are taken
+//! through the door; methods that need a perspective say so.
+
+use crate::common::engine::{Convention, Engine, NATIVE, Theirs, bits, info, rmse};
+use crate::common::{check_validation, clutter, gpu, is_gpu_assisted};
+use crate::{gloss_twin, triangles, unified as on_screen};
+use glam::{Mat4, Vec3};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::math::OracleVersion;
+use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
+use ssct::methods::unified::First;
+use ssct::methods::{self, Effect, EffectParams, Fallback, METHODS, Setup, Wants, unified};
+use ssct::{ClipY, ProjectionKind, Reflections};
+use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+/// A view of a built-in scene along parallel lines.
+fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {
+    let lens = Some(Lens::orthographic(height_m, 0.0, 60.0));
+    View { name: format!("{} from {eye}", scene.name), eye, look_at, lens, ..View::default() }
+}
+
+/// Scenes with views: down at an angle, along an axis, straight down, and as a town is drawn.
+fn views() -> Vec<(Scene, View)> {
+    let of = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
+        let scene = library::scene(name).unwrap();
+        let view = parallel(&scene, eye.into(), look_at.into(), height_m);
+        (scene, view)
+    };
+    let at = |name: &str, view: &str| {
+        let scene = library::scene(name).unwrap();
+        let view = scene.view(view).unwrap();
+        (view.eye, view.look_at)
+    };
+    let (corridor, ahead) = at("rooms", "corridor");
+    let along = ahead - corridor;
+    let axis = if along.x.abs() > along.z.abs() { Vec3::X * along.x.signum() } else { Vec3::Z * along.z.signum() };
+    let (street, car) = at("street", "car");
+    let (hall, _) = at("atrium", "hall");
+    vec![
+        of("rooms", corridor.to_array(), (corridor + axis - 0.4 * Vec3::Y).to_array(), 3.0),
+        of("rooms", corridor.to_array(), (corridor + axis).to_array(), 2.5),
+        of("street", (car + 12.0 * (street - car).normalize() + 9.0 * Vec3::Y).to_array(), car.to_array(), 9.0),
+        of("atrium", (hall + 2.0 * Vec3::Y).to_array(), (hall - Vec3::Y).to_array(), 6.0),
+    ]
+}
+
+/// A camera's window moved aside, with pixels that are not square.
+fn off_axis(camera: Camera) -> Camera {
+    let clip = camera.view_to_clip_reversed();
+    let kind = camera.kind();
+    let depth = match kind {
+        ProjectionKind::Perspective => [clip.z_axis.z, clip.w_axis.z],
+        ProjectionKind::Orthographic => [clip.w_axis.z, clip.z_axis.z],
+    };
+    let projection =
+        Projection { kind, scale: [1.3 * clip.x_axis.x, 0.8 * clip.y_axis.y], shift: [0.31, -0.17], depth };
+    Camera::of_projection(camera.world_to_view, projection)
+}
+
+/// What a camera sees of a scene of mirrors, as a G-buffer.
+fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u32; 2]) -> GBufferData {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let materials = globals.materials(scene, &View::default());
+    let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
+    stage.run(&shot, Mode::Plain).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+#[test]
+fn unified_hits_what_the_oracle_says() {
+    let gpu = gpu();
+    let take = if is_gpu_assisted() { 1 } else { usize::MAX };
+    for (scene, view) in views().iter().take(take) {
+        let mut stage = Stage::new(&gpu, scene).unwrap();
+        for (extent, moved) in [([321, 239], false), ([480, 270], true)] {
+            let camera = view.camera(scene, extent);
+            let camera = if moved { off_axis(camera) } else { camera };
+            for oracle in [OracleVersion::V1, OracleVersion::V2] {
+                let seen = (camera, on_screen::flat_mirrors(scene, view));
+                let (found, reasons, unfinished) = on_screen::agreement(&mut stage, seen, extent, oracle);
+                let share = found.hit_agreement.expect("something reflects");
+                let (pixels, missed) = (found.pixels, found.missed.unwrap_or(0.0));
+                println!(
+                    "{} {extent:?} moved {moved} {oracle:?}: {:.4} % of {pixels}, missed {missed:.1e}, reasons {:.3} %",
+                    view.name,
+                    100.0 * share,
+                    100.0 * reasons
+                );
+                assert!(pixels > 5000 && share >= 0.9999, "{} {extent:?}: {found:?}", view.name);
+                assert!(reasons >= 0.999 && unfinished == 0, "{}: {reasons} {unfinished}", view.name);
+            }
+        }
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn an_off_axis_perspective_hits_what_the_oracle_says() {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let extent = [321, 239];
+    let seen = (off_axis(view.camera(&scene, extent)), on_screen::flat_mirrors(&scene, view));
+    let (found, reasons, unfinished) = on_screen::agreement(&mut stage, seen, extent, OracleVersion::V1);
+    assert!(found.hit_agreement.unwrap() >= 0.9999 && reasons >= 0.999 && unfinished == 0, "{found:?}");
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn pyramid_and_hits_equal_their_twin_to_the_bit() {
+    let gpu = gpu();
+    let (scene, view) = views().swap_remove(0);
+    let mirrors = Globals { roughness: Some(0.0), ..Globals::default() };
+    let mut totals = [0; 3];
+    let sizes = [[1, 1], [53, 1], [5, 3], [65, 127], [321, 239]];
+    for extent in sizes.into_iter().take(if is_gpu_assisted() { 3 } else { usize::MAX }) {
+        let camera = view.camera(&scene, extent);
+        let mut all: Vec<GBufferData> = (0..4).map(|kind| on_screen::random_gbuffer(kind, extent)).collect();
+        all.iter_mut().for_each(|data| data.camera = camera);
+        all.push(seen(&gpu, &scene, camera, &mirrors, extent));
+        let moved: Vec<GBufferData> =
+            all.iter().map(|data| GBufferData { camera: off_axis(camera), ..data.clone() }).collect();
+        let aside = on_screen::random_gbuffer(0, extent);
+        let perspective = GBufferData { camera: off_axis(aside.camera), ..aside };
+        for data in all.iter().chain(&moved).chain([&perspective]) {
+            for oracle in [OracleVersion::V1, OracleVersion::V2] {
+                let counts = on_screen::check_twin(&gpu, data, oracle);
+                totals = [0, 1, 2].map(|i| totals[i] + counts[i]);
+            }
+        }
+    }
+    println!("pixels, hits and blocks met from behind: {totals:?}, 0 ULP");
+    assert!(totals[1] > totals[0] / 10 && totals[2] > 0, "{totals:?}");
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn every_glossy_pass_is_its_twin() {
+    use OracleVersion::{V1, V2};
+    let gpu = gpu();
+    let (scene, view) = views().swap_remove(0);
+    let extent = [127, 61];
+    let mut totals = gloss_twin::Counts::default();
+    for (n, (roughness, deviation)) in [(0.1, 1.0), (0.3, 0.0), (0.6, 1.0)].into_iter().enumerate() {
+        let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
+        let camera = view.camera(&scene, extent);
+        let camera = if n == 1 { off_axis(camera) } else { camera };
+        let data = seen(&gpu, &scene, camera, &globals, extent);
+        for (data, of_one_kind) in [(&data, true), (&gloss_twin::mixed(&data, 5), false)] {
+            for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
+                let way = gloss_twin::Way { oracle, tiles, over };
+                let counts = gloss_twin::check(data, &gloss_twin::draw(&gpu, data, way), way);
+                println!("roughness {roughness}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
+                assert!(counts.iter().all(|c| c.wrong == 0), "roughness {roughness}, {way:?}");
+                totals.iter_mut().zip(counts).for_each(|(t, c)| (t.all, t.hits) = (t.all + c.all, t.hits + c.hits));
+            }
+        }
+    }
+    assert!(totals.iter().all(|t| t.hits > 500), "{totals:?}");
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn traced_rays_end_where_the_world_says() {
+    let gpu = gpu();
+    for (mut scene, view) in views() {
+        let name = view.name.clone();
+        scene.views.push(view);
+        let materials = triangles::mirrors(&scene, &name);
+        let of =
+            |method, setup: &Setup| triangles::draw(&gpu, (&scene, &name), materials.clone(), (method, setup), false);
+        let all = of(triangles::traced(), &Setup::new(triangles::EXTENT));
+        let (rays, wrong) = triangles::against_world(&all, &scene, &materials);
+        println!("{name}: {wrong} of {rays}");
+        assert!(rays > 1000 && wrong * 200 <= rays, "{name}: {wrong} of {rays} end elsewhere");
+        let screen = of(&unified::INFO, &triangles::beyond(First::Screen));
+        let (rays, wrong) = triangles::against_world(&screen, &scene, &materials);
+        println!("{name}, the screen first: {wrong} of {rays}");
+        assert!(rays > 1000 && wrong * 50 <= rays, "{name}: {wrong} of {rays} end elsewhere");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+/// The clutter of mirrors and pictures from above, along parallel lines.
+fn clutter_from_above() -> (Scene, View) {
+    let scene = clutter();
+    let view = parallel(&scene, Vec3::new(0.0, 6.0, -2.0), Vec3::new(0.0, 0.0, 8.0), 9.0);
+    (scene, view)
+}
+
+/// A reflection that a method makes of a view, in one roughness, of a camera at rest.
+fn reflection(
+    gpu: &Gpu,
+    (scene, view): &(Scene, View),
+    (method, roughness): (&str, f32),
+    change: impl FnOnce(&mut EffectParams),
+) -> Pixels {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, view);
+    let setup = Setup::on_screen(triangles::EXTENT).with(change);
+    let camera = view.camera(scene, triangles::EXTENT);
+    let method = methods::find(method).unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
+    let (_, _, output) = stage.output_at_rest(&shot).unwrap();
+    gbuffer::reflection(&mut stage.context, &output).unwrap()
+}
+
+/// What is added to the lit colour, before reflectivity: all numbers are sound.
+fn added(image: &Pixels) -> Vec<Vec3> {
+    assert!(image.values.iter().all(|v| v.is_finite() && *v >= 0.0));
+    image.texels().map(|t| t[3] * Vec3::from_slice(t)).collect()
+}
+
+fn brightness(image: &Pixels) -> f32 {
+    let all = added(image);
+    all.iter().map(|c| c.element_sum()).sum::<f32>() / all.len() as f32
+}
+
+#[test]
+fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
+    let gpu = gpu();
+    let seen = clutter_from_above();
+    for roughness in [0.0, 0.1, 0.4] {
+        let of = |change: fn(&mut EffectParams)| reflection(&gpu, &seen, ("unified", roughness), change);
+        let plain = of(|_| ());
+        let history = of(|p| p.history = HistoryUse::On);
+        let half = of(|p| p.resolution_scale = 0.5);
+        let bright = [&plain, &history, &half].map(brightness);
+        let pairs = added(&plain).into_iter().zip(added(&history));
+        let apart = pairs.map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
+        println!("roughness {roughness}: plain, history, half: {bright:?}; {apart} apart");
+        assert!(bright[0] > 0.02, "it shows something: {bright:?}");
+        assert!((bright[1] / bright[0] - 1.0).abs() < 0.05, "{bright:?}");
+        // Blocks of larger pixels are thicker, and hit more: mirrors at this place in perspective are a third brighter.
+        assert!((bright[2] / bright[0] - 1.0).abs() < 0.35, "{bright:?}");
+        // A camera at rest finds each point where it was; the one ray of a mirror is the same in all frames.
+        assert!(roughness > 0.0 || apart < 2e-3, "{apart}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn captures_and_cube_maps_take_parallel_lines_of_sight() {
+    let gpu = gpu();
+    let mut seen = clutter_from_above();
+    seen.0.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::at(place.into())).to_vec();
+    let of = |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &seen, (method, 0.0), change));
+    let truth = of("traced", |_| ());
+    let captures = of("captures", |p| p.captures = CaptureCount::Auto);
+    let behind = of("unified", |p| (p.fallback, p.captures) = (Fallback::Captures, CaptureCount::Auto));
+    let beyond = of("unified", |p| (p.beyond, p.captures) = (BeyondScreen::Captures, CaptureCount::Auto));
+    let screen = of("unified", |_| ());
+    println!("traced {truth}, captures {captures}, behind {behind}, beyond {beyond}, screen {screen}");
+    for (what, shown) in [("captures", captures), ("behind", behind), ("beyond", beyond)] {
+        assert!((shown / truth - 1.0).abs() < 0.15 && shown > 1.5 * screen, "{what}: {shown} beside {truth}");
+    }
+    let rooms = views().swap_remove(0);
+    let local = brightness(&reflection(&gpu, &rooms, ("pccm", 0.0), |_| ()));
+    assert!(local > 0.05, "{local}");
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn methods_that_need_a_perspective_say_so() {
+    let gpu = gpu();
+    let (scene, view) = views().swap_remove(0);
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let (mut taken, mut refused) = (Vec::new(), 0);
+    for method in METHODS {
+        let camera = view.camera(&scene, [32, 32]);
+        let materials = Globals::default().materials(&scene, &view);
+        match Shot::new(&mut stage, method, &Setup::new([32, 32]), Wants::IMAGE, camera, materials) {
+            Ok(shot) => {
+                stage.run(&shot, Mode::Plain).unwrap();
+                taken.push(method.name);
+            }
+            Err(error) => {
+                let said = error.to_string();
+                let is_right = said.contains(method.name) && said.contains("needs a perspective");
+                assert!(is_right && said.contains("unified") && matches!(error, ssct::Error::Usage(_)), "{said}");
+                refused += 1;
+            }
+        }
+    }
+    assert_eq!(taken, ["local-map", "pccm", "environment", "captures", "traced", "unified"]);
+    assert_eq!(refused + taken.len(), METHODS.len());
+    // Passes that were made for one kind are not given the other.
+    let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
+    let made = Effect::new(&mut context, &unified::INFO, &Setup::on_screen([32, 32]), Wants::IMAGE, None).unwrap();
+    let data = seen(&gpu, &scene, view.camera(&scene, [32, 32]), &Globals::default(), [32, 32]);
+    let images = ssct::passes::gbuffer::GBufferImages::upload(&mut context, &data).unwrap();
+    let mut frame = context.begin(Mode::Plain).unwrap();
+    let said = made.record(&mut frame, &methods::Input::of_screen(images.gbuffer(), &data.camera)).err().unwrap();
+    assert!(said.to_string().contains("the camera is orthographic"), "{said}");
+}
+
+#[test]
+fn every_convention_of_an_orthographic_renderer_shows_the_same() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let (scene, view) = views().swap_remove(0);
+    let camera = off_axis(view.camera(&scene, [97, 61]));
+    let data = seen(&gpu, &scene, camera, &Globals { roughness: Some(0.0), ..Globals::default() }, [97, 61]);
+    let context = engine.context();
+    let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
+    let mut show = |convention| {
+        let theirs = Theirs::new(&mut engine, &data, convention);
+        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+        engine.read(&recorded.composite.unwrap())
+    };
+    let native = show(NATIVE);
+    let direct = gbuffer::reflect(&gpu, &data, None, &unified::INFO, &Setup::new([97, 61])).unwrap();
+    assert!(rmse(&native, &direct.composite) < 1e-4, "{}", rmse(&native, &direct.composite));
+    for right_handed in [false, true] {
+        for (clip_y, standard_depth) in
+            [(ClipY::Up, false), (ClipY::Down, false), (ClipY::Up, true), (ClipY::Down, true)]
+        {
+            let convention = Convention { right_handed, clip_y, standard_depth, ..NATIVE };
+            let error = rmse(&show(convention), &native);
+            let limit = if standard_depth { 0.02 } else { 1e-3 };
+            assert!(error < limit, "{convention:?}: {error}");
+        }
+    }
+    // A perspective is no projection that these reflections were made for, nor the other way round.
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let wrong = Reflections::new(
+        &context,
+        &ssct::ReflectionsInfo { projection: ProjectionKind::Perspective, ..info(&data, "unified") },
+    );
+    let said = engine.frame(&mut wrong.unwrap(), &theirs.input()).err().unwrap().to_string();
+    assert!(said.contains("orthographic") && said.contains("ReflectionsInfo.projection"), "{said}");
+    let refused = Reflections::new(&context, &info(&data, "ssct")).err().unwrap().to_string();
+    assert!(refused.contains("needs a perspective"), "{refused}");
+    gpu.check_validation().unwrap();
+}
+
+/// The two views of a stereo frame: eyes that stand beside each other, each with its window moved towards the other's.
+fn stereo(camera: Camera) -> [Camera; 2] {
+    [-1.0, 1.0].map(|side| {
+        let moved = Mat4::from_translation(Vec3::X * (-0.032 * side)) * camera.world_to_view;
+        let clip = camera.view_to_clip_reversed();
+        let projection = Projection {
+            kind: ProjectionKind::Perspective,
+            scale: [clip.x_axis.x, clip.y_axis.y],
+            shift: [0.08 * side, 0.0],
+            depth: [clip.z_axis.z, clip.w_axis.z],
+        };
+        Camera::of_projection(moved, projection)
+    })
+}
+
+#[test]
+fn both_views_of_a_stereo_frame_are_as_each_alone() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let scene = library::scene("rooms").unwrap();
+    let extent = [97, 61];
+    let eyes = stereo(scene.view("corridor").unwrap().camera(&scene, extent));
+    let gloss = Globals { roughness: Some(0.1), ..Globals::default() };
+    let data = eyes.map(|eye| seen(&gpu, &scene, eye, &gloss, extent));
+    let theirs = [0, 1].map(|k| Theirs::new(&mut engine, &data[k], NATIVE));
+    let alone = [0, 1].map(|k| {
+        let context = engine.context();
+        let mut reflections = Reflections::new(&context, &info(&data[k], "unified")).unwrap();
+        let recorded = engine.frame(&mut reflections, &theirs[k].input()).unwrap();
+        engine.read(&recorded.composite.unwrap())
+    });
+    assert!(rmse(&alone[0], &alone[1]) > 0.01, "the eyes see different things");
+    // One context, two objects, one command buffer.
+    let context = engine.context();
+    let mut both = [0, 1].map(|k| Reflections::new(&context, &info(&data[k], "unified")).unwrap());
+    for slot in [0, 1, 0] {
+        let commands = engine.begin();
+        let recorded = [0, 1].map(|k| {
+            let input = ssct::FrameInput { slot, ..theirs[k].input() };
+            // SAFETY: the command buffer is recording; what is recorded is submitted and waited for below.
+            unsafe { both[k].record(commands, &input) }.unwrap().composite.unwrap()
+        });
+        engine.submit(commands).unwrap();
+        for k in [0, 1] {
+            assert!(bits(&engine.read(&recorded[k])) == bits(&alone[k]), "eye {k}");
+        }
+    }
+    // One object shows both eyes in turn, too.
+    let mut one = Reflections::new(&context, &info(&data[0], "unified")).unwrap();
+    for k in [0, 1, 0] {
+        let recorded = engine.frame(&mut one, &theirs[k].input()).unwrap();
+        assert!(bits(&engine.read(&recorded.composite.unwrap())) == bits(&alone[k]), "eye {k} in turn");
+    }
+    gpu.check_validation().unwrap();
+}
