@@ -8,8 +8,10 @@
 
 #![allow(clippy::expect_used)]
 
-use ssct::gpu::shader::Shader;
-use ssct::gpu::{DeviceQuery, Gpu, glsl, programs};
+mod edited;
+
+use edited::{Edits, Shaders, difference};
+use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::billboard::BillboardParams;
 use ssct::methods::ibr::IbrParams;
 use ssct::methods::poster::PosterParams;
@@ -24,8 +26,6 @@ use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::library;
 use ssct_lab::study::{Globals, Shot, Stage, image};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// A change of parameters.
 type Change = fn(&Setup) -> Setup;
@@ -39,8 +39,8 @@ struct Variant {
     both: Change,
     /// Parameters of the changed side, after those of both.
     change: Change,
-    /// File below `shaders-glsl`, the text that stands there once, and what stands in its place on the changed side.
-    edits: &'static [(&'static str, &'static str, &'static str)],
+    /// What stands otherwise in the shaders of the changed side.
+    edits: Edits,
 }
 
 /// The views of a variant, with their size and materials.
@@ -90,12 +90,7 @@ impl Views {
 
 const SAME: Change = Setup::clone;
 
-const fn edited(
-    name: &'static str,
-    method: &'static str,
-    views: Views,
-    edits: &'static [(&'static str, &'static str, &'static str)],
-) -> Variant {
+const fn edited(name: &'static str, method: &'static str, views: Views, edits: Edits) -> Variant {
     Variant { name, method, views, both: SAME, change: SAME, edits }
 }
 
@@ -110,8 +105,7 @@ const ANGLE: &str = "thesis/cone_angle.glsl";
 const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 const POSTER: &str = "poster/cone_march.frag";
 const HALF: &str = "return 0.5 * max(roughness, 0.0);";
-const RIGHT_EQ_28: &[(&str, &str, &str)] =
-    &[(SCHMIDT, "camera.near_plane - z *", "camera.near_plane - (2.0 * z - 1.0) *")];
+const RIGHT_EQ_28: Edits = &[(SCHMIDT, "camera.near_plane - z *", "camera.near_plane - (2.0 * z - 1.0) *")];
 
 /// Parameters of the order "nearest", which others are held against.
 const NEAREST: Change = |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest);
@@ -209,6 +203,17 @@ const VARIANTS: &[Variant] = &[
         Views::Gloss,
         &[(HI_Z, "        if (LeftScreen(ray.xy))\n            return INVALID_RAY;", "")],
     ),
+    changed("iterations", "ssct", Views::Gloss, |s| s.with(|p: &mut HiZParams| p.iterations = 65536)),
+    edited(
+        "cell-count",
+        "ssct",
+        Views::Gloss,
+        &[(
+            HI_Z,
+            "max(floor(size / (level > 0.0 ? exp2(level) : 1.0)), vec2(1.0))",
+            "floor(size / (level > 0.0 ? exp2(level) : 1.0))",
+        )],
+    ),
     changed("cross-offset", "ssct", Views::Gloss, |s| s.with(|p: &mut HiZParams| p.cross_offset = 0.001)),
     edited("cosine", "ssct", Views::Gloss, &[(ANGLE, HALF, "return cos(cos(0.5 * roughness));")]),
     edited(
@@ -262,6 +267,16 @@ const VARIANTS: &[Variant] = &[
             ("common/constants.glsl", "GAUSSIAN_3 = 0.002", "GAUSSIAN_3 = 0.00443"),
         ],
     ),
+    edited(
+        "linear-8-bits",
+        "sslr",
+        Views::Gloss,
+        &[(
+            "thesis/sslr_ray_trace.frag",
+            "vec4(textureLod(colorBuffer, hit.xy, 0.0).rgb, rayLength);",
+            "vec4(round(clamp(textureLod(colorBuffer, hit.xy, 0.0).rgb, 0.0, 1.0) * 255.0) / 255.0, rayLength);",
+        )],
+    ),
     changed("spreading", "sslr", Views::Gloss, |s| s.with(|p: &mut SslrParams| p.spreading_factor = 10.0)),
     changed("poster-retries", "poster", Views::Gloss, |s| s.with(|p: &mut PosterParams| p.edge_retries = 3)),
     edited(
@@ -282,6 +297,17 @@ const VARIANTS: &[Variant] = &[
     changed("poster-edge-aware", "poster", Views::Gloss, |s| {
         s.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::EdgeAware)
     }),
+    edited(
+        "ssr-turned",
+        "ssr",
+        Views::Mirrors,
+        // A point behind the camera is taken half as far away as the camera's plane instead.
+        &[(
+            SCHMIDT,
+            "    vsReflectionVector += vsPosition;",
+            "    if (vsPosition.z + vsReflectionVector.z < camera.near_plane)\n        vsReflectionVector *= -0.5 * vsPosition.z / vsReflectionVector.z;\n    vsReflectionVector += vsPosition;",
+        )],
+    ),
     edited("ssr-eq-28", "ssr", Views::Mirrors, RIGHT_EQ_28),
     edited("ssr-fast-eq-28", "ssr-fast", Views::Mirrors, RIGHT_EQ_28),
     edited(
@@ -367,65 +393,6 @@ const VARIANTS: &[Variant] = &[
     },
 ];
 
-/// The folder of shaders, and a compiler for changed copies of it.
-struct Shaders {
-    root: PathBuf,
-    compiler: shaderc::Compiler,
-}
-
-impl Shaders {
-    fn new() -> Self {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl");
-        Self { root, compiler: shaderc::Compiler::new().expect("a compiler") }
-    }
-
-    /// The programs whose code some edits change, with their new code.
-    fn edited(&self, edits: &[(&str, &str, &str)]) -> Vec<(&'static Shader, Arc<[u8]>)> {
-        if edits.is_empty() {
-            return Vec::new();
-        }
-        let copy = tempfile::tempdir().expect("a folder");
-        self.copy_to(copy.path());
-        for (file, from, to) in edits {
-            let path = copy.path().join(file);
-            let text = std::fs::read_to_string(&path).expect("a shader");
-            assert_eq!(text.matches(from).count(), 1, "{file}: {from}");
-            std::fs::write(&path, text.replace(from, to)).expect("a changed shader");
-        }
-        let compiled = |&shader: &&'static Shader| {
-            let path = copy.path().join(shader.file);
-            let made =
-                glsl::compile(&self.compiler, copy.path(), &path, shader.defines).expect("a shader that compiles");
-            let bytes: Arc<[u8]> = made.words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            let is_edited = edits.iter().any(|(file, ..)| made.files.iter().any(|f| f.ends_with(file)));
-            is_edited.then_some((shader, bytes))
-        };
-        let found: Vec<_> = programs::ALL.iter().filter_map(compiled).collect();
-        assert!(!found.is_empty(), "no program has {}", edits[0].0);
-        found
-    }
-
-    fn copy_to(&self, to: &Path) {
-        for folder in std::fs::read_dir(&self.root).expect("the shaders").flatten() {
-            let target = to.join(folder.file_name());
-            std::fs::create_dir(&target).expect("a folder");
-            for file in std::fs::read_dir(folder.path()).expect("a folder").flatten() {
-                std::fs::copy(file.path(), target.join(file.file_name())).expect("a shader");
-            }
-        }
-    }
-}
-
-/// Share of pixels that differ by more than 1 of 255 in a channel, and the root mean square difference.
-fn difference(a: &Rgb, b: &Rgb) -> (f64, f64) {
-    let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
-    let pixels = a.bytes.chunks_exact(3).zip(b.bytes.chunks_exact(3));
-    let (count, all) = (pixels.filter(|p| differs(*p)).count(), a.bytes.len() / 3);
-    let square = |(a, b): (&u8, &u8)| ((f64::from(*a) - f64::from(*b)) / 255.0).powi(2);
-    let sum: f64 = a.bytes.iter().zip(&b.bytes).map(square).sum();
-    (count as f64 / all as f64, (sum / a.bytes.len() as f64).sqrt())
-}
-
 /// Renders one side of a variant on a view.
 fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_lab::scene::Scene, view: &str) -> Rgb {
     let method = METHODS.iter().find(|m| m.name == variant.method).expect("a method");
@@ -455,18 +422,13 @@ fn measure(
     for (_, view) in &views {
         kept.entry(key(view)).or_insert_with(|| side(stage, variant, &both, scene, view));
     }
-    let replaced = shaders.edited(variant.edits);
     let gpu = stage.context.gpu().clone();
-    for (shader, code) in &replaced {
-        gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
-    }
-    for (_, view) in &views {
-        let (share, rmse) = difference(&kept[&key(view)], &side(stage, variant, &changed, scene, view));
-        println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
-    }
-    for (shader, _) in &replaced {
-        gpu.shared().replaced_shaders.set(shader, None);
-    }
+    shaders.with(&gpu, variant.edits, || {
+        for (_, view) in &views {
+            let (share, rmse) = difference(&kept[&key(view)], &side(stage, variant, &changed, scene, view));
+            println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
+        }
+    });
 }
 
 fn main() {

@@ -1,6 +1,6 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
-use super::{METHODS, MethodInfo, captures, environment, pccm};
+use super::{METHODS, MethodInfo, captures, environment, pccm, planar};
 use crate::error::{Error, Result};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{
@@ -22,6 +22,8 @@ choices! {
         Pccm = "pccm",
         /// The method `captures`: exact rays through captures of the scene.
         Captures = "captures",
+        /// The method `planar` with one plane: a mirror where the plane that covers most of the screen reflects (thesis §3.2).
+        Planar = "planar",
     }
 }
 
@@ -137,6 +139,7 @@ impl Fallback {
             Self::Environment => Some(&environment::INFO),
             Self::Pccm => Some(&pccm::INFO),
             Self::Captures => Some(&captures::INFO),
+            Self::Planar => Some(&planar::INFO),
         }
     }
 }

@@ -17,6 +17,7 @@ mod headline;
 mod large_gltf;
 mod layers;
 mod listings;
+mod measured;
 mod motion;
 mod outlook;
 mod published;

@@ -1,10 +1,11 @@
 //! `planar` against the triangles: on a flat mirror both ask what one ray sees, by a mirrored camera and by
 //! tracing it.
 
-use crate::common::{Builder, Truth, beside_truth, camera, gpu, show};
+use crate::common::{Builder, Shown, Truth, beside_truth, camera, gpu, show};
 use glam::Vec3;
 use ssct::methods::Setup;
 use ssct::methods::planar::PlanarParams;
+use ssct::methods::setup::{EffectParams, Fallback};
 use ssct::passes::planar::MirrorDrawing;
 use ssct_lab::scene::{Camera, Scene};
 use ssct_lab::study::Globals;
@@ -92,4 +93,29 @@ fn the_stencil_spares_what_the_mirror_does_not_show() {
     let (stencil, target) = (drawn(MirrorDrawing::Stencil), drawn(MirrorDrawing::Target));
     println!("{stencil} pixels drawn inside the stencil, {target} without");
     assert!(stencil > 4_000 && stencil < target * 9 / 10, "{stencil} of {target}");
+}
+
+#[test]
+fn as_a_fallback_the_mirror_shows_where_the_screen_does_not() {
+    let gpu = gpu();
+    let scene = scene();
+    let shown = |method, fallback| {
+        let setup = Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.fallback = fallback);
+        show(&gpu, &scene, look(EXTENT), method, &setup, &Globals::default())
+    };
+    let mirror = shown("planar", Fallback::None);
+    let (alone, both) = (shown("ssct", Fallback::None), shown("ssct", Fallback::Planar));
+    let of = |shown: &Shown| shown.get("reflection").texels().map(<[f32]>::to_vec).collect::<Vec<_>>();
+    let (mut missed, mut kept) = (0, 0);
+    for ((mirror, alone), both) in of(&mirror).iter().zip(of(&alone)).zip(of(&both)) {
+        if alone[3] == 0.0 {
+            assert_eq!(&both, mirror, "what the screen misses is what the mirror shows, or nothing");
+            missed += u32::from(mirror[3] == 1.0);
+        } else if mirror[3] == 0.0 {
+            assert!((both[0] - alone[0]).abs() <= 1e-3 && (both[3] - alone[3]).abs() <= 1e-3, "{both:?} {alone:?}");
+            kept += 1;
+        }
+    }
+    println!("{missed} pixels that the mirror alone shows, {kept} that the screen alone shows");
+    assert!(missed > 2_000 && kept > 100, "{missed} {kept}");
 }

@@ -35,7 +35,8 @@ pub struct CommonOptions {
 pub struct SceneOptions {
     /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
     ///
-    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor, and cornell-box, which is for a figure
+    /// alone. A file is a .scene.toml, a glTF file
     /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
@@ -162,6 +163,12 @@ pub struct RenderOptions {
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
+    /// For --method reference: light of diffuse paths instead
+    ///
+    /// The scene's rectangular area lights shine, things cast shadows, and surfaces pass light on so many times; 0 is direct
+    /// light alone. Every surface is taken for a diffuse one, and each pixel has --max-rays paths. Nothing is kept.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=64), conflicts_with_all = ["standard_error", "cache", "shard", "reflection_only", "json"])]
+    pub diffuse_bounces: Option<u32>,
     /// For --method reference: take this share of the rays
     ///
     /// 3/8 is the third of eight shares of the --max-rays rays. They are kept in --cache, and the image shows what they
@@ -440,6 +447,12 @@ pub struct FiguresOptions {
     /// Only these figures, such as 4.5,5.2 or schmidt-27
     #[arg(long, value_name = "NUMBER", value_delimiter = ',')]
     pub only: Vec<String>,
+    /// Draw the figures that print this scene in it
+    ///
+    /// A file of the thesis's rooms or of Sponza, known by its views: window-floor, corridor, two-cylinders and window, or
+    /// atrium, lion and hall. Without it, generated scenes stand in for both.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
     /// Width and height of renders, instead of the printed
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,

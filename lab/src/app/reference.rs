@@ -10,11 +10,12 @@ use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::kept_samples::{short, whole_file};
+use crate::reference::paths::Paths;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::reference::world_state::WorldState;
 use crate::report::images;
-use crate::scene::{GBufferData, Material, Scene};
+use crate::scene::{Camera, GBufferData, Material, Scene};
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let camera = view.camera(&scene, options.size);
 
     let world = World::new(&scene, &materials);
+    if let Some(bounces) = options.diffuse_bounces {
+        return Ok(images::write_image(output, &by_paths(options, &world, &camera, bounces)?)?);
+    }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
@@ -118,6 +122,9 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let materials = globals.materials(scene, &view);
     let world = World::new(scene, &materials);
     let camera = view.camera(scene, options.size);
+    if let Some(bounces) = options.diffuse_bounces {
+        return by_paths(options, &world, &camera, bounces);
+    }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
@@ -127,6 +134,15 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let made = reference.image(&state);
     let shown = if options.reflection_only { &made.reflection } else { &made.composite };
     Ok(pixels(shown, options.size))
+}
+
+/// The light of diffuse paths that surfaces pass on so many times.
+fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u32) -> Result<Pixels> {
+    let paths = Paths::new(world, bounces, 1).ok_or_else(|| {
+        let scene = &world.scene.name;
+        Error::Usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
+    })?;
+    Ok(pixels(&paths.image(camera, options.size, options.max_rays), options.size))
 }
 
 /// What a screen-space method shows where a ray escapes: with a fallback, the environment.

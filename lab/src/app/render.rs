@@ -20,6 +20,10 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let message = "--shard is for --method reference, whose rays can be divided; any other image is drawn at once";
         return Err(Error::Usage(message.into()).into());
     }
+    if options.diffuse_bounces.is_some() {
+        let message = "--diffuse-bounces is for --method reference: no other method has light that surfaces pass on";
+        return Err(Error::Usage(message.into()).into());
+    }
     let common = &options.common;
     let method = methods::find(method)?;
     let globals = resolve::one_globals(&common.place, "render makes one image")?;

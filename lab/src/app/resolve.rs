@@ -56,7 +56,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
             let mut scene = library::scene(&name).ok_or_else(|| {
                 Error::Usage(format!(
                     "{name}: neither a built-in scene ({}) nor a .scene.toml, .gltf, .glb or .obj file",
-                    library::names().join(", ")
+                    library::every_name().collect::<Vec<_>>().join(", ")
                 ))
             })?;
             if scale != 1.0 {

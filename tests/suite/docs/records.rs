@@ -5,8 +5,8 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, ends, errata, films, follow, gpu, large_gltf, layers, motion, outlook,
-    stochastic, stress, thesis,
+    beside, beyond, captions, claims, dda, ends, errata, films, follow, gpu, large_gltf, layers, measured, motion,
+    outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -103,7 +103,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["precision"] => precision(first)?,
         ["large-gltf", figure, side] => large_gltf::large_gltf(first, figure, side)?,
         ["commit"] => commit(first)?,
-        _ => return Err(format!("nothing is called {query:?}")),
+        _ => measured::show(query, first)?,
     };
     Ok(text)
 }

@@ -60,3 +60,26 @@ pub fn hits(folder: &Path, method: &str) -> Result<(String, String)> {
     let (all, wrong) = compared(rows)?;
     Ok((grouped(all), grouped(wrong)))
 }
+
+/// The share of a case's hits that are the oracle's.
+pub fn case(folder: &Path, method: &str, case: &str) -> Result<String> {
+    let all = csv(folder, "stress.csv")?;
+    let named = case.replace('_', " ");
+    let own: Vec<_> = all.iter().filter(|r| r["method"] == method && r["case"] == named).collect();
+    let [row] = own[..] else { return Err(format!("{} cases of {method} are called {named:?}", own.len())) };
+    number(row, "hit_agreement").map(|share| percent(share, 0))
+}
+
+/// How many cases of a method passed.
+pub fn passed(folder: &Path, method: &str) -> Result<String> {
+    let all = csv(folder, "stress.csv")?;
+    Ok(all.iter().filter(|r| r["method"] == method && r["pass"].eq_ignore_ascii_case("true")).count().to_string())
+}
+
+/// The greatest share of a case's hits that are not the oracle's.
+pub fn most_wrong(folder: &Path, method: &str) -> Result<String> {
+    let all = csv(folder, "stress.csv")?;
+    let own = all.iter().filter(|r| r["method"] == method && !r["hit_agreement"].is_empty());
+    let shares = own.map(|r| number(r, "hit_agreement")).collect::<Result<Vec<_>>>()?;
+    Ok(percent(1.0 - shares.into_iter().fold(1.0, f64::min), 2))
+}

@@ -13,10 +13,11 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Gpu};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
+use crate::scene::{LoadOptions, Scene};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
-use crate::study::journal::digest;
+use crate::study::journal::{digest, scene_digest};
 use crate::study::record::DEFINITIONS;
-use plate::{Document, FinishedFigure, Plate};
+use plate::{Document, FinishedFigure, Plate, PrintedScene, quoted};
 use plates::plates;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -25,13 +26,21 @@ use workshop::Workshop;
 
 /// Makes the figures and writes their page.
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
-    let wanted = wanted(&options.only)?;
+    let own = options.scene.as_deref().map(OwnScene::load).transpose()?;
+    let wanted = wanted(&options.only, own.as_ref())?;
     let gpu = resolve::gpu(&options.device)?;
-    let key = |plate: &Plate| format!("figure {} {}", plate.stem(), digest(&gpu, &settings(plate, options)));
+    let of_scene = own.as_ref().map(|own| own.digest.clone());
+    let key = |plate: &Plate| {
+        let settings = json!([settings(plate, options), of_scene]);
+        format!("figure {} {}", plate.stem(), digest(&gpu, &settings))
+    };
     let list = list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
     let mut run = Run::begin(Some(&options.output), options.resume)?;
     run.list(&list)?;
     let mut workshop = Workshop::new(&gpu);
+    if let Some(OwnScene { file, scene, .. }) = own {
+        workshop.hold(&file, scene)?;
+    }
     let bar = progress::bar("figures", list.owned());
     let mut outcome = Ok(());
     for plate in list.own(&wanted) {
@@ -80,7 +89,45 @@ pub fn write_page(folder: &Path, entries: &[Entry], device: &DeviceInfo, command
 
 /// Everything that a figure depends on but the device and the program, which its scene is part of.
 fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
-    json!([plate.stem(), plate.arguments(options.size)])
+    json!([plate.stem(), plate.arguments(options.size, file(options).as_deref())])
+}
+
+/// The file that the options name.
+fn file(options: &FiguresOptions) -> Option<String> {
+    options.scene.as_ref().map(|path| path.to_string_lossy().into_owned())
+}
+
+/// A scene of the documents, from a file.
+struct OwnScene {
+    file: String,
+    printed: PrintedScene,
+    digest: String,
+    scene: Scene,
+}
+
+impl OwnScene {
+    fn load(path: &Path) -> Result<Self> {
+        let file = path.to_string_lossy().into_owned();
+        if !path.is_file() {
+            return Err(Error::Usage(format!("--scene {file}: there is no such file")));
+        }
+        let scene = resolve::load(&[path.to_owned()], &LoadOptions::default())?;
+        let Some(printed) = PrintedScene::of(&scene) else {
+            let named = |p: PrintedScene| p.views().join(", ");
+            return Err(Error::Usage(format!(
+                "--scene {file}: no figure is drawn in this scene, as it has neither the views of the thesis's rooms ({}) nor \
+                 those of Sponza ({})",
+                named(PrintedScene::Rooms),
+                named(PrintedScene::Sponza)
+            )));
+        };
+        if file.contains('"') {
+            return Err(Error::Usage(format!(
+                "--scene {file}: a path with a quotation mark cannot stand in a command"
+            )));
+        }
+        Ok(Self { printed, digest: scene_digest(&scene), scene, file })
+    }
 }
 
 /// The list of cells: figures with their keys.
@@ -98,22 +145,26 @@ fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> C
     CellList::new(head, gpu.info(), cells)
 }
 
-/// The figures with the given numbers, with or without their document's name; all figures if none are given.
-fn wanted(only: &[String]) -> Result<Vec<&'static Plate>> {
+/// The figures with the given numbers, with or without their document's name; all figures if none are given. With a scene
+/// from a file, only those whose print shows it.
+fn wanted(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
     let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
-    if let Some(unknown) = only.iter().find(|name| plates().all(|p| !is(p, name))) {
-        let numbers: Vec<&str> = plates().map(|p| p.number).collect();
-        return Err(Error::Usage(format!(
-            "--only {unknown}: there is no such figure; available are: {}",
-            numbers.join(", ")
-        )));
+    let is_drawn = |p: &&Plate| own.is_none_or(|own| p.prints.is_some_and(|(printed, _)| printed == own.printed));
+    let drawn: Vec<_> = plates().filter(is_drawn).collect();
+    if let Some(unknown) = only.iter().find(|name| drawn.iter().all(|p| !is(p, name))) {
+        let numbers: Vec<&str> = drawn.iter().map(|p| p.number).collect();
+        let what = own.map_or("there is no such figure".to_owned(), |own| {
+            format!("no such figure shows the scene of {} in print", own.file)
+        });
+        return Err(Error::Usage(format!("--only {unknown}: {what}; available are: {}", numbers.join(", "))));
     }
-    Ok(plates().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
+    Ok(drawn.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
 fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
-    let arguments = plate.arguments(options.size);
+    let scene = file(options);
+    let arguments = plate.arguments(options.size, scene.as_deref());
     let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
         Some(why) => Err(why),
         None => Ok(write(plate, (plate.make)(workshop, &arguments)?, &options.output)?),
@@ -134,9 +185,9 @@ fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> any
         title: format!("{name} {}: {}", plate.number, plate.title),
         file,
         print: plate.print.to_owned(),
-        differs: plate.differs.to_owned(),
+        differs: plate.differs(scene.is_some()).to_owned(),
         panels: panels.collect(),
-        command: format!("ssct figures --only {}", plate.number),
+        command: format!("ssct figures{} --only {}", in_file(options), plate.number),
     })
 }
 
@@ -189,7 +240,7 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
 
 /// The command of the whole study, as the page shows it.
 fn command(options: &FiguresOptions) -> String {
-    let mut command = "ssct figures".to_owned();
+    let mut command = format!("ssct figures{}", in_file(options));
     if !options.only.is_empty() {
         command += &format!(" --only {}", options.only.join(","));
     }
@@ -197,4 +248,9 @@ fn command(options: &FiguresOptions) -> String {
         command += &format!(" --size {width}x{height}");
     }
     command
+}
+
+/// The option that names a file, as it stands in a command.
+fn in_file(options: &FiguresOptions) -> String {
+    file(options).map_or_else(String::new, |file| format!(" --scene {}", quoted(&file)))
 }

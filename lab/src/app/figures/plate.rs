@@ -3,6 +3,7 @@
 
 use super::workshop::Workshop;
 use crate::report::images::Rgb;
+use crate::scene::Scene;
 
 /// The document of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +24,39 @@ impl Document {
             Self::Poster => "poster",
             Self::Schmidt => "schmidt",
         }
+    }
+}
+
+/// A scene that documents print and this project has not: who has its file draws the printed picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrintedScene {
+    /// The two rooms of the thesis's author.
+    Rooms,
+    /// The Sponza atrium.
+    Sponza,
+}
+
+impl PrintedScene {
+    /// The built-in scene that takes its place.
+    pub fn stand_in(self) -> &'static str {
+        match self {
+            Self::Rooms => "rooms",
+            Self::Sponza => "atrium",
+        }
+    }
+
+    /// The views by which a file is known as this scene, which are named as those of the stand-in.
+    pub fn views(self) -> &'static [&'static str] {
+        match self {
+            Self::Rooms => &["window-floor", "corridor", "two-cylinders", "window"],
+            Self::Sponza => &["atrium", "lion", "hall"],
+        }
+    }
+
+    /// The printed scene that a file holds.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let has = |name: &&str| scene.views.iter().any(|v| v.name == *name);
+        [Self::Rooms, Self::Sponza].into_iter().find(|printed| printed.views().iter().all(|name| has(name)))
     }
 }
 
@@ -58,6 +92,8 @@ pub struct Plate {
     pub print: &'static str,
     /// What differs here.
     pub differs: &'static str,
+    /// The scene of the print, if a file can bring it, and what differs there.
+    pub prints: Option<(PrintedScene, &'static str)>,
     /// The size of its renders.
     pub size: Size,
     /// For each render: what it shows, and the arguments of `ssct render` without size and file.
@@ -77,12 +113,32 @@ impl Plate {
         format!("{}-{}", self.source.stem(), self.number)
     }
 
-    /// The arguments of its renders at its own size, or at the requested size if the figure allows that.
-    pub fn arguments(&self, wanted: Option<[u32; 2]>) -> Vec<String> {
+    /// The arguments of its renders at its own size, or at the requested size if the figure allows that; in a file of the
+    /// printed scene, if there is one.
+    pub fn arguments(&self, wanted: Option<[u32; 2]>, file: Option<&str>) -> Vec<String> {
         let [width, height] = match self.size {
             Size::Print(own) => wanted.unwrap_or(own),
             Size::Fixed(own) => own,
         };
-        self.panels.iter().map(|(_, arguments)| format!("{arguments} --size {width}x{height}")).collect()
+        let drawn = |arguments: &str| match (self.prints, file) {
+            (Some((printed, _)), Some(file)) => {
+                arguments.replace(&format!("--scene {}", printed.stand_in()), &format!("--scene {}", quoted(file)))
+            }
+            _ => arguments.to_owned(),
+        };
+        self.panels.iter().map(|(_, arguments)| format!("{} --size {width}x{height}", drawn(arguments))).collect()
     }
+
+    /// What differs here, or in a file of the printed scene.
+    pub fn differs(&self, in_file: bool) -> &'static str {
+        match self.prints {
+            Some((_, there)) if in_file => there,
+            _ => self.differs,
+        }
+    }
+}
+
+/// A path as one word of a command.
+pub fn quoted(path: &str) -> String {
+    if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.to_owned() }
 }

@@ -11,6 +11,7 @@ use crate::report::images::{Rgb, display};
 use crate::scene::{Camera, Scene, library};
 use crate::study::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
+use std::path::Path;
 
 /// A device, and the scene that was used last.
 pub struct Workshop<'a> {
@@ -19,6 +20,8 @@ pub struct Workshop<'a> {
 }
 
 struct Loaded {
+    /// The name or the file by which it was asked for.
+    source: String,
     scene: Scene,
     stage: Stage,
 }
@@ -32,12 +35,18 @@ struct Render {
 
 /// Parses the options of an `ssct render` without its `-o`.
 pub fn parse(arguments: &str) -> Result<RenderOptions> {
-    let words = ["render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
+    let words = ["render"].into_iter().chain(words(arguments)).chain(["-o", "figure.png"]);
     Render::try_parse_from(words).map(|render| render.options).map_err(|e| {
         let text = e.to_string();
         let line = text.lines().next().unwrap_or_default();
         Error::Usage(line.trim_start_matches("error: ").to_owned())
     })
+}
+
+/// The words of a command; what stands between quotation marks is one.
+fn words(arguments: &str) -> impl Iterator<Item = &str> {
+    let parts = arguments.split('"').enumerate();
+    parts.flat_map(|(n, part)| if n % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
 }
 
 /// What this program lacks to render with the given arguments: an option, a method or a scene.
@@ -51,7 +60,8 @@ pub fn lack(arguments: &str) -> Option<String> {
         return Some(format!("there is no method {method}"));
     }
     let scene = scene_name(&options);
-    (!library::names().contains(&scene.as_str())).then(|| format!("there is no built-in scene {scene}"))
+    let is_there = library::every_name().any(|name| name == scene) || Path::new(&scene).is_file();
+    (!is_there).then(|| format!("there is no built-in scene {scene}"))
 }
 
 fn scene_name(options: &RenderOptions) -> String {
@@ -62,6 +72,12 @@ impl<'a> Workshop<'a> {
     /// A workshop without a loaded scene.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, loaded: None }
+    }
+
+    /// Takes a scene that was loaded from a file already.
+    pub fn hold(&mut self, source: &str, scene: Scene) -> Result<()> {
+        self.loaded = Some(Loaded { source: source.to_owned(), stage: Stage::new(self.gpu, &scene)?, scene });
+        Ok(())
     }
 
     /// Renders the picture of an `ssct render`.
@@ -85,12 +101,12 @@ impl<'a> Workshop<'a> {
     }
 
     fn load(&mut self, options: &RenderOptions) -> Result<&mut Loaded> {
-        let name = scene_name(options);
+        let source = scene_name(options);
         let loaded = match self.loaded.take() {
-            Some(loaded) if loaded.scene.name == name => loaded,
+            Some(loaded) if loaded.source == source => loaded,
             _ => {
                 let scene = resolve::scene(&options.common.place, "rooms")?;
-                Loaded { stage: Stage::new(self.gpu, &scene)?, scene }
+                Loaded { source, stage: Stage::new(self.gpu, &scene)?, scene }
             }
         };
         Ok(self.loaded.insert(loaded))
@@ -100,7 +116,7 @@ impl<'a> Workshop<'a> {
         let common = &options.common;
         let method = methods::find(render::method_name(options))?;
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
-        let Loaded { scene, stage } = self.load(options)?;
+        let Loaded { scene, stage, .. } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
         let setup = render::setup(options);
         let wants = if inside { Wants::HITS } else { Wants::REFLECTION };

@@ -11,6 +11,7 @@ pub const PLATES: &[Plate] = &[
         title: "the G-buffer",
         print: "Positions and normals in world space (a) and view space (b), albedo and reflectance (c), the lit scene (d).",
         differs: "The generated street. Positions are not stored but recomputed from depth; each picture spans its own range.",
+        prints: None,
         size: QHD,
         panels: &[("the frame", "--scene street --view street --dump inside")],
         make: draw::gbuffer,
@@ -21,6 +22,7 @@ pub const PLATES: &[Plate] = &[
         title: "the scenes",
         print: "(a) The simple test scene, (b) the museum, (c) the cathedral.",
         differs: "The generated scenes, lit, without reflections; the street stands for the first.",
+        prints: None,
         size: QHD,
         panels: &[
             ("(a) the street", "--scene street --view street --reflectivity 0"),
@@ -36,6 +38,7 @@ pub const PLATES: &[Plate] = &[
         print: "Left: a common cube map, whose reflections do not meet the things that they show. Right: corrected for parallax. \
                 The pictures are of others.",
         differs: "The generated corridor as a mirror without normal mapping, with the same captured maps on both sides.",
+        prints: None,
         size: QHD,
         panels: &[
             (
@@ -53,6 +56,7 @@ pub const PLATES: &[Plate] = &[
         print: "Left: without normal mapping; things inside the scene, such as the car, are not reflected. Right: close-up \
                 with normal mapping.",
         differs: "The generated street; its maps are captured by this renderer at the scene's probes.",
+        prints: None,
         size: QHD,
         panels: &[
             ("left: without normal mapping", "--scene street --view street --method pccm --normal-deviation 0"),
@@ -67,6 +71,7 @@ pub const PLATES: &[Plate] = &[
         print: "Left: a box is too simple a proxy for pillars and the walls behind them. Right: small errors of parallax at \
                 clerestory and rose window.",
         differs: "The generated cathedral.",
+        prints: None,
         size: QHD,
         panels: &[
             ("left: the nave", "--scene cathedral --view pillars --method pccm"),
@@ -80,6 +85,7 @@ pub const PLATES: &[Plate] = &[
         title: "billboard reflections in the street",
         print: "(a) Only the reflections, (b) without and (c) with normal mapping; below, details.",
         differs: "The generated street with its impostors; the details are parts of (c), enlarged.",
+        prints: None,
         size: QHD,
         panels: &[
             (
@@ -97,6 +103,7 @@ pub const PLATES: &[Plate] = &[
         title: "billboard reflections in the museum",
         print: "The exit sign is reflected by the wall.",
         differs: "The generated museum, whose sign stands above a door in the polished wall.",
+        prints: None,
         size: QHD,
         panels: &[("the hall", "--scene museum --view exit-sign --method billboard")],
         make: draw::beside,
@@ -108,6 +115,7 @@ pub const PLATES: &[Plate] = &[
         print: "A billboard's reflection on the street that the parked car should block.",
         differs: "The generated street. Beside it, what this program adds as an option: a billboard is hidden by what the \
                   depth buffer shows; and below, the ground truth.",
+        prints: None,
         size: QHD,
         panels: &[
             ("left: billboards", "--scene street --view car --method billboard --roughness 0"),
@@ -126,6 +134,7 @@ pub const PLATES: &[Plate] = &[
         print: "Left: ray traced off line with Mental Ray, about 10 minutes. Right: the optimised march with normal mapping, \
                 about 20 frames a second at 1000 × 1000.",
         differs: "The ray traced image is this program's world reference, one ray a pixel, as the march knows mirrors only.",
+        prints: None,
         size: Size::Print([1000, 1000]),
         panels: &[
             ("left: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
@@ -139,6 +148,7 @@ pub const PLATES: &[Plate] = &[
         title: "pixel steps of the march",
         print: "The brute-force march with growing steps: ribbons and holes.",
         differs: "Steps of 1, 5, 10 and 20 pixels, as the caption gives none; without normal mapping, so that the ribbons show.",
+        prints: None,
         size: QHD,
         panels: &[
             ("step 1", "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 1"),
@@ -160,6 +170,7 @@ pub const PLATES: &[Plate] = &[
         title: "fading at the screen's border",
         print: "Left: reflections are clipped where the screen ends. Right: they fade out.",
         differs: "The generated museum; no line marks the edges.",
+        prints: None,
         size: QHD,
         panels: &[
             ("left: clipped", "--scene museum --view museum --method ssr-fast --roughness 0 --fade off"),
@@ -173,6 +184,7 @@ pub const PLATES: &[Plate] = &[
         title: "the optimised march in the cathedral",
         print: "Above with normal mapping, below without.",
         differs: "The generated cathedral; here they stand left and right.",
+        prints: None,
         size: QHD,
         panels: &[
             (
@@ -189,6 +201,7 @@ pub const PLATES: &[Plate] = &[
         title: "what reflects in the scenes",
         print: "(a) The street, (b) the museum, (c) the cathedral: how much of each scene reflects, on which the time depends.",
         differs: "The generated scenes; a pixel is as bright as it reflects.",
+        prints: None,
         size: QHD,
         panels: &[
             ("(a) the street", "--scene street --view street --dump inside"),

@@ -1,11 +1,26 @@
 //! The figures of Hermanns 2015 and of the poster that preceded it.
 
 use crate::app::figures::draw;
-use crate::app::figures::plate::{Document, HD, Plate, QHD, Size};
+use crate::app::figures::plate::{Document, HD, Plate, PrintedScene, QHD, Size};
 
 /// The note shared by all figures of the thesis's chapter 5.
 const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives no roughness for this figure; here \
     roughness and normal deviation are 0.1, those of table 5.8's rougher rows.";
+
+/// Figures that print the author's rooms, in a file of these.
+const IN_ROOMS: Option<(PrintedScene, &str)> = Some((
+    PrintedScene::Rooms,
+    "The scene of the print, from its file. Its images were never published: tiles, bricks, stone and wood are generated. \
+     The place of the camera is chosen after the caption's words, and roughness and normal deviation are 0.1, as the thesis \
+     gives neither.",
+));
+
+/// Figures that print Sponza, in a file of it.
+const IN_SPONZA: Option<(PrintedScene, &str)> = Some((
+    PrintedScene::Sponza,
+    "The scene of the print, from its file, with the light, the materials and the view of this file. The thesis gives \
+     neither the place of the camera nor the roughness; roughness and normal deviation are 0.1.",
+));
 
 /// The figures of the thesis.
 pub const PLATES: &[Plate] = &[
@@ -16,6 +31,7 @@ pub const PLATES: &[Plate] = &[
         print: "A corridor in a shiny environment with perfect specular reflections, and with glossy ones; the microfacets are \
                 drawn beside them.",
         differs: "The rooms' corridor, by the world reference with 16 rays a pixel, roughness 0 and 0.3; no microfacets.",
+        prints: None,
         size: QHD,
         panels: &[
             (
@@ -34,12 +50,19 @@ pub const PLATES: &[Plate] = &[
         number: "2.4",
         title: "direct light, and direct and indirect light",
         print: "The Cornell box, path traced: (a) direct light, (b) direct and indirect light.",
-        differs: "The generated museum; of indirect light the first bounce of reflections alone, which is what the thesis is \
-                  about, by the world reference with 16 rays a pixel.",
-        size: QHD,
+        differs: "The box is generated after the published measures, with two blocks. 256 paths a pixel between diffuse \
+                  surfaces, in which light is passed on up to six times.",
+        prints: None,
+        size: Size::Print([480, 480]),
         panels: &[
-            ("(a) direct light, left", "--scene museum --view museum --reflectivity 0"),
-            ("(b) with reflections, right", "--scene museum --view museum --method reference --max-rays 16"),
+            (
+                "(a) direct light, left",
+                "--scene cornell-box --view box --method reference --diffuse-bounces 0 --max-rays 256",
+            ),
+            (
+                "(b) direct and indirect light, right",
+                "--scene cornell-box --view box --method reference --diffuse-bounces 6 --max-rays 256",
+            ),
         ],
         make: draw::beside,
     },
@@ -49,6 +72,7 @@ pub const PLATES: &[Plate] = &[
         title: "reflections of area lights",
         print: "Two analytic area lights above a floor that reflects them; of others.",
         differs: "The lamps of the generated corridor, whose highlights alone are drawn.",
+        prints: None,
         size: QHD,
         panels: &[(
             "the floor",
@@ -62,6 +86,7 @@ pub const PLATES: &[Plate] = &[
         title: "a planar mirror",
         print: "A mirror in Quake III Arena that shows the player and the game's logo.",
         differs: "The floor of the generated museum.",
+        prints: None,
         size: QHD,
         panels: &[("the floor", "--scene museum --view museum --method planar --roughness 0 --normal-deviation 0")],
         make: draw::beside,
@@ -72,6 +97,11 @@ pub const PLATES: &[Plate] = &[
         title: "the poster's method in the Sponza atrium",
         print: "(a) Specular reflections without roughness, (b) glossy ones of high roughness.",
         differs: "The generated atrium; roughness 0 and 0.3, as none is printed.",
+        prints: Some((
+            PrintedScene::Sponza,
+            "The scene of the print, from its file, with the light and the view of this file; roughness 0 and 0.3, as none is \
+             printed.",
+        )),
         size: QHD,
         panels: &[
             ("(a) specular, left", "--scene atrium --view atrium --method poster --roughness 0 --normal-deviation 0"),
@@ -85,6 +115,7 @@ pub const PLATES: &[Plate] = &[
         title: "how a Hi-Z buffer is made of minima",
         print: "A depth buffer of numbers; four texels at a time become one with the least of them.",
         differs: "The numbers are the real chain of a view of the rooms at 8 × 8 pixels.",
+        prints: None,
         size: Size::Fixed([8, 8]),
         panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
         make: draw::even_chain,
@@ -95,6 +126,7 @@ pub const PLATES: &[Plate] = &[
         title: "odd sizes, without Eq. 4.1",
         print: "Always two by two texels: of an odd size the last row or column is lost, on every level anew.",
         differs: "The real depth of a view at 7 × 5 pixels, reduced by two by two. Red says what each cell lost.",
+        prints: None,
         size: Size::Fixed([7, 5]),
         panels: &[("the depth", "--scene rooms --view cylinder --dump inside")],
         make: draw::undersized_chain,
@@ -106,6 +138,7 @@ pub const PLATES: &[Plate] = &[
         print: "The second texel is taken one further where a side is odd: a wider range is captured.",
         differs: "The chain that the pass makes of the same depth. The edge is read now, but on an odd side every other \
                   texel inside is not: what is crossed out is an erratum of Alg. 3 (see ERRATA.md).",
+        prints: None,
         size: Size::Fixed([7, 5]),
         panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
         make: draw::odd_chain,
@@ -116,6 +149,7 @@ pub const PLATES: &[Plate] = &[
         title: "the chain of the visibility buffer",
         print: "All levels for 512 × 512 but level 0, which is white.",
         differs: "The corridor of the rooms.",
+        prints: None,
         size: Size::Print([512, 512]),
         panels: &[("visibility", "--scene rooms --view corridor --figure 4.4")],
         make: draw::beside,
@@ -126,6 +160,7 @@ pub const PLATES: &[Plate] = &[
         title: "which rays take which way",
         print: "Rays away from the camera, by Hi-Z, in green; rays towards it, by the linear march, in red.",
         differs: "The same colours over the lit scene, darker where a ray met nothing.",
+        prints: None,
         size: QHD,
         panels: &[("paths", "--scene rooms --view corridor --figure 4.5")],
         make: draw::beside,
@@ -138,6 +173,7 @@ pub const PLATES: &[Plate] = &[
         differs: "No sketch: the iterations of Alg. 4 for one pixel of the rooms at 96 × 54, by the shader's twin on the \
                   CPU, which a test holds against the GPU. Below, the level over the iterations, and the cells on \
                   the screen.",
+        prints: None,
         size: Size::Fixed([96, 54]),
         panels: &[(
             "chain, normals and hits",
@@ -152,6 +188,7 @@ pub const PLATES: &[Plate] = &[
         print: "A sketch: an isosceles triangle with circles that touch, whose radii say the mip level.",
         differs: "The circles of Alg. 5 for one pixel and its hit, over the picture that they sample; roughness 0.2. The \
                   algorithm's unit is the screen's sides, so that circles are ellipses on a wide screen.",
+        prints: None,
         size: QHD,
         panels: &[(
             "picture and hits",
@@ -165,6 +202,7 @@ pub const PLATES: &[Plate] = &[
         title: "fading at the screen's border",
         print: "(a) Off: reflections end at sharp edges on the floor. (b) On: they fade out.",
         differs: "The floor before the window, a mirror.",
+        prints: None,
         size: QHD,
         panels: &[
             ("(a) off, left", "--scene rooms --view window-floor --roughness 0 --normal-deviation 0 --fade off"),
@@ -178,6 +216,7 @@ pub const PLATES: &[Plate] = &[
         title: "the chain of SSLR's ray trace colour",
         print: "The first five mip levels of the ray trace colour buffer.",
         differs: "The corridor of the rooms, roughness 0.1.",
+        prints: None,
         size: QHD,
         panels: &[(
             "colour",
@@ -191,6 +230,7 @@ pub const PLATES: &[Plate] = &[
         title: "the chain of SSLR's mask",
         print: "The first five mip levels of the mask buffer.",
         differs: "The same frame as figure 4.9.",
+        prints: None,
         size: QHD,
         panels: &[(
             "mask",
@@ -204,6 +244,7 @@ pub const PLATES: &[Plate] = &[
         title: "a cylinder that reflects the tiles",
         print: "SSCT beside HZCT, looking down at a wooden cylinder on the floor.",
         differs: COMPARISON,
+        prints: IN_ROOMS,
         size: QHD,
         panels: &[
             ("(a) SSCT, left", "--scene rooms --view cylinder --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -218,6 +259,7 @@ pub const PLATES: &[Plate] = &[
         print: "HZCT catches a little of the window, SSCT more of it, and the floor in the front wall too; 2.25 against \
                 1.12 ms.",
         differs: COMPARISON,
+        prints: IN_ROOMS,
         size: QHD,
         panels: &[
             (
@@ -238,6 +280,12 @@ pub const PLATES: &[Plate] = &[
         print: "SSCT beside SSLR along the corridor, and a part of the left wall enlarged, where SSCT keeps more detail.",
         differs: "The generated stand-in of the scene; roughness and normal deviation 0.1, as the thesis gives none. The \
                   enlarged part is framed; here it is four times as large, pixel by pixel.",
+        prints: Some((
+            PrintedScene::Rooms,
+            "The scene of the print, from its file. Its images were never published: tiles, bricks, stone and wood are \
+             generated. Roughness and normal deviation are 0.1, as the thesis gives none. The enlarged part is framed; here it \
+             is four times as large, pixel by pixel.",
+        )),
         size: QHD,
         panels: &[
             ("(a) SSCT, left", "--scene rooms --view corridor --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -251,6 +299,7 @@ pub const PLATES: &[Plate] = &[
         title: "two cylinders",
         print: "Many rays of the floor point towards the camera: SSCT is slower here, 3.94 against 1.30 ms of SSLR.",
         differs: COMPARISON,
+        prints: IN_ROOMS,
         size: QHD,
         panels: &[
             (
@@ -271,6 +320,12 @@ pub const PLATES: &[Plate] = &[
         print: "SSCT is more precise and, at 1920 × 1080, faster: 6.83 against 9.08 ms; (c) is the differential image.",
         differs: "The generated stand-in of the scene, roughness and normal deviation 0.1. (c) is the absolute difference of the\
                   displayed values, times 2; the thesis does not say how it is scaled.",
+        prints: Some((
+            PrintedScene::Rooms,
+            "The scene of the print, from its file, with generated images in place of those that were never published; roughness \
+             and normal deviation 0.1. (c) is the absolute difference of the displayed values, times 2; the thesis does not say \
+             how it is scaled.",
+        )),
         size: HD,
         panels: &[
             ("(a) SSCT, left", "--scene rooms --view window --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -287,6 +342,7 @@ pub const PLATES: &[Plate] = &[
         title: "the Sponza atrium",
         print: "Only the stone floor reflects; SSCT and SSLR take 1.20 ms each.",
         differs: COMPARISON,
+        prints: IN_SPONZA,
         size: QHD,
         panels: &[
             ("(a) SSCT, left", "--scene atrium --view atrium --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -300,6 +356,7 @@ pub const PLATES: &[Plate] = &[
         title: "the lion's head above a rough floor",
         print: "The head reflected on a rough surface; 0.74 ms for SSCT, 0.83 for SSLR.",
         differs: COMPARISON,
+        prints: IN_SPONZA,
         size: QHD,
         panels: &[
             ("(a) SSCT, left", "--scene atrium --view lion --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -313,6 +370,7 @@ pub const PLATES: &[Plate] = &[
         title: "floor and walls of the atrium",
         print: "For long rays SSLR shows artefacts on the walls, from its constant step; table 5.8 times this view.",
         differs: COMPARISON,
+        prints: IN_SPONZA,
         size: HD,
         panels: &[
             ("(a) SSCT, left", "--scene atrium --view hall --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -327,6 +385,12 @@ pub const PLATES: &[Plate] = &[
         print: "SSCT (2.87 ms) beside Mitsuba (04:05 min); SSCT's shading was dimmed, as Mitsuba's scene had no other light.",
         differs: "The ground truth is this program's own world reference: 16 rays a pixel of the same lobe against the \
                   triangles, lit as the G-buffer is, so that nothing needs dimming; a ray that leaves the scene is black.",
+        prints: Some((
+            PrintedScene::Rooms,
+            "The scene of the print, from its file, with generated images in place of those that were never published. The \
+             ground truth is this program's own world reference: 16 rays a pixel of the same lobe against the triangles, lit \
+             as the G-buffer is, so that nothing needs dimming.",
+        )),
         size: Size::Print([1280, 720]),
         panels: &[
             ("(a) SSCT, left", "--scene rooms --view corridor --method ssct --roughness 0.1 --normal-deviation 0.1"),
@@ -347,6 +411,7 @@ pub const POSTER: &[Plate] = &[Plate {
     print: "(a) Filtering by mip-mapping may cause artifacts; (b) the Gaussian filter is smoother; (c) with fading at \
                 the screen's edge.",
     differs: "The corridor of the rooms, roughness 0.3.",
+    prints: None,
     size: QHD,
     panels: &[
         ("(a) mip-mapping", "--scene rooms --view corridor --figure poster-2a --roughness 0.3"),

@@ -5,6 +5,7 @@ mod atrium;
 mod builder;
 mod car;
 mod cathedral;
+mod cornell_box;
 mod corridor;
 mod fittings;
 mod furnishing;
@@ -24,9 +25,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// The names that [`scene`] knows.
+/// The names of the scenes that studies are made in.
 pub fn names() -> &'static [&'static str] {
     &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
+}
+
+/// All names that [`scene`] knows: those of studies, and of a box that is for a figure alone, as nothing in it reflects.
+pub fn every_name() -> impl Iterator<Item = &'static str> {
+    names().iter().copied().chain(["cornell-box"])
 }
 
 /// A built-in scene, or else that of a scene file of this path.
@@ -37,12 +43,12 @@ pub fn scene_or_file(name: &str) -> Result<Scene> {
     scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
 }
 
-/// A built-in scene; `None` if the name is not in [`names`].
+/// A built-in scene; `None` if the name is not in [`every_name`].
 ///
 /// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza
 /// (figures 5.6–5.8). `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013,
 /// section 5.1). `corridor` is a narrow room of the kind that its section 5.2 recommends for parallax-corrected
-/// cube maps.
+/// cube maps. `cornell-box` is the scene of the thesis's figure 2.4.
 pub fn scene(name: &str) -> Option<Scene> {
     match name {
         "rooms" => Some(rooms::scene()),
@@ -51,6 +57,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "museum" => Some(museum::scene()),
         "cathedral" => Some(cathedral::scene()),
         "corridor" => Some(corridor::scene()),
+        "cornell-box" => Some(cornell_box::scene()),
         _ => None,
     }
 }

@@ -1,0 +1,208 @@
+//! Counts of what rays do, by shaders that count. Columns: claim, method, scene, view, size (the height), variant, value.
+//!
+//! - `cone-samples`: samples of a cone that hit something, by roughness, at most 7 as published; `cone-levels`: the mean
+//!   level that they read; `cone-samples-unbounded`, `cone-levels-unbounded`: at most 64.
+//! - `ray-steps`: depths that a ray of a march reads, by pixels a step, by roughness, or by the height of the image.
+//! - `towards-camera`: the share of the rays that run towards the camera; `towards-camera-hits`: the share of these that hit;
+//!   `away-hits`: the share of the others that hit.
+
+use super::edited::Edits;
+use super::{Bench, Change, SAME, THESIS, globals, mean, method, scene};
+use ssct::gpu::Pixels;
+use ssct::methods::ssr::SsrParams;
+use ssct::methods::thesis::ConeParams;
+use ssct::methods::{Setup, Wants};
+use ssct::passes::PathCode;
+use ssct_lab::scene::{Scene, View};
+use ssct_lab::study::{Globals, Shot, Stage, image};
+
+/// The size of the thesis's figures.
+const SIZE: [u32; 2] = [960, 540];
+/// The greatest number of a cone's samples where 7 are not enough.
+const UNBOUNDED: u32 = 64;
+
+/// The reflection's colour becomes the samples, the sum of their levels, and 1.
+const CONE: Edits = &[
+    ("thesis/cone_trace.glsl", "vec4 C = vec4(0.0);", "vec4 C = vec4(0.0);\n    float counted = 0.0, levels = 0.0;"),
+    (
+        "thesis/cone_trace.glsl",
+        "C += ConeSampleWeightedColor(P_sample, max(l_mip, 0.0));",
+        "C += ConeSampleWeightedColor(P_sample, max(l_mip, 0.0)); counted += 1.0; levels += max(l_mip, 0.0);",
+    ),
+    ("thesis/cone_trace.glsl", "return C.rgb / C.a;", "return vec3(counted, levels, 1.0);"),
+];
+
+const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
+
+/// The reflection's colour becomes the depths that were read, 0 and 1.
+const MARCH: Edits = &[
+    (
+        SCHMIDT,
+        "bool behind = false;\n\n// Reads the linearised",
+        "bool behind = false;\nfloat counted = 0.0;\n\n// Reads the linearised",
+    ),
+    (
+        SCHMIDT,
+        "    float sampledDepth = linearizeDepth(1.0 - textureLod(DepthTex",
+        "    counted += 1.0;\n    float sampledDepth = linearizeDepth(1.0 - textureLod(DepthTex",
+    ),
+    (
+        SCHMIDT,
+        "        out_reflection = ScreenSpaceReflections(vsPosition, vsNormal, vsReflectionVector);",
+        "        ScreenSpaceReflections(vsPosition, vsNormal, vsReflectionVector);\n        out_reflection = vec4(counted, 0.0, 1.0, 1.0);",
+    ),
+];
+
+/// The place of a hit becomes the depths that were read, whether it is a hit or not.
+const UNIFORM: Edits = &[
+    (
+        "thesis/linear_ray_march.glsl",
+        "#define INVALID_RAY vec3(-1.0)",
+        "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
+    ),
+    (
+        "thesis/linear_ray_march.glsl",
+        "        // 9-11: Check if ray steps",
+        "        counted += 1.0;\n        // 9-11: Check if ray steps",
+    ),
+    (
+        "thesis/sslr_ray_trace.frag",
+        "out_hit = vec4(hit, PATH_LINEAR_MISS);",
+        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
+    ),
+    (
+        "thesis/sslr_ray_trace.frag",
+        "out_hit = vec4(hit, PATH_LINEAR);",
+        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
+    ),
+];
+
+/// One image that counts.
+struct Counted<'a> {
+    method: &'a str,
+    edits: Edits,
+    change: Change,
+    size: [u32; 2],
+    globals: Globals,
+}
+
+impl Counted<'_> {
+    /// The reflection, and the hits.
+    fn images(&self, bench: &Bench, stage: &mut Stage, (scene, view): (&Scene, &View)) -> (Pixels, Pixels) {
+        let setup = (self.change)(&Setup::new(self.size));
+        let materials = self.globals.materials(scene, view);
+        let camera = view.camera(scene, self.size);
+        bench.shaders.with(&bench.gpu, self.edits, || {
+            let shot = Shot::new(stage, method(self.method), &setup, Wants::HITS, camera, materials).expect("a shot");
+            let made = image::render(stage, &shot, true).expect("an image");
+            let all = made.intermediates.expect("intermediates");
+            let hits = all.into_iter().find(|(name, ..)| name == "hits").expect("hits").2;
+            (made.reflection, hits)
+        })
+    }
+}
+
+/// The mean of a channel where the third channel is 1.
+fn counted(image: &Pixels, channel: usize) -> f64 {
+    mean(image.texels().filter(|t| t[2] == 1.0).map(|t| f64::from(t[channel])))
+}
+
+fn row(claim: &str, method: &str, (scene, view): (&Scene, &View), height: u32, variant: &str, value: f64) {
+    println!("{claim},{method},{},{},{height},{variant},{value:.4}", scene.name, view.name);
+}
+
+/// Samples and levels of cones.
+fn cones(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+    let limits: [(&str, Change); 2] =
+        [("", SAME), ("-unbounded", |s| s.with(|p: &mut ConeParams| p.cone_samples = UNBOUNDED))];
+    for roughness in [0.05, 0.1, 0.3, 0.6, 1.0] {
+        for (suffix, change) in limits {
+            let counting =
+                Counted { method: "ssct", edits: CONE, change, size: SIZE, globals: globals(roughness, 0.1) };
+            let (image, _) = counting.images(bench, stage, at);
+            let (samples, levels) = (counted(&image, 0), counted(&image, 1));
+            let variant = roughness.to_string();
+            row(&format!("cone-samples{suffix}"), "ssct", at, SIZE[1], &variant, samples);
+            row(&format!("cone-levels{suffix}"), "ssct", at, SIZE[1], &variant, levels / samples);
+        }
+    }
+}
+
+/// Rays by their direction, and what becomes of them.
+fn directions(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+    let counting = Counted { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
+    let (_, hits) = counting.images(bench, stage, at);
+    let codes: Vec<_> = hits.texels().filter_map(|t| PathCode::from_channel(t[3])).collect();
+    let count = |of: &[PathCode]| codes.iter().filter(|c| of.contains(c)).count() as f64;
+    let towards = count(&[PathCode::Linear, PathCode::LinearMiss]);
+    let away = count(&[PathCode::HiZ, PathCode::Miss, PathCode::Exhausted]);
+    let share = |of: f64, all: f64| of / all.max(1.0);
+    row("towards-camera", "ssct", at, SIZE[1], "0", share(towards, towards + away));
+    row("towards-camera-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
+    row("away-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
+}
+
+/// Steps of SSLR by roughness.
+fn uniform_steps(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+    for roughness in [0.0, 0.1, 0.3, 0.6] {
+        let counting =
+            Counted { method: "sslr", edits: UNIFORM, change: SAME, size: SIZE, globals: globals(roughness, 0.1) };
+        let (_, hits) = counting.images(bench, stage, at);
+        let traced = |t: &&[f32]| PathCode::from_channel(t[3]).is_some_and(|c| c != PathCode::None);
+        let steps = mean(hits.texels().filter(traced).map(|t| f64::from(t[0])));
+        row("ray-steps", "sslr", at, SIZE[1], &roughness.to_string(), steps);
+    }
+}
+
+/// Steps of Schmidt's marches by pixels a step and by the height of the image.
+fn marches(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+    let steps: [(&str, Change); 4] = [
+        ("1", SAME),
+        ("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
+        ("10", |s| s.with(|p: &mut SsrParams| p.pixel_step = 10)),
+        ("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
+    ];
+    let mut count = |method, variant, change, height: u32| {
+        let size = [height * 16 / 9, height];
+        let counting = Counted { method, edits: MARCH, change, size, globals: globals(0.0, 0.0) };
+        let (image, _) = counting.images(bench, stage, at);
+        row("ray-steps", method, at, height, variant, counted(&image, 0));
+    };
+    steps.into_iter().for_each(|(variant, change)| count("ssr", variant, change, 180));
+    for height in [360, 720] {
+        count("ssr", "1", SAME, height);
+    }
+    for height in [180, 360, 720] {
+        count("ssr-fast", "1", SAME, height);
+    }
+}
+
+/// Prints every count that is asked for.
+pub fn run(bench: &Bench) {
+    println!("claim,method,scene,view,size,variant,value");
+    for (name, views) in THESIS {
+        let scene = scene(name);
+        let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+        for view in scene.views.iter().filter(|v| views.contains(&v.name.as_str())) {
+            let at = (&scene, view);
+            if bench.wants("cone-samples") {
+                cones(bench, &mut stage, at);
+            }
+            if bench.wants("towards-camera") {
+                directions(bench, &mut stage, at);
+            }
+            if bench.wants("ray-steps") {
+                uniform_steps(bench, &mut stage, at);
+            }
+        }
+    }
+    if !bench.wants("ray-steps") {
+        return;
+    }
+    for (name, view) in [("street", "puddles"), ("museum", "museum"), ("cathedral", "nave")] {
+        let scene = scene(name);
+        let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+        let view = scene.view(view).expect("a view");
+        marches(bench, &mut stage, (&scene, view));
+    }
+}

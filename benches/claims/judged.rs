@@ -1,0 +1,316 @@
+//! Methods as they stand, and with one thing changed: what the change does to the image, and on which side of it the image
+//! is nearer to the truth. Columns: claim, method, scene, view, roughness; `share` and `rmse`, by how much the display
+//! images differ, as in `cargo bench --bench errata`; `error` and `error_changed`, the RMSE of the reflection against the
+//! reference, as it stands and changed; and of mirrors `right` and `right_changed`, `false` and `false_changed`, the shares
+//! of right and of false hits by the oracle.
+//!
+//! Claims of the documents, at 480×270, are held against the exact image of the same screen; those named `dda-…` are of the
+//! errata of that method, at 320×180; those named `billboards-…` are held against the world, at 640×360, and so are those
+//! named `behind-…`, of what stands behind a method of the screen, at 320×180.
+
+use super::edited::{Edits, difference};
+use super::{Bench, Change, SAME, THESIS, globals, method, scene};
+use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::methods::billboard::BillboardParams;
+use ssct::methods::dda::DdaParams;
+use ssct::methods::setup::{EffectParams, Fallback};
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{MethodInfo, Setup, Wants};
+use ssct::passes::billboard::{Occlusion, Order};
+use ssct::passes::color_chain::ChainFilter;
+use ssct_lab::metrics::hits::HitAgreement;
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::hierarchy::Hierarchy;
+use ssct_lab::reference::screen::{Sampling, ScreenReference};
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::report::images::{Rgb, display};
+use ssct_lab::scene::{Scene, View};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+use std::collections::HashMap;
+
+/// Rays a pixel of the references.
+const RAYS: u32 = 16;
+
+/// What a claim's images are held against, which says where it is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    /// The thesis's views against the exact image of the screen.
+    Thesis,
+    /// Views of rooms, museum and street against the exact image of the screen.
+    Dda,
+    /// Views with billboards against the world.
+    Billboards,
+    /// Views of scenes with polished floors against the world.
+    Behind,
+}
+
+impl Place {
+    fn views(self) -> &'static [(&'static str, &'static [&'static str])] {
+        match self {
+            Self::Thesis => THESIS,
+            Self::Dda => &[("rooms", &[]), ("museum", &[]), ("street", &[])],
+            Self::Billboards => &[("street", &["street", "car", "puddles", "signs"]), ("museum", &["museum"])],
+            Self::Behind => &[("museum", &[]), ("corridor", &[]), ("rooms", &[])],
+        }
+    }
+
+    fn size(self) -> [u32; 2] {
+        match self {
+            Self::Thesis => [480, 270],
+            Self::Dda | Self::Behind => [320, 180],
+            Self::Billboards => [640, 360],
+        }
+    }
+
+    fn globals(self, roughness: f32) -> Globals {
+        match self {
+            Self::Dda | Self::Behind => Globals { roughness: Some(roughness), ..Globals::default() },
+            Self::Thesis | Self::Billboards => globals(roughness, 0.1),
+        }
+    }
+}
+
+/// A claim: a method, and what is changed.
+struct Claim {
+    name: &'static str,
+    method: &'static str,
+    place: Place,
+    roughness: &'static [f32],
+    /// Parameters of both sides.
+    both: Change,
+    /// Parameters of the changed side, after those of both.
+    change: Change,
+    edits: Edits,
+}
+
+const fn edited(name: &'static str, method: &'static str, roughness: &'static [f32], edits: Edits) -> Claim {
+    Claim { name, method, place: Place::Thesis, roughness, both: SAME, change: SAME, edits }
+}
+
+const fn dda(name: &'static str, both: Change, edits: Edits) -> Claim {
+    Claim { name, method: "dda", place: Place::Dda, roughness: &[0.0], both, change: SAME, edits }
+}
+
+const fn billboards(name: &'static str, change: Change) -> Claim {
+    Claim { name, method: "billboard", place: Place::Billboards, roughness: &[0.0], both: SAME, change, edits: &[] }
+}
+
+const fn behind(name: &'static str, change: Change) -> Claim {
+    Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], both: SAME, change, edits: &[] }
+}
+
+const VISIBILITY: &str = "thesis/visibility.frag";
+const TRACE: &str = "thesis/sslr_ray_trace.frag";
+const DDA: &str = "dda/dda.frag";
+const INTEGRATED: &str = "coarseVisibility = dot(vec4(0.25), integration);";
+const LENGTH: &str = "float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);";
+const FOUR: &str = "float z_min = min(min(z0.r, z1.r), min(z2.r, z3.r));";
+const FIRST_STEP: &str = "float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);";
+const FROM_START: Edits = &[(DDA, FIRST_STEP, "float from = i == 1 ? 0.0 : max(s - 0.5 * dda.stride, OWN_PIXEL);")];
+const SECOND_WAY: Edits = &[(DDA, "meets = meets || (behind && !was_behind[l]);", "")];
+
+/// A Hi-Z buffer of true minima: every texel that a cell covers is read.
+pub const TRUE_MINIMA: Edits = &[(
+    "thesis/hi_z.frag",
+    FOUR,
+    "float z_min = z0.r;\n    for (int y = 0; y <= hiz.Offset.y; ++y)\n        for (int x = 0; x <= hiz.Offset.x; ++x)\n            z_min = min(z_min, ReadDepth(P_sample + ivec2(x, y)).r);",
+)];
+
+const CLAIMS: &[Claim] = &[
+    edited(
+        "visibility-7-bits",
+        "ssct",
+        &[0.1, 0.3, 0.6],
+        &[(VISIBILITY, INTEGRATED, "coarseVisibility = round(dot(vec4(0.25), integration) * 127.0) / 127.0;")],
+    ),
+    edited(
+        "visibility-4-bits",
+        "ssct",
+        &[0.1, 0.3, 0.6],
+        &[(VISIBILITY, INTEGRATED, "coarseVisibility = round(dot(vec4(0.25), integration) * 15.0) / 15.0;")],
+    ),
+    edited("visibility-none", "ssct", &[0.1, 0.3, 0.6], &[(VISIBILITY, INTEGRATED, "coarseVisibility = 1.0;")]),
+    edited(
+        "length-7-bits",
+        "sslr",
+        &[0.1, 0.3],
+        &[(TRACE, LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 127.0) / 127.0;")],
+    ),
+    edited(
+        "length-4-bits",
+        "sslr",
+        &[0.1, 0.3],
+        &[(TRACE, LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 15.0) / 15.0;")],
+    ),
+    edited("mask", "sslr", &[0.1, 0.3], &[("thesis/sslr_blur.frag", "return Mask(texCoord) > 0.0 ?", "return true ?")]),
+    edited("true-minima", "ssct", &[0.0, 0.1], TRUE_MINIMA),
+    edited("true-minima-hzct", "hzct", &[0.0], TRUE_MINIMA),
+    Claim {
+        change: |s| s.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian),
+        ..edited("gaussian", "ssct", &[0.1, 0.3, 0.6], &[])
+    },
+    dda(
+        "dda-depth-before",
+        |s| s.with(|p: &mut DdaParams| (p.dda_stride, p.dda_jitter) = (16, true)),
+        &[(DDA, "Meets(line, Place(line, s), from, next, l);", "Meets(line, Place(line, s), from, s, l);")],
+    ),
+    dda(
+        "dda-from-start-1",
+        |s| s.with(|p: &mut DdaParams| (p.dda_stride, p.dda_jitter, p.dda_refine) = (1, true, false)),
+        FROM_START,
+    ),
+    dda(
+        "dda-from-start-4",
+        |s| s.with(|p: &mut DdaParams| (p.dda_stride, p.dda_jitter, p.dda_refine) = (4, true, false)),
+        FROM_START,
+    ),
+    dda("dda-second-way-4", SAME, SECOND_WAY),
+    dda("dda-second-way-16", |s| s.with(|p: &mut DdaParams| p.dda_stride = 16), SECOND_WAY),
+    dda(
+        "dda-unchecked",
+        |s| s.with(|p: &mut DdaParams| (p.dda_stride, p.dda_jitter) = (16, true)),
+        &[(
+            DDA,
+            "if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit, l)) {",
+            "if (REFINE && !Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit, l))\n                hit = s;\n            {",
+        )],
+    ),
+    billboards("billboards-unbroken", |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken)),
+    billboards("billboards-nearest", |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest)),
+    billboards("billboards-occlusion", |s| {
+        s.with(|p: &mut BillboardParams| {
+            (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);
+        })
+    }),
+    behind("behind-planar", |s| s.with(|p: &mut EffectParams| p.fallback = Fallback::Planar)),
+    behind("behind-pccm", |s| s.with(|p: &mut EffectParams| p.fallback = Fallback::Pccm)),
+    behind("behind-environment", |s| s.with(|p: &mut EffectParams| p.fallback = Fallback::Environment)),
+];
+
+/// A linear colour for each pixel.
+type Colors = Vec<[f32; 3]>;
+
+/// What the images of a view at a roughness are held against.
+struct Truth {
+    mask: Vec<bool>,
+    color: Colors,
+    /// Hits of the oracle; none unless all are mirrors.
+    hits: Option<Vec<Option<[f64; 2]>>>,
+}
+
+/// An image of a method.
+struct Made {
+    shown: Rgb,
+    color: Colors,
+    hits: Option<Vec<Option<[f64; 2]>>>,
+}
+
+/// A view of a scene on a device.
+struct At<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    place: Place,
+    roughness: f32,
+}
+
+impl At<'_> {
+    fn made(&self, stage: &mut Stage, method: &MethodInfo, setup: &Setup) -> (Made, Shot) {
+        let materials = self.place.globals(self.roughness).materials(self.scene, self.view);
+        let camera = self.view.camera(self.scene, self.place.size());
+        let wants = if method.is_screen_space() { Wants::HITS } else { Wants::REFLECTION };
+        let shot = Shot::new(stage, method, setup, wants, camera, materials).expect("a shot");
+        let image = image::render(stage, &shot, true).expect("an image");
+        let all = image.intermediates.unwrap_or_default();
+        let hits = all.iter().find(|(name, ..)| name == "hits").map(|(.., hits)| gbuffer::hit_positions(hits));
+        let color = image.reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
+        (Made { shown: display(&image.reflection), color, hits }, shot)
+    }
+
+    /// The exact image of the G-buffer that a shot drew last, or the world's.
+    fn truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
+        let data = gbuffer::read(&mut stage.context, shot).expect("the G-buffer");
+        let mask = data.reflecting();
+        if [Place::Billboards, Place::Behind].contains(&self.place) {
+            let materials = self.place.globals(self.roughness).materials(self.scene, self.view);
+            let world = World::new(self.scene, &materials);
+            let first = FirstHits::shown(&world, &data);
+            let reference =
+                WorldReference::by(DefinitionsVersion::V2, &world, &first, &data.camera, Escape::Environment, 1);
+            let mut state = reference.start();
+            reference.add(&mut state, RAYS);
+            let color = reference.image(&state).reflection.iter().map(|c| c.to_array()).collect();
+            return Truth { mask, color, hits: None };
+        }
+        let (oracle, definitions) = (OracleVersion::default(), DefinitionsVersion::V2);
+        let sampling = Sampling { samples: RAYS, seed: 1, oracle, definitions, bounces: 1 };
+        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
+        let hierarchy = Hierarchy::new(&data).of_version(oracle);
+        let hit = |i: usize| {
+            let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+            mask[i].then(|| hierarchy.trace(x, y).position()).flatten().map(|p| [p.x, p.y])
+        };
+        let hits = (self.roughness == 0.0).then(|| (0..mask.len()).map(hit).collect());
+        Truth { color: image.color.iter().map(|c| c.to_array()).collect(), hits, mask }
+    }
+}
+
+/// The shares of right and of false hits; empty where hits do not compare.
+fn hits(truth: &Truth, made: &Made) -> [String; 2] {
+    let Some((oracle, hits)) = truth.hits.as_ref().zip(made.hits.as_ref()) else { return Default::default() };
+    let agreement = HitAgreement::new(&truth.mask, hits, oracle);
+    [agreement.hit_agreement, agreement.false_hits].map(|share| share.map_or_else(String::new, |s| format!("{s:.6}")))
+}
+
+/// Images of methods as they stand, and truths, by what they depend on.
+#[derive(Default)]
+struct Kept {
+    images: HashMap<String, Made>,
+    truths: HashMap<String, Truth>,
+}
+
+/// Measures a claim on a view, and prints its row.
+fn measure(bench: &Bench, stage: &mut Stage, claim: &Claim, at: &At, kept: &mut Kept) {
+    let info = method(claim.method);
+    let both = (claim.both)(&Setup::new(claim.place.size()));
+    let of = format!("{} {} {:?}", at.view.name, at.roughness, claim.place);
+    let key = format!("{} {of} {:?}", claim.method, both.recorded(Some(info)));
+    if !kept.images.contains_key(&key) || !kept.truths.contains_key(&of) {
+        let (made, shot) = at.made(stage, info, &both);
+        kept.images.insert(key.clone(), made);
+        kept.truths.entry(of.clone()).or_insert_with(|| at.truth(stage, &shot));
+    }
+    let (changed, _) = bench.shaders.with(&bench.gpu, claim.edits, || at.made(stage, info, &(claim.change)(&both)));
+    let (before, truth) = (&kept.images[&key], &kept.truths[&of]);
+    let (share, rmse) = difference(&before.shown, &changed.shown);
+    let [error, error_changed] = [before, &changed].map(|m| masked_rmse(&truth.color, &m.color, &truth.mask));
+    let [[right, wrong], [right_changed, wrong_changed]] = [before, &changed].map(|m| hits(truth, m));
+    println!(
+        "{},{},{},{},{},{share:.6},{rmse:.6},{error:.6},{error_changed:.6},{right},{right_changed},{wrong},{wrong_changed}",
+        claim.name, claim.method, at.scene.name, at.view.name, at.roughness
+    );
+}
+
+/// Judges every claim that is asked for.
+pub fn run(bench: &Bench) {
+    println!(
+        "claim,method,scene,view,roughness,share,rmse,error,error_changed,right,right_changed,false,false_changed"
+    );
+    for name in ["rooms", "atrium", "street", "museum", "corridor"] {
+        let mut loaded = None;
+        for claim in CLAIMS.iter().filter(|c| bench.wants(c.name)) {
+            let Some((_, views)) = claim.place.views().iter().find(|(of, _)| *of == name) else { continue };
+            let (scene, stage, kept) = loaded.get_or_insert_with(|| {
+                let scene = scene(name);
+                let stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+                (scene, stage, Kept::default())
+            });
+            for view in scene.views.iter().filter(|v| views.is_empty() || views.contains(&v.name.as_str())) {
+                for &roughness in claim.roughness {
+                    measure(bench, stage, claim, &At { scene, view, place: claim.place, roughness }, kept);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Measures claims of the documents on the methods that they are about, by what decides them: counts where a count does
+//! (steps, samples, rays), errors where an image does, and times of variants that take turns where nothing else can.
+//! Prints tables in CSV to standard output.
+//!
+//! - `counts`: `value` is a mean over pixels, or a share of them: see [`counts`].
+//! - `judged`: a method as it stands and with one thing changed, each held against the exact image of the same screen or
+//!   against the world: see [`judged`].
+//! - `times`: the time of variants over that of the first one of the same turn: see [`times`].
+//!
+//! Usage: `cargo bench --bench claims -- counts|judged|times [CLAIM…]`
+
+#![allow(clippy::expect_used)]
+
+mod counts;
+#[path = "../edited.rs"]
+mod edited;
+mod judged;
+mod times;
+
+use edited::Shaders;
+use ssct::gpu::{DeviceQuery, Gpu};
+use ssct::methods::{METHODS, MethodInfo, Setup};
+use ssct_lab::scene::{Scene, library};
+use ssct_lab::study::Globals;
+
+/// A change of parameters.
+type Change = fn(&Setup) -> Setup;
+
+/// Nothing is changed.
+const SAME: Change = Setup::clone;
+
+/// The views that show the thesis's figures: all of the rooms and `hall` of the atrium.
+const THESIS: &[(&str, &[&str])] = &[
+    ("rooms", &["corridor", "cylinder", "window", "window-floor", "two-cylinders", "ceiling"]),
+    ("atrium", &["hall"]),
+];
+
+/// What a measurement needs beside its scene.
+struct Bench {
+    gpu: Gpu,
+    shaders: Shaders,
+    wanted: Vec<String>,
+}
+
+impl Bench {
+    /// Whether a claim was asked for; all are if none was.
+    fn wants(&self, claim: &str) -> bool {
+        self.wanted.is_empty() || self.wanted.iter().any(|name| name == claim)
+    }
+}
+
+fn method(name: &str) -> &'static MethodInfo {
+    METHODS.iter().find(|m| m.name == name).expect("a method")
+}
+
+fn scene(name: &str) -> Scene {
+    library::scene(name).expect("a built-in scene")
+}
+
+/// Factors of a row: one roughness for all surfaces, and one normal deviation.
+fn globals(roughness: f32, normal_deviation: f32) -> Globals {
+    Globals { roughness: Some(roughness), normal_deviation: Some(normal_deviation), ..Globals::default() }
+}
+
+fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values {
+        (sum, count) = (sum + value, count + 1.0);
+    }
+    sum / f64::max(count, 1.0)
+}
+
+fn main() {
+    let words: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let kind = words.first().map(String::as_str);
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    let wanted = words.iter().skip(1).cloned().collect();
+    let bench = Bench { gpu, shaders: Shaders::new(), wanted };
+    match kind {
+        Some("counts") => counts::run(&bench),
+        Some("judged") => judged::run(&bench),
+        Some("times") => times::run(&bench),
+        _ => println!("# say which: counts, judged or times"),
+    }
+}

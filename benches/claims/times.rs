@@ -1,0 +1,229 @@
+//! Times of variants that take turns, frame by frame. Columns: claim, method, scene, view, variant; `ratio`, `least` and
+//! `greatest`: median and ends of the middle half of the effect's time over that of the first variant in the same turn;
+//! `scene`: the median of the same ratio for the scene passes.
+//!
+//! - `pixel-step`: Schmidt's march with longer steps.
+//! - `half`: half the resolution.
+//! - `gaussian`: the colour chain by a Gaussian in place of the device's filter.
+//! - `true-minima`: every texel is read for the Hi-Z buffer, in place of four.
+//! - `roughness`: from roughness 0.1 on.
+//! - `triangles`: a scene whose every triangle is cut into 16, which shows the same picture.
+//! - `reflecting`: only a rectangle with that share of the pixels reflects.
+
+use super::edited::Edits;
+use super::judged::TRUE_MINIMA;
+use super::{Bench, Change, SAME, globals, method, scene};
+use glam::{Vec2, Vec3, Vec4};
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Mode;
+use ssct::methods::setup::EffectParams;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::ssr::SsrParams;
+use ssct::methods::{Effect, Input, Setup, Wants};
+use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct_lab::scene::{GBufferData, Mesh, Scene, Vertex, View};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+/// Turns that count; one before them does not.
+const TURNS: usize = 11;
+const SIZE: [u32; 2] = [960, 540];
+/// Shares of the pixels that reflect.
+const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
+
+/// Milliseconds of the effect, and of the scene passes.
+type Times = [f64; 2];
+
+fn times(report: &FrameReport) -> Times {
+    [true, false].map(|counted| report.passes.iter().filter(|p| p.counted == counted).map(|p| p.ms).sum())
+}
+
+/// A value at a share of the way through the sorted values.
+fn at(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Prints a row for each variant of the turns.
+fn print(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
+    for (n, variant) in variants.iter().enumerate() {
+        let over = |part: usize| turns.iter().map(|t| t[n][part] / t[0][part]).collect::<Vec<_>>();
+        let [least, ratio, greatest] = [0.25, 0.5, 0.75].map(|share| at(over(0), share));
+        let drawn = at(over(1), 0.5);
+        let drawn = if drawn.is_finite() { format!("{drawn:.3}") } else { String::new() };
+        println!("{claim},{method},{scene},{view},{variant},{ratio:.3},{least:.3},{greatest:.3},{drawn}");
+    }
+}
+
+/// A variant of a method.
+struct Variant {
+    name: &'static str,
+    change: Change,
+    edits: Edits,
+    globals: Globals,
+}
+
+fn changed(name: &'static str, roughness: f32, change: Change) -> Variant {
+    Variant { name, change, edits: &[], globals: globals(roughness, roughness) }
+}
+
+/// Times variants of a method on a view.
+fn take_turns(bench: &Bench, claim: &str, name: &str, at: (&Scene, &View, &mut Stage), variants: &[Variant]) {
+    let (scene, view, stage) = at;
+    let shot = |variant: &Variant, stage: &mut Stage| {
+        let materials = variant.globals.materials(scene, view);
+        let setup = (variant.change)(&Setup::new(SIZE));
+        bench.shaders.with(&bench.gpu, variant.edits, || {
+            Shot::new(stage, method(name), &setup, Wants::IMAGE, view.camera(scene, SIZE), materials).expect("a shot")
+        })
+    };
+    let shots: Vec<Shot> = variants.iter().map(|v| shot(v, stage)).collect();
+    let mut turn = || shots.iter().map(|s| times(&stage.run(s, Mode::Timed).expect("a frame").0)).collect::<Vec<_>>();
+    turn();
+    let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+    let names: Vec<_> = variants.iter().map(|v| v.name).collect();
+    print(claim, name, (&scene.name, &view.name), &names, &turns);
+}
+
+/// What is timed on each of some views: method and variants.
+fn of_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&str, Vec<Variant>)]) {
+    if !bench.wants(claim) {
+        return;
+    }
+    for (name, view) in places {
+        let scene = scene(name);
+        let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+        let view = scene.view(view).expect("a view");
+        for (method, variants) in variants {
+            take_turns(bench, claim, method, (&scene, view, &mut stage), variants);
+        }
+    }
+}
+
+/// A vertex in the middle of two.
+fn middle(a: &Vertex, b: &Vertex) -> Vertex {
+    let direction = |a: [f32; 3], b: [f32; 3]| (Vec3::from(a) + Vec3::from(b)).normalize_or(Vec3::from(a)).to_array();
+    let tangent = |v: &Vertex| Vec4::from(v.tangent).truncate().to_array();
+    Vertex {
+        position: (0.5 * (Vec3::from(a.position) + Vec3::from(b.position))).to_array(),
+        normal: direction(a.normal, b.normal),
+        uv: (0.5 * (Vec2::from(a.uv) + Vec2::from(b.uv))).to_array(),
+        tangent: Vec3::from(direction(tangent(a), tangent(b))).extend(a.tangent[3]).to_array(),
+    }
+}
+
+/// A mesh whose every triangle is cut into four.
+fn cut(mesh: &Mesh) -> Mesh {
+    let mut cut = Mesh { vertices: Vec::new(), indices: Vec::new(), ..mesh.clone() };
+    for corners in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|n| mesh.vertices[corners[n] as usize]);
+        let [ab, bc, ca] = [middle(&a, &b), middle(&b, &c), middle(&c, &a)];
+        let first = cut.vertices.len() as u32;
+        cut.vertices.extend([a, b, c, ab, bc, ca]);
+        cut.indices.extend([0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5].map(|i| first + i));
+    }
+    cut
+}
+
+/// Methods on a scene, and on one whose every triangle is cut into 16.
+fn triangles(bench: &Bench) {
+    let plain = scene("rooms");
+    let meshes = plain.meshes.iter().map(|m| cut(&cut(m))).collect();
+    let fine = Scene { meshes, ..plain.clone() };
+    let mut stages = [&plain, &fine].map(|scene| Stage::new(&bench.gpu, scene).expect("device memory"));
+    for name in ["sslr", "ssct", "hzct", "planar"] {
+        for view in plain.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
+            let materials = globals(0.1, 0.1).materials(&plain, view);
+            let [mut a, mut b] = stages.each_mut().map(|stage| {
+                let camera = view.camera(&plain, SIZE);
+                let shot = Shot::new(stage, method(name), &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone());
+                (shot.expect("a shot"), stage)
+            });
+            let mut turn =
+                || [&mut a, &mut b].map(|(s, stage)| times(&stage.run(s, Mode::Timed).expect("a frame").0)).to_vec();
+            turn();
+            let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+            print("triangles", name, (&plain.name, &view.name), &["1", "16"], &turns);
+        }
+    }
+}
+
+/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
+fn masked(data: &GBufferData, share: f64) -> GBufferData {
+    let mut masked = data.clone();
+    let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
+    let [left, top] = [(data.width - w) / 2, (data.height - h) / 2];
+    for (i, reflectivity) in masked.reflectivity.iter_mut().enumerate() {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        if !((left..left + w).contains(&x) && (top..top + h).contains(&y)) {
+            *reflectivity = 0.0;
+        }
+    }
+    masked
+}
+
+/// Screen-space methods where less and less of the image reflects.
+fn reflecting(bench: &Bench) {
+    let scene = scene("rooms");
+    let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+    for view in scene.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
+        let materials = globals(0.0, 0.0).materials(&scene, view);
+        let camera = view.camera(&scene, SIZE);
+        let setup = Setup::new(SIZE);
+        let shot = Shot::new(&mut stage, method("ssr"), &setup, Wants::IMAGE, camera, materials).expect("a shot");
+        stage.run(&shot, Mode::Plain).expect("a frame");
+        let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+        let images =
+            SHARES.map(|share| GBufferImages::upload(&mut stage.context, &masked(&data, share)).expect("an upload"));
+        for name in ["ssr", "ssr-fast"] {
+            let effect = Effect::new(&mut stage.context, method(name), &setup, Wants::IMAGE, None).expect("the effect");
+            let mut turn = || {
+                let one = |images: &GBufferImages| {
+                    let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
+                    frame.begin_effect();
+                    effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &camera)).expect("the effect");
+                    times(&frame.finish().expect("the frame's end"))
+                };
+                images.iter().map(one).collect::<Vec<_>>()
+            };
+            turn();
+            let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+            print("reflecting", name, (&scene.name, &view.name), &["1", "0.5", "0.25", "0.1"], &turns);
+        }
+    }
+}
+
+/// Times what is asked for.
+pub fn run(bench: &Bench) {
+    println!("claim,method,scene,view,variant,ratio,least,greatest,scene_ratio");
+    let step = |name, change: Change| changed(name, 0.0, change);
+    let steps = vec![
+        step("1", SAME),
+        step("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
+        step("10", |s| s.with(|p: &mut SsrParams| p.pixel_step = 10)),
+        step("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
+    ];
+    let schmidt = [("street", "puddles"), ("museum", "museum"), ("cathedral", "nave")];
+    of_views(bench, "pixel-step", &schmidt, &[("ssr", steps)]);
+
+    let views = [("rooms", "corridor"), ("rooms", "window-floor"), ("rooms", "two-cylinders"), ("atrium", "hall")];
+    let half = |roughness| {
+        let smaller: Change = |s| s.with(|p: &mut EffectParams| p.resolution_scale = 0.5);
+        vec![changed("1", roughness, SAME), changed("0.5", roughness, smaller)]
+    };
+    of_views(bench, "half", &views, &[("ssct", half(0.1)), ("sslr", half(0.1))]);
+    let gaussian: Change = |s| s.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian);
+    let filters = vec![changed("hardware", 0.1, SAME), changed("gaussian", 0.1, gaussian)];
+    of_views(bench, "gaussian", &views, &[("ssct", filters)]);
+    let minima = vec![changed("printed", 0.1, SAME), Variant { edits: TRUE_MINIMA, ..changed("true", 0.1, SAME) }];
+    of_views(bench, "true-minima", &views, &[("ssct", minima)]);
+    let rougher = |name, roughness| Variant { globals: globals(roughness, 0.1), ..changed(name, 0.1, SAME) };
+    let roughness = || vec![rougher("0.1", 0.1), rougher("0.3", 0.3), rougher("0.6", 0.6), rougher("1", 1.0)];
+    of_views(bench, "roughness", &views, &[("ssct", roughness()), ("hzct", roughness()), ("sslr", roughness())]);
+    if bench.wants("triangles") {
+        triangles(bench);
+    }
+    if bench.wants("reflecting") {
+        reflecting(bench);
+    }
+}

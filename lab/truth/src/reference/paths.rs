@@ -1,0 +1,218 @@
+//! Light as it passes from area lights to diffuse surfaces, and from one surface to the next: what the thesis's figure 2.4
+//! shows beside direct light alone. Surfaces cast shadows here, and light that they pass on takes the place of the even
+//! ambient part. No method has this light, and no other reference (docs/definitions.md, "Surfaces").
+//!
+//! A path begins in a pixel. From each surface that it meets, a point of the lights is chosen, evenly over their areas,
+//! which brings light if nothing stands between; then the path goes on in a direction of the cosine's distribution. Every
+//! surface is taken for a diffuse one, whatever it reflects.
+
+use super::first_hits::PrimaryRays;
+use super::lobe::lobe_direction;
+use super::surface::{SurfacePoint, World, sky_color};
+use super::world::RAY_START_M;
+use crate::math::random::Stream;
+use crate::scene::bvh::WorldRay;
+use crate::scene::{AreaLight, AreaShape, Camera};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Random numbers of a path: a place in the pixel, and at each surface three for a light and two for a direction.
+const FIRST_NUMBERS: u64 = 2;
+const NUMBERS_OF_A_SURFACE: u64 = 5;
+/// The exponent of a lobe about the normal that is the cosine itself.
+const COSINE: f64 = 1.0;
+/// The share of a shadow ray's length at its end that the light itself may stand in.
+const LIGHT_ITSELF: f64 = 1e-6;
+
+/// A rectangle that emits light on one side.
+struct Panel {
+    centre: DVec3,
+    half_u: DVec3,
+    half_v: DVec3,
+    area: f64,
+    radiance: DVec3,
+}
+
+/// The light of a world by paths.
+pub struct Paths<'a> {
+    world: &'a World<'a>,
+    panels: Vec<Panel>,
+    /// How often surfaces pass light on: 0 is direct light alone.
+    bounces: u32,
+    seed: u64,
+}
+
+impl<'a> Paths<'a> {
+    /// The light of the scene's rectangular area lights; `None` if it has none. Light that surfaces pass on `bounces` times
+    /// is counted. A different seed gives a different, independent result.
+    pub fn new(world: &'a World<'a>, bounces: u32, seed: u64) -> Option<Self> {
+        let panels: Vec<_> = world.scene.area_lights.iter().filter_map(Panel::of).collect();
+        (!panels.is_empty()).then_some(Self { world, panels, bounces, seed })
+    }
+
+    /// The linear image of a camera, as the mean over so many paths a pixel; rows from the top. It depends on nothing but
+    /// the seed, whatever the threads.
+    pub fn image(&self, camera: &Camera, extent: [u32; 2], paths: u32) -> Vec<Vec3> {
+        let rays = PrimaryRays::new(camera, extent);
+        let numbers = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * (u64::from(self.bounces) + 1);
+        let pixel = |index: usize| {
+            let stream = Stream::new(self.seed, index as u64);
+            let path = |n: u32| {
+                let number = |k: u64| stream.uniform(numbers * u64::from(n) + k);
+                let (ray, _) = rays.ray_within(index, [number(0), number(1)]);
+                self.path(ray, &number)
+            };
+            ((0..paths).map(path).sum::<DVec3>() / f64::from(paths.max(1))).as_vec3()
+        };
+        (0..extent[0] as usize * extent[1] as usize).into_par_iter().map(pixel).collect()
+    }
+
+    /// The light along a ray from the camera.
+    fn path(&self, mut ray: WorldRay, number: &impl Fn(u64) -> f64) -> DVec3 {
+        let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
+        for bounce in 0..=u64::from(self.bounces) {
+            let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
+            let Some(hit) = self.world.closest(&ray) else {
+                return if bounce == 0 { sky_color(ray.direction) } else { light };
+            };
+            let point = self.world.point(&ray, &hit);
+            if point.emission > 0.0 {
+                // A lamp shows its colour to the camera; its light on other surfaces is counted where these choose it.
+                return if bounce == 0 { point.albedo } else { light };
+            }
+            share *= point.albedo;
+            light += share * self.direct(&point, [0, 1, 2].map(|k| number(first + k)));
+            let direction = lobe_direction(point.normal, COSINE, [3, 4].map(|k| number(first + k)));
+            ray = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+        }
+        light
+    }
+
+    /// Radiance over albedo of a diffuse surface, by one point of the lights.
+    fn direct(&self, point: &SurfacePoint, [which, u, v]: [f64; 3]) -> DVec3 {
+        let all: f64 = self.panels.iter().map(|p| p.area).sum();
+        let mut place = which * all;
+        let chosen = self.panels.iter().find(|panel| {
+            place -= panel.area;
+            place < 0.0
+        });
+        let Some(panel) = chosen.or(self.panels.last()) else { return DVec3::ZERO };
+        let at = panel.centre + (2.0 * u - 1.0) * panel.half_u + (2.0 * v - 1.0) * panel.half_v;
+        let way = at - point.position;
+        let (length, direction) = (way.length(), way.normalize_or_zero());
+        let shines = panel.half_u.cross(panel.half_v).normalize_or_zero().dot(-direction).max(0.0);
+        let falls = point.normal.dot(direction).max(0.0);
+        if shines * falls <= 0.0 || point.geometric_normal.dot(direction) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let t_max = length * (1.0 - LIGHT_ITSELF);
+        let shadow = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max };
+        if self.world.closest(&shadow).is_some() {
+            return DVec3::ZERO;
+        }
+        panel.radiance * (shines * falls * all / (PI * length * length))
+    }
+}
+
+impl Panel {
+    fn of(light: &AreaLight) -> Option<Self> {
+        let AreaShape::Rectangle { centre, half_u, half_v } = light.shape else { return None };
+        let [centre, half_u, half_v, radiance] = [centre, half_u, half_v, light.radiance].map(|v| v.as_dvec3());
+        Some(Self { centre, half_u, half_v, area: 4.0 * half_u.cross(half_v).length(), radiance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::surface::tests::rectangle;
+    use crate::scene::{Lens, Material, Mesh, Scene, Vertex};
+
+    /// A light of 0.2 m × 0.2 m at a place, which shines down.
+    fn lamp(centre: Vec3) -> AreaLight {
+        let (half_u, half_v) = (0.1 * Vec3::X, 0.1 * Vec3::Z);
+        AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(10.0, 20.0, 0.0) }
+    }
+
+    /// A material of an albedo.
+    fn grey(albedo: f32) -> Material {
+        Material { albedo: Vec3::splat(albedo), ..Material::default() }
+    }
+
+    /// The mean of the image of a camera that looks down from a metre above a point, over a narrow angle.
+    fn seen_below(scene: &Scene, eye: Vec3, bounces: u32, paths: u32) -> Vec3 {
+        let world = World::new(scene, &scene.materials);
+        let lens = Lens { fov_y_radians: 0.02, near_m: 0.01, ..Lens::default() };
+        let camera = Camera::new(eye, eye - Vec3::Y + 0.001 * Vec3::X, lens, 1.0);
+        let image = Paths::new(&world, bounces, 1).expect("a light").image(&camera, [4, 4], paths);
+        image.iter().sum::<Vec3>() / 16.0
+    }
+
+    #[test]
+    fn a_small_lamp_lights_what_is_below_it_by_the_square_of_the_distance() {
+        let floor = rectangle(Vec3::new(-5.0, 0.0, -5.0), 10.0 * Vec3::Z, 10.0 * Vec3::X, 0);
+        let mut scene = Scene {
+            meshes: vec![floor],
+            materials: vec![grey(0.5)],
+            area_lights: vec![lamp(Vec3::new(0.0, 2.0, 0.0))],
+            ..Scene::default()
+        };
+        // Below the lamp: albedo / π · radiance · area / distance².
+        let expected = 0.5 / std::f32::consts::PI * 10.0 * 0.04 / 4.0;
+        let found = seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64);
+        assert!((found.x / expected - 1.0).abs() < 0.01 && (found.y / expected - 2.0).abs() < 0.02, "{found}");
+        assert_eq!(found.z, 0.0);
+        // A plane floor lights nothing of itself.
+        assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 3, 64), found);
+        // What stands between casts a shadow.
+        scene.meshes.push(rectangle(Vec3::new(-1.0, 1.5, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X, 0));
+        assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64), Vec3::ZERO);
+    }
+
+    /// A sphere of a metre around the origin.
+    fn sphere() -> Mesh {
+        let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y, 0);
+        let (columns, rows) = (96_u32, 48_u32);
+        let at = |i: u32, j: u32| {
+            let (phi, theta) =
+                (std::f32::consts::TAU * i as f32 / columns as f32, std::f32::consts::PI * j as f32 / rows as f32);
+            let position = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+            Vertex { position: position.to_array(), normal: position.to_array(), ..mesh.vertices[0] }
+        };
+        let vertices: Vec<_> =
+            (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
+        let cell = |(i, j): (u32, u32)| {
+            let (a, b) = (j * (columns + 1) + i, (j + 1) * (columns + 1) + i);
+            [a, a + 1, b, a + 1, b + 1, b]
+        };
+        mesh.indices = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))).flat_map(cell).collect();
+        mesh.vertices = vertices;
+        mesh
+    }
+
+    #[test]
+    fn in_a_sphere_each_bounce_adds_the_albedo_s_power_of_an_even_light() {
+        let scene = Scene {
+            meshes: vec![sphere()],
+            materials: vec![grey(0.6)],
+            area_lights: vec![lamp(Vec3::new(0.0, 0.3, 0.0))],
+            ..Scene::default()
+        };
+        let seen = |bounces| seen_below(&scene, Vec3::new(0.5, 0.0, 0.2), bounces, 4096).x;
+        let direct = seen(0);
+        // The lamp's flux, spread evenly over the sphere, times albedo once for each surface, and over π.
+        let even = std::f32::consts::PI * 10.0 * 0.04 / (4.0 * std::f32::consts::PI) / std::f32::consts::PI;
+        for bounces in [1, 2, 4] {
+            let expected: f32 = (1..=bounces).map(|n| even * 0.6_f32.powi(n + 1)).sum();
+            let found = seen(bounces as u32) - direct;
+            assert!((found / expected - 1.0).abs() < 0.05, "{bounces} bounces: {found} instead of {expected}");
+        }
+    }
+
+    #[test]
+    fn without_a_rectangular_light_there_are_no_paths() {
+        let scene = Scene::default();
+        assert!(Paths::new(&World::new(&scene, &[]), 1, 1).is_none());
+    }
+}

@@ -1,0 +1,104 @@
+//! Numbers of `cargo bench --bench claims`: counts, images on both sides of a change, and times of variants.
+
+use super::figures::{Result, Row, csv, greatest, least, mean, median, number, percent, ratio};
+use super::stress;
+use std::path::Path;
+
+/// The answer to a query about what `cargo bench --bench claims` measured, or about single cases of stress.
+pub fn show(query: &str, folder: &Path) -> Result<String> {
+    let words: Vec<&str> = query.split(' ').collect();
+    match words[..] {
+        ["count", claim, method, variant, height] => count(folder, [claim, method, variant, height]),
+        ["share", claim, method, variant, height] => share(folder, [claim, method, variant, height]),
+        ["share-in", claim, view] => share_in(folder, claim, view),
+        ["growth", method, height, from] => growth(folder, [method, height, from]),
+        ["judged-change", claim, roughness] => change(folder, claim, roughness),
+        ["judged-error", claim, roughness] => error(folder, claim, roughness),
+        ["judged-mean", claim, roughness, field] => judged_mean(folder, [claim, roughness, field]),
+        ["judged-median", claim, roughness, field] => judged_median(folder, [claim, roughness, field]),
+        ["timed", claim, method, variant] => timed(folder, [claim, method, variant, "ratio"]),
+        ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
+        ["stress-passed", method] => stress::passed(folder, method),
+        ["stress-most-wrong", method] => stress::most_wrong(folder, method),
+        ["stress-case", method, case] => stress::case(folder, method, case),
+        _ => Err(format!("nothing is called {query:?}")),
+    }
+}
+
+/// Rows of a file in which some fields have some values.
+fn rows(folder: &Path, file: &str, fields: &[(&str, &str)]) -> Result<Vec<Row>> {
+    let is_own = |row: &Row| fields.iter().all(|(field, value)| row[*field] == **value);
+    let own: Vec<_> = csv(folder, file)?.into_iter().filter(is_own).collect();
+    if own.is_empty() { Err(format!("{file} has no row of {fields:?}")) } else { Ok(own) }
+}
+
+fn column(rows: &[Row], field: &str) -> Result<Vec<f64>> {
+    rows.iter().map(|r| number(r, field)).collect()
+}
+
+fn counted(folder: &Path, [claim, method, variant, height]: [&str; 4]) -> Result<Vec<f64>> {
+    let fields = [("claim", claim), ("method", method), ("variant", variant), ("size", height)];
+    column(&rows(folder, "counts.csv", &fields)?, "value")
+}
+
+/// A count: mean over the views.
+fn count(folder: &Path, of: [&str; 4]) -> Result<String> {
+    mean(&counted(folder, of)?).map(|n| format!("{n:.1}"))
+}
+
+/// A share: mean over the views.
+fn share(folder: &Path, of: [&str; 4]) -> Result<String> {
+    mean(&counted(folder, of)?).map(|n| percent(n, 0))
+}
+
+/// A share on one view.
+fn share_in(folder: &Path, claim: &str, view: &str) -> Result<String> {
+    let rows = rows(folder, "counts.csv", &[("claim", claim), ("view", view)])?;
+    mean(&column(&rows, "value")?).map(|n| percent(n, 0))
+}
+
+/// A count over the same one of another height: the least and the greatest of the views.
+fn growth(folder: &Path, [method, height, from]: [&str; 3]) -> Result<String> {
+    let of = |height| counted(folder, ["ray-steps", method, "1", height]);
+    let ratios: Vec<_> = of(height)?.iter().zip(of(from)?).map(|(a, b)| a / b).collect();
+    Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+fn judged(folder: &Path, claim: &str, roughness: &str) -> Result<Vec<Row>> {
+    rows(folder, "judged.csv", &[("claim", claim), ("roughness", roughness)])
+}
+
+/// What a change does to the image: the share of pixels and the difference, median and greatest over the views.
+fn change(folder: &Path, claim: &str, roughness: &str) -> Result<String> {
+    let own = judged(folder, claim, roughness)?;
+    let (shares, errors) = (column(&own, "share")?, column(&own, "rmse")?);
+    let shares = [median(&shares)?, greatest(&shares)].map(|share| percent(share, 2));
+    let errors = [median(&errors)?, greatest(&errors)].map(|error| format!("{error:.4}"));
+    Ok(format!("{} of pixels; RMSE {}", shares.join(", "), errors.join(", ")))
+}
+
+/// The error with a change over that without, both against the reference: median over the views.
+fn error(folder: &Path, claim: &str, roughness: &str) -> Result<String> {
+    let own = judged(folder, claim, roughness)?;
+    let ratios: Vec<_> =
+        column(&own, "error_changed")?.iter().zip(column(&own, "error")?).map(|(a, b)| a / b).collect();
+    median(&ratios).map(ratio)
+}
+
+/// A column of the judged images, mean over the views: a share, or an error.
+fn judged_mean(folder: &Path, [claim, roughness, field]: [&str; 3]) -> Result<String> {
+    let mean = mean(&column(&judged(folder, claim, roughness)?, field)?)?;
+    Ok(if field.starts_with("error") { format!("{mean:.3}") } else { percent(mean, 1) })
+}
+
+/// An error of the judged images: median over the views.
+fn judged_median(folder: &Path, [claim, roughness, field]: [&str; 3]) -> Result<String> {
+    median(&column(&judged(folder, claim, roughness)?, field)?).map(|error| format!("{error:.3}"))
+}
+
+/// The time of a variant over that of the first one: the median of the views, and the least and the greatest of them.
+fn timed(folder: &Path, [claim, method, variant, field]: [&str; 4]) -> Result<String> {
+    let fields = [("claim", claim), ("method", method), ("variant", variant)];
+    let ratios = column(&rows(folder, "times.csv", &fields)?, field)?;
+    Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
