@@ -48,7 +48,7 @@ fn every_figure_is_made_or_says_what_it_lacks() {
         assert!(!page.contains(word), "the page needs nothing from elsewhere: {word}");
     }
     assert!(attributes(&page, "src").iter().all(|s| s.starts_with("data:image/")));
-    assert!(page.contains("ssct render --scene rooms --view cylinder --method hzct --roughness 0.1"));
+    assert!(page.contains("ssct render --scene rooms --view window-floor --method hzct --roughness 0.1"));
     shown(&folder);
 }
 
@@ -108,4 +108,62 @@ fn wrong_numbers_are_told() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("--only 9.9: there is no such figure") && said.contains("5.2"), "{said}");
     assert!(!Path::exists(&folder.path("figures")));
+}
+
+/// A scene file of two boards with the views of Sponza, in a folder whose name has a space.
+fn boards(folder: &Folder) {
+    std::fs::create_dir(folder.path("a scene")).unwrap();
+    let board =
+        "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nv -9 -1 4\nv 9 -1 4\nv 9 3 4\nv -9 3 4\nf 4 3 2 1\nf 5 8 7 6\n";
+    std::fs::write(folder.path("a scene/boards.obj"), board).unwrap();
+    let view = |name: &str| format!("[view.{name}]\neye = [0.0, 0.5, -3.0]\nlook_at = [0.0, -0.2, 3.0]\n");
+    let views = ["atrium", "lion", "hall"].map(view).join("");
+    let scene =
+        format!("name = \"boards\"\n[[mesh]]\nfile = \"boards.obj\"\n[material.default]\nreflectivity = 1.0\n{views}");
+    std::fs::write(folder.path("a scene/boards.scene.toml"), scene).unwrap();
+}
+
+#[test]
+fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
+    let folder = Folder::new();
+    boards(&folder);
+    let file = "a scene/boards.scene.toml";
+    let said = folder.succeed(&["figures", "--scene", file, "--size", "48x27", "-o", "f"]);
+    let made: Vec<_> = said.lines().filter_map(|l| l.split_once(".png: ")).map(|(stem, _)| stem).collect();
+    assert_eq!(made, ["thesis-3.7", "thesis-5.6", "thesis-5.7", "thesis-5.8"], "{said}");
+    let page = folder.text("f/index.html");
+    assert!(page.contains("The scene of the print, from its file") && !page.contains("stand-in"), "{page}");
+    assert!(page.contains("--scene &quot;a scene/boards.scene.toml&quot; --view hall"), "the command that draws it");
+
+    let refused = folder.run(&["figures", "--scene", file, "--only", "5.1", "-o", "g"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said.contains("no such figure shows the scene of") && said.contains("5.8"), "{said}");
+
+    std::fs::write(folder.path("plain.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for (file, why) in [("plain.obj", "no figure is drawn in this scene"), ("none.toml", "there is no such file")] {
+        let refused = folder.run(&["figures", "--scene", file, "-o", "g"]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(refused.status.code() == Some(2) && said.contains(why), "{said}");
+    }
+    assert!(!folder.path("g").exists());
+}
+
+#[test]
+fn indirect_light_comes_from_area_lights_alone() {
+    let folder = Folder::new();
+    let bounced = |scene: &str, bounces: &str, to: &str| {
+        let settings = ["--method", "reference", "--max-rays", "8", "--size", "32x32", "--diffuse-bounces", bounces];
+        folder.run(&[&["render", "--scene", scene, "-o", to][..], &settings].concat())
+    };
+    assert!(bounced("cornell-box", "0", "direct.png").status.success());
+    assert!(bounced("cornell-box", "4", "both.png").status.success());
+    // Nothing but indirect light reaches the ceiling.
+    let ceiling = |file: &str| mean(&folder.image(file), [8, 2, 24, 4]);
+    assert!(ceiling("direct.png") < 4.0 && ceiling("both.png") > 20.0);
+    let refused = bounced("atrium", "1", "none.png");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(2) && said.contains("has no rectangular area light"), "{said}");
+    let refused = folder.run(&["render", "--method", "ssct", "--diffuse-bounces", "1", "-o", "x.png"]);
+    assert!(String::from_utf8(refused.stderr).unwrap().contains("--diffuse-bounces is for --method reference"));
 }

@@ -1,6 +1,8 @@
 //! What the departures from print change, from the records of `cargo bench --bench errata`: the numbers in the pages of errata.
 
 use super::figures::{Result, csv, greatest, median, number, percent};
+use super::root;
+use std::fs;
 use std::path::Path;
 
 /// The share of pixels that a departure changes, and the difference of the images: median and maximum over the views.
@@ -12,4 +14,25 @@ pub fn erratum(folder: &Path, variant: &str) -> Result<String> {
     let shares = [median(&shares)?, greatest(&shares)].map(|share| percent(share, 2));
     let errors = [median(&errors)?, greatest(&errors)].map(|error| format!("{error:.4}"));
     Ok(format!("{} of pixels; RMSE {}", shares.join(", "), errors.join(", ")))
+}
+
+/// Percentages of the pages that nobody measured: what a test demands, and the part of a square outside of its circle.
+const NOT_MEASURED: [&str; 2] = ["99.99 %", "21.5 %"];
+
+#[test]
+fn percentages_in_the_pages_of_errata_come_from_records() {
+    let mut pages = 0;
+    for entry in fs::read_dir(root().join("shaders-glsl")).unwrap() {
+        let path = entry.unwrap().path().join("ERRATA.md");
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        pages += 1;
+        // What stands between a mark and its end is written from records.
+        let mut parts = text.split("<!-- show: ");
+        let own: String =
+            parts.next().into_iter().chain(parts.filter_map(|p| Some(p.split_once("<!-- end -->")?.1))).collect();
+        let own = NOT_MEASURED.iter().fold(own, |text, known| text.replace(known, ""));
+        let left = own.lines().find(|line| line.contains(" %"));
+        assert_eq!(left, None, "{}: a percentage without a record", path.display());
+    }
+    assert!(pages > 6, "only {pages} pages");
 }

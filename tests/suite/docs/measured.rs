@@ -1,7 +1,8 @@
 //! Numbers of `cargo bench --bench claims`: counts, images on both sides of a change, and times of variants.
 
-use super::figures::{Result, Row, csv, greatest, least, mean, median, number, percent, ratio};
+use super::figures::{Result, Row, csv, greatest, json, least, mean, median, number, percent, ratio};
 use super::stress;
+use serde_json::Value;
 use std::path::Path;
 
 /// The answer to a query about what `cargo bench --bench claims` measured, or about single cases of stress.
@@ -18,6 +19,8 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["judged-median", claim, roughness, field] => judged_median(folder, [claim, roughness, field]),
         ["timed", claim, method, variant] => timed(folder, [claim, method, variant, "ratio"]),
         ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
+        ["total-over", method, other, file] => total_over(folder, file, [method, other]),
+        ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
         ["stress-passed", method] => stress::passed(folder, method),
         ["stress-most-wrong", method] => stress::most_wrong(folder, method),
         ["stress-case", method, case] => stress::case(folder, method, case),
@@ -101,4 +104,29 @@ fn timed(folder: &Path, [claim, method, variant, field]: [&str; 4]) -> Result<St
     let fields = [("claim", claim), ("method", method), ("variant", variant)];
     let ratios = column(&rows(folder, "times.csv", &fields)?, field)?;
     Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// The record of a method's times.
+fn times_of(folder: &Path, file: &str, method: &str) -> Result<Value> {
+    let records = json(folder, &format!("{file}.json"))?;
+    records.into_iter().find(|r| r["method"] == method).ok_or_else(|| format!("{file}.json has no {method}"))
+}
+
+fn milliseconds(of: &Value) -> Result<f64> {
+    of["median_ms"].as_f64().ok_or_else(|| "no median".to_owned())
+}
+
+/// The time of a method over another's.
+fn total_over(folder: &Path, file: &str, [method, other]: [&str; 2]) -> Result<String> {
+    let total = |method| milliseconds(&times_of(folder, file, method)?["total"]);
+    Ok(ratio(total(method)? / total(other)?))
+}
+
+/// The share of a method's time that passes take whose names begin alike.
+fn pass_share(folder: &Path, file: &str, [method, passes]: [&str; 2]) -> Result<String> {
+    let record = times_of(folder, file, method)?;
+    let all = record["passes"].as_array().ok_or("no passes")?;
+    let own = all.iter().filter(|p| p["name"].as_str().is_some_and(|name| name.starts_with(passes)));
+    let sum = own.map(milliseconds).sum::<Result<f64>>()?;
+    Ok(percent(sum / milliseconds(&record["total"])?, 0))
 }

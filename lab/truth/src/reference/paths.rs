@@ -8,7 +8,7 @@
 
 use super::first_hits::PrimaryRays;
 use super::lobe::lobe_direction;
-use super::surface::{SurfacePoint, World, sky_color};
+use super::surface::{SurfacePoint, World};
 use super::world::RAY_START_M;
 use crate::math::random::Stream;
 use crate::scene::bvh::WorldRay;
@@ -73,9 +73,8 @@ impl<'a> Paths<'a> {
         let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
         for bounce in 0..=u64::from(self.bounces) {
             let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
-            let Some(hit) = self.world.closest(&ray) else {
-                return if bounce == 0 { sky_color(ray.direction) } else { light };
-            };
+            // Beyond the scene it is dark: its lights are all that shines.
+            let Some(hit) = self.world.closest(&ray) else { return light };
             let point = self.world.point(&ray, &hit);
             if point.emission > 0.0 {
                 // A lamp shows its colour to the camera; its light on other surfaces is counted where these choose it.

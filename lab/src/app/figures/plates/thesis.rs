@@ -50,18 +50,18 @@ pub const PLATES: &[Plate] = &[
         number: "2.4",
         title: "direct light, and direct and indirect light",
         print: "The Cornell box, path traced: (a) direct light, (b) direct and indirect light.",
-        differs: "The box is generated after the published measures, with two blocks. 256 paths a pixel between diffuse \
+        differs: "The box is generated after the published measures, with two blocks. 128 paths a pixel between diffuse \
                   surfaces, in which light is passed on up to six times.",
         prints: None,
-        size: Size::Print([480, 480]),
+        size: Size::Print([400, 400]),
         panels: &[
             (
                 "(a) direct light, left",
-                "--scene cornell-box --view box --method reference --diffuse-bounces 0 --max-rays 256",
+                "--scene cornell-box --view box --method reference --diffuse-bounces 0 --max-rays 128",
             ),
             (
-                "(b) direct and indirect light, right",
-                "--scene cornell-box --view box --method reference --diffuse-bounces 6 --max-rays 256",
+                "(b) with indirect light, right",
+                "--scene cornell-box --view box --method reference --diffuse-bounces 6 --max-rays 128",
             ),
         ],
         make: draw::beside,
@@ -247,8 +247,14 @@ pub const PLATES: &[Plate] = &[
         prints: IN_ROOMS,
         size: QHD,
         panels: &[
-            ("(a) SSCT, left", "--scene rooms --view cylinder --method ssct --roughness 0.1 --normal-deviation 0.1"),
-            ("(b) HZCT, right", "--scene rooms --view cylinder --method hzct --roughness 0.1 --normal-deviation 0.1"),
+            (
+                "(a) SSCT, left",
+                "--scene rooms --eye=3.1,0.15,2.95 --look-at=2.97,-0.8,2.12 --method ssct --roughness 0.1 --normal-deviation 0.1",
+            ),
+            (
+                "(b) HZCT, right",
+                "--scene rooms --eye=3.1,0.15,2.95 --look-at=2.97,-0.8,2.12 --method hzct --roughness 0.1 --normal-deviation 0.1",
+            ),
         ],
         make: draw::beside,
     },
