@@ -7,6 +7,7 @@
 //! - `gaussian`: the colour chain by a Gaussian in place of the device's filter.
 //! - `true-minima`: every texel is read for the Hi-Z buffer, in place of four.
 //! - `roughness`: from roughness 0.1 on.
+//! - `angle`: the cone's angle by way of its exponent and back, in place of half the roughness, which is the same.
 //! - `triangles`: a scene whose every triangle is cut into 16, which shows the same picture.
 //! - `reflecting`: only a rectangle with that share of the pixels reflects.
 
@@ -28,6 +29,12 @@ use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 /// Turns that count; one before them does not.
 const TURNS: usize = 11;
 const SIZE: [u32; 2] = [960, 540];
+/// Eq. 4.5 with an arc cosine, of the exponent that a roughness stands for.
+const DETOUR: Edits = &[(
+    "thesis/cone_angle.glsl",
+    "return 0.5 * max(roughness, 0.0);",
+    "return roughness <= 0.0 ? 0.0 : acos(pow(0.244, 1.0 / (log(0.244) / log(cos(0.5 * roughness)) - 1.0 + 1.0)));",
+)];
 /// Shares of the pixels that reflect.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 
@@ -217,6 +224,8 @@ pub fn run(bench: &Bench) {
     of_views(bench, "gaussian", &views, &[("ssct", filters)]);
     let minima = vec![changed("printed", 0.1, SAME), Variant { edits: TRUE_MINIMA, ..changed("true", 0.1, SAME) }];
     of_views(bench, "true-minima", &views, &[("ssct", minima)]);
+    let detour = vec![changed("half", 0.1, SAME), Variant { edits: DETOUR, ..changed("detour", 0.1, SAME) }];
+    of_views(bench, "angle", &views, &[("ssct", detour)]);
     let rougher = |name, roughness| Variant { globals: globals(roughness, 0.1), ..changed(name, 0.1, SAME) };
     let roughness = || vec![rougher("0.1", 0.1), rougher("0.3", 0.3), rougher("0.6", 0.6), rougher("1", 1.0)];
     of_views(bench, "roughness", &views, &[("ssct", roughness()), ("hzct", roughness()), ("sslr", roughness())]);

@@ -132,7 +132,7 @@ fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     let made: Vec<_> = said.lines().filter_map(|l| l.split_once(".png: ")).map(|(stem, _)| stem).collect();
     assert_eq!(made, ["thesis-3.7", "thesis-5.6", "thesis-5.7", "thesis-5.8"], "{said}");
     let page = folder.text("f/index.html");
-    assert!(page.contains("The scene of the print, from its file") && !page.contains("stand-in"), "{page}");
+    assert!(page.contains("The scene of the print, from its file") && !page.contains("The generated stand-in"));
     assert!(page.contains("--scene &quot;a scene/boards.scene.toml&quot; --view hall"), "the command that draws it");
 
     let refused = folder.run(&["figures", "--scene", file, "--only", "5.1", "-o", "g"]);

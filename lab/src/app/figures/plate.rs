@@ -56,7 +56,7 @@ impl PrintedScene {
     /// The printed scene that a file holds.
     pub fn of(scene: &Scene) -> Option<Self> {
         let has = |name: &&str| scene.views.iter().any(|v| v.name == *name);
-        [Self::Rooms, Self::Sponza].into_iter().find(|printed| printed.views().iter().all(|name| has(name)))
+        [Self::Rooms, Self::Sponza].into_iter().find(|printed| printed.views().iter().all(&has))
     }
 }
 

@@ -72,7 +72,8 @@ impl FiguresPage<'_> {
         let body = html! {
             p {
                 "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "
-                "its file. Scenes are generated stand-ins for those in print, seen from similar places."
+                "its file. Scenes are generated stand-ins for those in print, seen from similar places, except where a "
+                "figure says that its scene is that of the print."
             }
             @for group in groups { (group) }
         };

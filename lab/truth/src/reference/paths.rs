@@ -20,6 +20,8 @@ use std::f64::consts::PI;
 /// Random numbers of a path: a place in the pixel, and at each surface three for a light and two for a direction.
 const FIRST_NUMBERS: u64 = 2;
 const NUMBERS_OF_A_SURFACE: u64 = 5;
+/// Far more than a path takes, and the same however often light is passed on, so that direct light is the same each time.
+const NUMBERS_OF_A_PATH: u64 = 1 << 12;
 /// The exponent of a lobe about the normal that is the cosine itself.
 const COSINE: f64 = 1.0;
 /// The share of a shadow ray's length at its end that the light itself may stand in.
@@ -55,11 +57,10 @@ impl<'a> Paths<'a> {
     /// the seed, whatever the threads.
     pub fn image(&self, camera: &Camera, extent: [u32; 2], paths: u32) -> Vec<Vec3> {
         let rays = PrimaryRays::new(camera, extent);
-        let numbers = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * (u64::from(self.bounces) + 1);
         let pixel = |index: usize| {
             let stream = Stream::new(self.seed, index as u64);
             let path = |n: u32| {
-                let number = |k: u64| stream.uniform(numbers * u64::from(n) + k);
+                let number = |k: u64| stream.uniform(NUMBERS_OF_A_PATH * u64::from(n) + k);
                 let (ray, _) = rays.ray_within(index, [number(0), number(1)]);
                 self.path(ray, &number)
             };
