@@ -60,7 +60,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (
             aimed(&["--method", "ssct", "--fallback", "mirror"]),
             2,
-            "[possible values: none, environment, pccm, captures]",
+            "[possible values: none, environment, pccm, captures, planar]",
         ),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
