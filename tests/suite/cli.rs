@@ -259,7 +259,17 @@ fn time_reports_every_pass_of_every_method_and_size() {
         );
         assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());
     }
-    let files = ["cells.json", "journal.jsonl", "time-samples.csv", "time.json", "time.svg", "time.txt"];
+    let files = [
+        "cells.json",
+        "index.html",
+        "journal.jsonl",
+        "time-samples.csv",
+        "time.csv",
+        "time.json",
+        "time.md",
+        "time.svg",
+        "time.txt",
+    ];
     assert_eq!(folder.list("times"), files);
     assert_eq!(folder.text("times/time.json"), said);
     let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
@@ -293,7 +303,18 @@ fn a_path_gives_frames_per_second_of_each_method() {
         let fps = |name: &str| r["fps"][name].as_f64().unwrap();
         assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");
     }
-    assert_eq!(folder.list("p"), ["journal.jsonl", "path-frames.csv", "path.json", "path.svg", "path.txt"]);
+    let files = [
+        "cells.json",
+        "index.html",
+        "journal.jsonl",
+        "path-frames.csv",
+        "path.csv",
+        "path.json",
+        "path.md",
+        "path.svg",
+        "path.txt",
+    ];
+    assert_eq!(folder.list("p"), files);
     let rows = csv::Reader::from_path(folder.path("p/path-frames.csv")).unwrap().into_records().count();
     assert_eq!(rows, 4 * 5);
     let svg = folder.text("p/path.svg");

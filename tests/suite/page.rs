@@ -10,11 +10,13 @@ use ssct::passes::gbuffer::Drawn;
 use ssct_lab::metrics::HitAgreement;
 use ssct_lab::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Strip, Times};
 use ssct_lab::report::images::Rgb;
-use ssct_lab::report::{error_report, plot};
+use ssct_lab::report::{plot, tables};
 use ssct_lab::scene::Lens;
-use ssct_lab::study::error::{Against, ErrorRecord};
+use ssct_lab::study::engine::Row;
+use ssct_lab::study::error::{Against, ErrorRecord, ImageError, source_table};
 use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
 use ssct_lab::study::table::compare;
+use ssct_lab::study::timing::chart;
 use ssct_lab::study::{Globals, Stats, TimeRecord};
 use std::path::Path;
 
@@ -70,10 +72,7 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         time_ms: Some(ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
-        rmse: (against != Against::Oracle).then_some(error),
-        rel_mse: None,
-        flip: None,
-        standard_error: None,
+        image: ImageError { rmse: (against != Against::Oracle).then_some(error), ..ImageError::default() },
         place_agreement: None,
         floor: None,
         prepared: None,
@@ -88,15 +87,16 @@ fn what_is_prepared_is_plotted_where_it_differs() {
         ..error_record(method, Against::World, 10.0, error)
     };
     let names = |records: &[ErrorRecord]| {
-        let plots = error_report::plots(records).unwrap();
-        plots.iter().map(|p| p.name).collect::<Vec<_>>()
+        let charts = ErrorRecord::charts(records);
+        charts.into_iter().map(|chart| chart.stem).collect::<Vec<_>>()
     };
+    let text = |records: &[ErrorRecord]| tables::text(&ErrorRecord::tables(records, &serde_json::Value::Null));
     let one = [record("unified", 1 << 20, 0.02), record("ssct", 0, 0.08)];
-    assert_eq!(names(&one), ["world"], "one size is no plot");
-    assert!(error_report::text(&one).contains("prepared MiB"));
+    assert_eq!(names(&one), ["error-world"], "one size is no plot");
+    assert!(text(&one).contains("prepared MiB"));
     let two = [record("unified", 1 << 20, 0.02), record("captures", 1 << 22, 0.01), record("ssct", 0, 0.08)];
-    assert_eq!(names(&two), ["world", "world-bytes"]);
-    assert!(!error_report::text(&[record("ssct", 0, 0.08)]).contains("prepared MiB"));
+    assert_eq!(names(&two), ["error-world", "error-world-bytes"]);
+    assert!(!text(&[record("ssct", 0, 0.08)]).contains("prepared MiB"));
 }
 
 /// A picture of one colour with some noise, so that its JPEG is smaller than its PNG.
@@ -148,12 +148,12 @@ impl Made {
                 table: &compare(&times),
                 table_records: &times,
                 view_records: &times,
-                plot: plot::stage_bars(&times).unwrap(),
+                plot: plot::draw(&chart(&times).drawing).unwrap(),
             },
             errors: Errors {
                 settings: "Small.".into(),
                 records: &errors,
-                plots: error_report::plots(&errors).unwrap(),
+                plots: plot::drawn(&errors).unwrap(),
                 pictures: vec![gallery("cell", beside, ["ssct", "reference"])],
             },
             views: &[gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
@@ -332,6 +332,6 @@ fn medians_by_roughness_are_of_a_method_s_first_variant() {
         of_oracle_2.clone(),
         other(|head| drop(head.setup.insert("resolution_scale".into(), 0.5.into()))),
     ];
-    assert_eq!(error_report::source_cells(&records)[1], ["unified, screen", "0.0200"]);
-    assert_eq!(error_report::source_cells(&[of_oracle_2])[1], ["unified, screen", "0.0800"]);
+    assert_eq!(source_table(&records).cells[1], ["unified, screen", "0.0200"]);
+    assert_eq!(source_table(&[of_oracle_2]).cells[1], ["unified, screen", "0.0800"]);
 }

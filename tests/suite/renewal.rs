@@ -11,7 +11,9 @@ use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
 use ssct_lab::scene::{Capture, Light, Scene, View, library};
-use ssct_lab::study::age::{self, AgeSpec};
+use ssct_lab::study::age::{self, AgeStudy};
+use ssct_lab::study::engine::{Bench, Study};
+use ssct_lab::study::journal::Journal;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::sync::Arc;
 
@@ -227,23 +229,26 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     let gpu = gpu();
     let scene = scene();
     let setup = Setup::new([96, 54]).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
-    let moving = [MOVING.to_owned()];
-    let spec = AgeSpec {
-        gpu: &gpu,
-        scene: &scene,
-        view: &scene.views[0],
-        globals: Globals { roughness: Some(0.0), ..Globals::default() },
-        method: &unified::INFO,
+    let mut study = AgeStudy {
+        view: scene.views[0].clone(),
+        scene,
+        globals: vec![Globals { roughness: Some(0.0), ..Globals::default() }],
+        methods: vec![&unified::INFO],
         setup,
-        moving: &moving,
+        sizes: vec![[96, 54]],
+        moving: vec![MOVING.to_owned()],
         step_m: Vec3::X * 0.25,
-        faces: &[0, 1, 4, 12],
+        faces: vec![0, 1, 4, 12],
         frames: 9,
         rays: 16,
     };
-    let records = age::measure(&spec, &mut || Ok(())).unwrap();
+    study.check().unwrap();
+    let (cell, mut journal) = (study.cells().remove(0).cell, Journal::default());
+    let (advance, keep) = (&mut |_| (), &mut |_: &_| Ok(()));
+    let mut bench = Bench { gpu: &gpu, journal: &mut journal, go_on: || Ok(()), advance, keep };
+    let records = study.measure(&cell, &mut bench).unwrap();
     let rmse = |row: usize, frame: usize| records[row].frames[frame].rmse;
-    for (record, faces) in records.iter().zip(spec.faces) {
+    for (record, faces) in records.iter().zip(&study.faces) {
         assert_eq!((record.faces, record.faces_per_frame, record.frames.len()), (12, *faces, 9));
         assert_eq!(record.head.setup["captures_per_frame"], *faces);
         for (n, f) in record.frames.iter().enumerate() {
@@ -268,8 +273,7 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     println!("{:?}, then {:?}", rmse(0, 0), [0, 1, 2, 3].map(last));
     assert!(last(0) > 1.2 * last(3), "{:?}", [0, 1, 2, 3].map(last));
     assert!(last(2) < last(0) && last(3) <= last(2), "{:?}", [0, 1, 2, 3].map(last));
-    let refused = |spec: AgeSpec| age::measure(&spec, &mut || Ok(())).unwrap_err().to_string();
-    let said = refused(AgeSpec { setup: Setup::new([96, 54]), ..spec });
+    let said = AgeStudy { setup: Setup::new([96, 54]), ..study }.check().unwrap_err().to_string();
     assert!(said.contains("unified has no captures"), "{said}");
     check_validation(&gpu).unwrap();
 }

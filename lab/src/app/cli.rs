@@ -4,7 +4,7 @@ use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
 use crate::report::figures::Figure;
 use crate::scene::texture::MAX_EXTENT;
 use crate::study::shard::Shard;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -104,9 +104,19 @@ pub struct DeviceOptions {
     pub validation: bool,
 }
 
-/// What a command that measures does with its records.
-#[derive(Debug, Clone, Copy, Args)]
+/// Which part of a study is measured, and where its results go.
+#[derive(Debug, Clone, Args)]
 pub struct RunOptions {
+    /// Measure only this share, such as 3/8
+    ///
+    /// 3/8 is the third of eight shares of the study's cells. `ssct merge` puts shards together (docs/many-machines.md).
+    #[arg(long, value_name = "I/N", requires = "output")]
+    pub shard: Option<Shard>,
+    /// Folder for records, tables, charts and a page
+    ///
+    /// Files are named by the command: the records are in error.json, time.json and so on.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
     /// Go on with what the folder has
     ///
     /// Nothing that was measured with the same settings is measured again.
@@ -115,16 +125,6 @@ pub struct RunOptions {
     /// Print the records as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
-}
-
-/// Which part of a study is run.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct ShardOptions {
-    /// Measure only this share, such as 3/8
-    ///
-    /// 3/8 is the third of eight shares of the study's cells. `ssct merge` puts shards together (docs/many-machines.md).
-    #[arg(long, value_name = "I/N", requires = "output")]
-    pub shard: Option<Shard>,
 }
 
 /// Options of `ssct render`.
@@ -183,55 +183,6 @@ pub struct RenderOptions {
     pub json: bool,
 }
 
-/// Options of `ssct time`.
-#[derive(Debug, Args)]
-pub struct TimeOptions {
-    /// Scene, methods and device.
-    #[command(flatten)]
-    pub common: CommonOptions,
-    /// Methods, such as ssct,hzct; by default all of them
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub method: Vec<String>,
-    /// Widths and heights in pixels; by default 960x540
-    #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
-    pub size: Vec<[u32; 2]>,
-    /// Measure a table of the thesis, or its captions' times
-    ///
-    /// A table is measured at its own sizes and roughness values, on the view `hall`; the times in the captions each on the
-    /// view that takes the place of its figure.
-    #[arg(long, value_name = "TABLE", value_enum)]
-    pub table: Option<Table>,
-    /// For --table captions: rays a pixel of the reference that takes the place of Mitsuba.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub reference_rays: u32,
-    /// Frames of a method that are timed
-    ///
-    /// They are as many for each method, size and roughness.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    pub samples: usize,
-    /// Frames that are drawn before the first that is timed.
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    pub warmup: usize,
-    /// Time each method against itself, too: how far it strays is its noise floor, within which `ssct compare` calls
-    /// nothing faster or slower.
-    #[arg(long)]
-    pub a_a: bool,
-    /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
-    #[arg(long, value_name = "FILE")]
-    pub trace: Option<PathBuf>,
-    /// Part of a divided study.
-    #[command(flatten)]
-    pub shard: ShardOptions,
-    /// Folder for records, samples, a plot and a table
-    ///
-    /// Its files are time.json, time-samples.csv, time.svg and time.txt.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Folder of the run.
-    #[command(flatten)]
-    pub run: RunOptions,
-}
-
 /// Options of `ssct merge`.
 #[derive(Debug, Args)]
 pub struct MergeOptions {
@@ -251,64 +202,6 @@ pub struct MergeOptions {
     /// The JSON object says how many cells there are, on which devices they were measured, and which are missing.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Options of `ssct stress`.
-#[derive(Debug, Args)]
-pub struct StressOptions {
-    /// Methods, such as ssct,hzct; by default all of them
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub method: Vec<String>,
-    /// Only small images and one scene: a minute
-    #[arg(long)]
-    pub quick: bool,
-    /// Only cases whose name contains these words
-    #[arg(long, value_name = "WORDS")]
-    pub case: Option<String>,
-    /// Part of a divided study.
-    #[command(flatten)]
-    pub shard: ShardOptions,
-    /// Folder for records, a table and a page
-    ///
-    /// Its files are stress.json, stress.txt and index.html.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Folder of the run.
-    #[command(flatten)]
-    pub run: RunOptions,
-    /// Device.
-    #[command(flatten)]
-    pub device: DeviceOptions,
-}
-
-/// Options of `ssct motion`.
-#[derive(Debug, Args)]
-pub struct MotionOptions {
-    /// Scene, methods and device.
-    #[command(flatten)]
-    pub common: CommonOptions,
-    /// Methods, such as ssct,hzct; by default all of them
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub method: Vec<String>,
-    /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
-    pub size: [u32; 2],
-    /// Frames of each motion of the camera
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=10_000))]
-    pub frames: u32,
-    /// Rays a pixel of the references
-    ///
-    /// The screen reference and the world reference trace as many.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=65536))]
-    pub rays: u32,
-    /// Folder for records and a table
-    ///
-    /// Its files are motion.json and motion.txt.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Folder of the run.
-    #[command(flatten)]
-    pub run: RunOptions,
 }
 
 /// The subcommands of `ssct gbuffer`.
@@ -395,16 +288,6 @@ pub struct GBufferConvertOptions {
     /// G-buffer to write, in our conventions
     #[arg(short, long, value_name = "FILE.exr")]
     pub output: PathBuf,
-}
-
-/// A table of the thesis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Table {
-    /// Resolutions and roughness values of SSCT, HZCT and SSLR.
-    #[value(name = "5.8")]
-    T5_8,
-    /// The times under figures 5.2 to 5.9.
-    Captions,
 }
 
 /// Options of `ssct study`.

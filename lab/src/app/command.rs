@@ -1,21 +1,14 @@
 //! The command line as a whole: the list of commands. Only [`super::run`] reads it, so that no command depends on the
 //! others.
 
-use super::age::AgeOptions;
 use super::captures::CapturesOptions;
-use super::cli::{
-    DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, MotionOptions, RenderOptions, StressOptions,
-    StudyOptions, TimeOptions,
-};
+use super::cli::{DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, RenderOptions, StudyOptions};
 use super::compare::CompareOptions;
 use super::drivers::DriversOptions;
-use super::error_options::ErrorOptions;
 use super::gpu_study::GpuStudyOptions;
 use super::index::IndexOptions;
-use super::path::PathOptions;
-use super::precision::PrecisionOptions;
+use super::studies::StudyCommand;
 use super::truth::TruthOptions;
-use super::video::VideoOptions;
 use super::view::ViewArguments;
 use clap::{Parser, Subcommand};
 
@@ -37,29 +30,9 @@ pub enum Command {
     Study(StudyOptions),
     /// Fly through a scene in a window.
     View(ViewArguments),
-    /// Time every pass on the GPU.
-    Time(TimeOptions),
-    /// Measure run time against error.
-    Error(ErrorOptions),
-    /// Measure error against the bytes of a G-buffer's pixel.
-    ///
-    /// Depth, normals and colour are stored in one format after another.
-    Precision(PrecisionOptions),
-    /// Measure error over the age of captures, while meshes move.
-    ///
-    /// The meshes move a step in each frame, captures are renewed by so many faces a frame, and each frame is held against
-    /// the world as it then is.
-    Age(AgeOptions),
-    /// Film methods beside the truth, along a way of the camera.
-    ///
-    /// Every variant is judged on every frame, beside what the world shows in that frame.
-    Video(VideoOptions),
-    /// Measure how much reflections change while the camera moves.
-    Motion(MotionOptions),
-    /// Try methods on G-buffers and cameras that break renderers.
-    Stress(StressOptions),
-    /// Measure frames per second along a path of the camera.
-    Path(PathOptions),
+    /// A study.
+    #[command(flatten)]
+    Measure(StudyCommand),
     /// Measure all that a device does, in minutes.
     ///
     /// It measures times and their noise, work and rates, and compares the images with those of other devices.

@@ -4,8 +4,8 @@ use super::cli::{CommonOptions, size};
 use super::{progress, resolve};
 use crate::error::Error;
 use crate::methods;
-use crate::report::{agreement_report, files};
-use crate::study::agreement::AgreementSpec;
+use crate::report::{files, tables};
+use crate::study::agreement::{AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::study::{Globals, other_devices};
 use clap::Args;
 use serde_json::Value;
@@ -72,7 +72,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
         progress::step(&bar)?;
     }
     bar.finish_and_clear();
-    let text = agreement_report::text(&records, &drawn);
+    let text = tables::text(&[AgreementRecord::table(&records), DrawnRecord::table(&drawn)]);
     let all = records.iter().map(serde_json::to_value).chain(drawn.iter().map(serde_json::to_value));
     let json = files::json(&all.collect::<std::result::Result<Vec<Value>, _>>()?);
     if let Some(folder) = &options.output {

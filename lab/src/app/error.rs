@@ -1,82 +1,93 @@
 //! `ssct error`: run time against error.
 
-use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
-use super::error_options::ErrorOptions;
-use super::run::{Run, command_line};
-use super::{progress, resolve};
-use crate::error::Result;
-use crate::report::error_report::{self, IMAGES};
-use crate::report::files;
+use super::cli::{CommonOptions, DeviceOptions, size};
+use super::measure::StudyOptions;
+use super::resolve;
+use super::variants::VariantOptions;
+use crate::error::{Error, Result};
 use crate::scene::{Scene, View, library};
-use crate::study::error::ErrorRecord;
+use crate::study::error::ErrorStudy;
 use crate::study::{Globals, sweep};
-use std::io::Write;
+use clap::Args;
 
-/// Measures what is missing, writes and prints everything.
-pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
-    let plan = plan(options)?;
-    let gpu = resolve::gpu(&options.common.device)?;
-    let list = plan.list(&gpu, options.shard.shard, command_line())?;
-    let bar = progress::bar("error", list.owned());
-    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
-    run.list(&list)?;
-    let pictures = options.output.as_ref().map(|folder| folder.join(IMAGES));
-    let outcome = plan.measure(&gpu, &mut run.journal, Some(&list), pictures.as_deref(), &mut || bar.inc(1));
-    bar.finish_and_clear();
-    let records = plan.records(&gpu, &run.journal);
-    // Cells that were measured are written even after an error, and that error is reported before one of writing.
-    let wrote = write(options, &records, &list.command);
-    run.ended(outcome)?;
-    wrote?;
-    run.finish()?;
-    gpu.check_validation()?;
-    Ok(())
+/// Pixels of a quick study.
+pub const QUICK_SIZE: [u32; 2] = [320, 180];
+/// Views of a quick study.
+pub const QUICK_VIEWS: usize = 2;
+/// Roughness values of a quick study.
+pub const QUICK_ROUGHNESS: [f32; 2] = [0.0, 0.1];
+
+/// Options of `ssct error`.
+#[derive(Debug, Args)]
+pub struct ErrorOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    #[command(flatten)]
+    pub variants: VariantOptions,
+    /// Widths and heights in pixels; by default 480x270
+    ///
+    /// With --quick, the default is 320x180.
+    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Two views, two roughness values, no sweep
+    #[arg(long, conflicts_with_all = ["captures_sweep", "fallback_sweep", "bounces_sweep"])]
+    pub quick: bool,
+    /// Compare methods only as the options set them up
+    ///
+    /// Without it, both presets and the values of their parameters are compared.
+    #[arg(long, conflicts_with_all = ["variant", "captures_sweep", "fallback_sweep", "bounces_sweep"])]
+    pub no_sweep: bool,
+    /// Frames that are timed for each variant
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub samples: usize,
+    /// Rays a pixel of the references
+    ///
+    /// The screen reference and the world reference trace as many.
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    pub rays: u32,
 }
 
-fn write(options: &ErrorOptions, records: &[ErrorRecord], command: &str) -> anyhow::Result<()> {
-    if let Some(folder) = &options.output {
-        error_report::write(folder, records, command, &[])?;
+impl StudyOptions for ErrorOptions {
+    type Study = ErrorStudy;
+
+    fn device(&self) -> &DeviceOptions {
+        &self.common.device
     }
-    let shown = if options.run.json { files::json(records) } else { error_report::text(records) };
-    std::io::stdout().lock().write_all(shown.as_bytes())?;
-    Ok(())
-}
 
-/// What the flags ask for.
-fn plan(options: &ErrorOptions) -> Result<Plan> {
-    let common = &options.common;
-    let scenes = match (&common.place.scene[..], options.quick) {
-        ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
-        _ => vec![resolve::scene(&common.place, "rooms")?],
-    };
-    let globals = match &common.place.roughness[..] {
-        [] if options.quick => roughness_values(common, &QUICK_ROUGHNESS)?,
-        [] => roughness_values(common, &sweep::ROUGHNESS)?,
-        _ => resolve::globals(&common.place)?,
-    };
-    let sizes = match &options.size[..] {
-        [] if options.quick => vec![QUICK_SIZE],
-        [] => vec![[480, 270]],
-        sizes => sizes.to_vec(),
-    };
-    let base = common.method_options.setup(sizes[0]);
-    let variants = resolve::variants(&options.variants, &base, !options.quick && !options.no_sweep)?;
-    let views = |scene: &Scene| -> Result<Vec<View>> {
-        if common.place.view.is_some() || common.place.eye.is_some() {
-            return Ok(vec![resolve::view(scene, &common.place, None)?]);
+    fn study(&self) -> Result<ErrorStudy> {
+        if self.samples == 0 || self.rays < 2 {
+            return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
         }
-        let count = if options.quick { QUICK_VIEWS } else { usize::MAX };
-        Ok(scene.views.iter().take(count).cloned().collect())
-    };
-    let mut jobs = Vec::new();
-    for scene in scenes {
-        let views = views(&scene)?;
-        jobs.push((scene, views));
+        let place = &self.common.place;
+        let scenes = match (&place.scene[..], self.quick) {
+            ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
+            _ => vec![resolve::scene(place, "rooms")?],
+        };
+        let of_roughness = |values: &[f32]| -> Result<Vec<Globals>> {
+            let one = resolve::one_globals(place, "no roughness was given")?;
+            Ok(values.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect())
+        };
+        let globals = match &place.roughness[..] {
+            [] if self.quick => of_roughness(&QUICK_ROUGHNESS)?,
+            [] => of_roughness(&sweep::ROUGHNESS)?,
+            _ => resolve::globals(place)?,
+        };
+        let sizes = match &self.size[..] {
+            [] if self.quick => vec![QUICK_SIZE],
+            [] => vec![[480, 270]],
+            sizes => sizes.to_vec(),
+        };
+        let base = self.common.method_options.setup(sizes[0]);
+        let variants = resolve::variants(&self.variants, &base, !self.quick && !self.no_sweep)?;
+        let views = |scene: &Scene| -> Result<Vec<View>> {
+            if place.view.is_some() || place.eye.is_some() {
+                return Ok(vec![resolve::view(scene, place, None)?]);
+            }
+            let count = if self.quick { QUICK_VIEWS } else { usize::MAX };
+            Ok(scene.views.iter().take(count).cloned().collect())
+        };
+        let with_views = |scene| views(&scene).map(|views| (scene, views));
+        let scenes = scenes.into_iter().map(with_views).collect::<Result<Vec<_>>>()?;
+        ErrorStudy::new(scenes, sizes, globals, variants, (self.samples, self.rays))
     }
-    Ok(Plan { scenes: jobs, sizes, globals, variants, samples: options.samples, rays: options.rays })
-}
-
-fn roughness_values(common: &super::cli::CommonOptions, values: &[f32]) -> Result<Vec<Globals>> {
-    let one = resolve::one_globals(&common.place, "no roughness was given")?;
-    Ok(values.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect())
 }

@@ -95,8 +95,7 @@ impl Plan {
         sizes: Vec<[u32; 2]>,
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
-        let (warmup, samples, a_a, only) = (2, self.samples, true, None);
-        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup, samples, a_a, only }
+        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 2, samples: self.samples, a_a: true }
     }
 
     /// Every method, and with captures those that look into them.
@@ -185,7 +184,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
-        .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()));
+        .and_then(|()| files::write(&folder.join(timing::SAMPLES), files::csv(&timing::sample_cells(&all)).as_bytes()));
     let findings = run.ended(outcome)?;
     wrote?;
     report::write(folder, gpu.info(), &command(options), &times, &findings)?;

@@ -3,14 +3,19 @@
 
 use super::command::Cli;
 use super::headings::{DEVICE, MEASUREMENT, METHOD, OUTPUT, SCENE, WINDOW};
+use super::studies::StudyCommand;
 use clap::builder::Resettable;
-use clap::{Arg, ArgAction, Command, CommandFactory};
+use clap::{Arg, ArgAction, Command, CommandFactory, Subcommand};
 use std::ffi::OsString;
 
-/// The commands in groups, each with its title.
+/// The group of the studies.
+const MEASURE: &str = "Measure";
+
+/// The commands in groups, each with its title; the studies, which have a table of their own, are not named here.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Start here", &["render", "study", "view"]),
-    ("Measure", &["time", "error", "precision", "age", "video", "motion", "stress", "path", "gpu-study"]),
+    // Behind the studies, in the order of their table.
+    (MEASURE, &["gpu-study"]),
     ("Compare", &["compare", "merge", "index"]),
     ("Look", &["figures", "captures", "devices", "drivers"]),
     ("Exchange", &["gbuffer", "truth"]),
@@ -169,11 +174,22 @@ fn arranged(is_short: bool) -> Command {
     command
 }
 
+/// The commands in groups, the studies among them.
+fn groups() -> Vec<(&'static str, Vec<String>)> {
+    let studies = StudyCommand::augment_subcommands(Command::new(""));
+    let studies: Vec<String> = studies.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    let of = |(title, names): (&'static str, &[&str])| {
+        let own = names.iter().map(|name| (*name).to_owned());
+        (title, studies.iter().filter(|_| title == MEASURE).cloned().chain(own).collect())
+    };
+    GROUPS.into_iter().map(of).collect()
+}
+
 /// The help of the program: its commands in groups.
 fn overview(command: &Command) -> String {
     let about = |name: &str| command.find_subcommand(name).and_then(Command::get_about).map(ToString::to_string);
     let mut text = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
-    for (title, names) in GROUPS {
+    for (title, names) in groups() {
         text += &format!("\n{title}:\n");
         text.extend(names.iter().map(|name| format!("  {name:<9}  {}\n", about(name).unwrap_or_default())));
     }

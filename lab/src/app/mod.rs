@@ -9,15 +9,15 @@ mod custom_methods;
 mod devices;
 mod drivers;
 mod error;
-mod error_cells;
-mod error_options;
 mod figures;
 mod gbuffer;
 mod gpu_study;
 pub mod headings;
 pub mod help;
 mod index;
+mod measure;
 mod merge;
+mod merger;
 mod motion;
 pub mod parameters;
 mod path;
@@ -29,12 +29,12 @@ mod render;
 pub mod resolve;
 mod run;
 mod stress;
+mod studies;
 mod study;
 mod study_pictures;
 mod time;
-mod time_captions;
-mod time_output;
 mod truth;
+mod variants;
 mod video;
 mod view;
 
@@ -56,14 +56,7 @@ pub fn run() -> ExitCode {
         Command::Render(options) => render::run(options),
         Command::Study(options) => study::run(options),
         Command::View(options) => view::run(options),
-        Command::Time(options) => time::run(options),
-        Command::Error(options) => error::run(options),
-        Command::Precision(options) => precision::run(options),
-        Command::Age(options) => age::run(options),
-        Command::Video(options) => video::run(options),
-        Command::Motion(options) => motion::run(options),
-        Command::Stress(options) => stress::run(options),
-        Command::Path(options) => path::run(options),
+        Command::Measure(study) => study.run(),
         Command::GpuStudy(options) => gpu_study::run(options),
         Command::Compare(options) => compare::run(options),
         Command::Merge(options) => merge::run(options),

@@ -1,13 +1,11 @@
 //! `ssct path`: frames per second while the camera moves.
 
-use super::cli::{CommonOptions, RunOptions, size};
-use super::run::Run;
-use super::time_output::{TimeOutput, device_line};
-use super::{progress, resolve};
-use crate::error::Error;
+use super::cli::{CommonOptions, DeviceOptions, size};
+use super::measure::StudyOptions;
+use super::resolve;
+use crate::error::{Error, Result};
 use crate::methods;
-use crate::report::{files, path_report};
-use crate::study::path::{PathSpec, measure, records};
+use crate::study::path::PathStudy;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -34,52 +32,35 @@ pub struct PathOptions {
     /// Frames that are drawn before the first that is timed.
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub warmup: usize,
-    /// Folder for records, frames, a plot and a table
-    ///
-    /// Its files are path.json, path-frames.csv, path.svg and path.txt.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    #[command(flatten)]
-    pub run: RunOptions,
 }
 
-/// Measures, prints and writes.
-pub fn run(options: &PathOptions) -> anyhow::Result<()> {
-    let common = &options.common;
-    if common.place.view.is_some() || common.place.eye.is_some() {
-        let message = "a path says where the camera is; leave out --view and --eye";
-        return Err(Error::Usage(message.into()).into());
-    }
-    let mut scene = resolve::scene(&common.place, "rooms")?;
-    let path = resolve::path(&scene, &options.path, "--path")?;
-    let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
-    let setup = common.method_options.setup(sizes[0]);
-    let methods = methods::choose(&options.method, &setup)?;
-    scene.lens = resolve::lens(&common.place, scene.lens)?;
-    let gpu = resolve::gpu(&common.device)?;
-    let spec = PathSpec {
-        gpu: &gpu,
-        scene: &scene,
-        path: &path,
-        methods,
-        globals: resolve::one_globals(&common.place, "a path is walked with one roughness")?,
-        setup,
-        sizes,
-        warmup: options.warmup,
-        frames: options.frames as usize,
-    };
-    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
-    let bar = progress::bar("path", spec.submissions());
-    let outcome = measure(&spec, &mut run.journal, &mut || progress::step(&bar));
-    bar.finish_and_clear();
-    let records = records(&spec, &run.journal);
+impl StudyOptions for PathOptions {
+    type Study = PathStudy;
 
-    let written = TimeOutput {
-        stem: "path",
-        json: files::json(&records),
-        samples: ("path-frames.csv", path_report::frames_csv(&records)),
-        plot: path_report::plot(&records).map_err(anyhow::Error::msg)?,
-        text: device_line(gpu.info()) + &path_report::text(&records),
-    };
-    written.conclude((options.output.as_deref(), options.run.json), run, outcome, &gpu)
+    fn device(&self) -> &DeviceOptions {
+        &self.common.device
+    }
+
+    fn study(&self) -> Result<PathStudy> {
+        let place = &self.common.place;
+        if place.view.is_some() || place.eye.is_some() {
+            return Err(Error::Usage("a path says where the camera is; leave out --view and --eye".into()));
+        }
+        let mut scene = resolve::scene(place, "rooms")?;
+        let path = resolve::path(&scene, &self.path, "--path")?;
+        let sizes = if self.size.is_empty() { vec![[960, 540]] } else { self.size.clone() };
+        let setup = self.common.method_options.setup(sizes[0]);
+        let methods = methods::choose(&self.method, &setup)?;
+        scene.lens = resolve::lens(place, scene.lens)?;
+        Ok(PathStudy {
+            scene,
+            path,
+            methods,
+            globals: resolve::one_globals(place, "a path is walked with one roughness")?,
+            setup,
+            sizes,
+            warmup: self.warmup,
+            frames: self.frames as usize,
+        })
+    }
 }

@@ -1,7 +1,7 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
 use super::cli::{DeviceOptions, SceneOptions};
-use super::error_options::VariantOptions;
+use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};

@@ -1,14 +1,10 @@
-//! What the commands with long runs share: a run's folder, its journal, the head of its list of cells, a way to stop
-//! it, and the command line as pages show it.
+//! What the commands with long runs share: a run's folder, its journal, a way to stop it, and the command line as pages
+//! show it.
 
 use crate::error::{Error, Result};
-use crate::methods::Setup;
 use crate::report::run_folder::{Claim, JOURNAL};
-use crate::scene::Scene;
-use crate::study::cell_list::{CellList, CellListHead};
-use crate::study::journal::{Journal, scene_digest};
-use crate::study::shard::Shard;
-use serde_json::Value;
+use crate::study::cell_list::CellList;
+use crate::study::journal::Journal;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::path::{Path, PathBuf};
@@ -68,40 +64,6 @@ impl Run {
                 _ => e,
             }
         })
-    }
-}
-
-/// The head of the list of cells of a study of one scene without further settings.
-pub fn list_head(kind: &'static str, shard: Option<Shard>, setup: &Setup, scene: &Scene) -> CellListHead {
-    CellListHead {
-        kind,
-        definitions: setup.effect().definitions.into(),
-        command: command_line(),
-        shard,
-        settings: Value::Null,
-        scenes: vec![(scene.name.clone(), scene_digest(scene))],
-    }
-}
-
-/// What was made last, which is kept as long as the same is asked for.
-pub struct Last<K, T>(Option<(K, T)>);
-
-impl<K, T> Default for Last<K, T> {
-    fn default() -> Self {
-        Self(None)
-    }
-}
-
-impl<K: PartialEq, T> Last<K, T> {
-    /// What was made last, if it was made for this key; otherwise it is dropped first, for its memory, and a new one is
-    /// made.
-    pub fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
-        let kept = self.0.take().filter(|(of, _)| *of == key);
-        let (key, made) = match kept {
-            Some(same) => same,
-            None => (key, make()?),
-        };
-        Ok(&mut self.0.insert((key, made)).1)
     }
 }
 

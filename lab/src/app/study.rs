@@ -2,23 +2,28 @@
 //! written after each part.
 
 use super::cli::StudyOptions;
-use super::error_cells::{Plan as ErrorPlan, QUICK_ROUGHNESS, QUICK_SIZE};
-use super::run::{Last, Run};
+use super::error::{QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
+use super::run::{Run, go_on};
 use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, Shown, TRUTH_FOLDER};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Times};
-use crate::report::{error_report, files, plot, tables};
+use crate::report::results::{self, Results};
+use crate::report::{files, plot, tables};
 use crate::scene::{Scene, View, library};
 use crate::study::agreement::{AgreementRecord, AgreementSpec};
-use crate::study::error::Variant;
+use crate::study::cell_list::CellList;
+use crate::study::engine::{self, Bench, Last};
+use crate::study::error::{ErrorRecord, ErrorStudy, Variant};
+use crate::study::exhibit::ExtraFile;
 use crate::study::journal::Journal;
 use crate::study::table::{self, Compared, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, Stage, TimeRecord, other_devices};
 use indicatif::ProgressBar;
+use std::cell::RefCell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +92,7 @@ impl Plan {
         let mut pictures = scenes.iter().flat_map(|s| self.shown(s).map(move |v| Part::Pictures(s, v)));
         let mut parts: Vec<Part> = pictures.next().into_iter().collect();
         parts.extend(self.table_5_8(gpu, scenes)?.map(Part::Table));
-        parts.extend(self.errors(scenes).map(Part::Errors));
+        parts.extend(self.errors(gpu, scenes)?);
         parts.extend(scenes.first().map(Part::Figures));
         parts.extend(pictures);
         let timed = scenes.iter().take(self.timed_scenes).flat_map(|s| self.shown(s).map(move |v| (s, v)));
@@ -111,10 +116,15 @@ impl Plan {
         Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, &table::methods(), sizes, globals)))
     }
 
-    /// The quick error study of the rooms.
-    fn errors(&self, scenes: &[Scene]) -> Option<ErrorPlan> {
-        let rooms = scenes.iter().find(|s| s.name == "rooms")?;
-        Some(ErrorPlan::quick(rooms.clone(), &self.methods, self.samples, self.rays))
+    /// The quick error study of the rooms: two views, a mirror and a glossy one, methods as published.
+    fn errors<'a>(&self, gpu: &Gpu, scenes: &[Scene]) -> Result<Option<Part<'a>>> {
+        let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(None) };
+        let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
+        let views = rooms.views.iter().take(QUICK_VIEWS).cloned().collect();
+        let (scenes, variants) = (vec![(rooms.clone(), views)], Variant::of(&self.methods, &Setup::new(QUICK_SIZE)));
+        let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays))?;
+        let list = engine::list(&study, gpu, self.command.clone(), None);
+        Ok(Some(Part::Errors(Box::new((RefCell::new(study), list)))))
     }
 
     /// What is timed of a view.
@@ -128,9 +138,8 @@ impl Plan {
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
         let variants = Variant::of(methods, &Setup::new(self.size));
-        let (samples, a_a, only) = (self.samples, false, None);
         // The frame whose work is counted warms up.
-        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 0, samples, a_a, only }
+        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 0, samples: self.samples, a_a: false }
     }
 }
 
@@ -141,7 +150,7 @@ enum Part<'a> {
     /// Table 5.8.
     Table(TimeSpec<'a>),
     /// Errors of views.
-    Errors(ErrorPlan),
+    Errors(Box<(RefCell<ErrorStudy>, CellList)>),
     /// Figures of the thesis, on a scene.
     Figures(&'a Scene),
     /// Times of a view.
@@ -169,7 +178,7 @@ impl Part<'_> {
             // Each method, unified on the screen alone, and the truth.
             Self::Pictures(..) => plan.methods.len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
-            Self::Errors(cells) => cells.cells(),
+            Self::Errors(errors) => errors.1.owned(),
             Self::Figures(_) | Self::OtherDevices(_) => 1,
         }
     }
@@ -221,7 +230,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let written = wrote?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
-    write!(out, "{}", tables::table_5_8(&written.table))?;
+    write!(out, "{}", tables::aligned(&table::cells(&written.table)))?;
     writeln!(out, "{} ({:.1} MB)", study.index().display(), written.page_bytes as f64 / 1e6)?;
     run.finish()?;
     gpu.check_validation()?;
@@ -272,9 +281,13 @@ impl<'a> Study<'a> {
                 made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
-            Part::Errors(cells) => {
-                let images = folder.join(ERROR_FOLDER).join("images");
-                cells.measure(self.gpu, journal, None, Some(&images), &mut || self.bar.inc(1))?;
+            Part::Errors(errors) => {
+                let (study, list) = &**errors;
+                let to = folder.join(ERROR_FOLDER);
+                let keep = &mut |file: &ExtraFile| results::keep(&to, file);
+                let advance = &mut |steps: usize| self.bar.inc(steps as u64);
+                let mut bench = Bench { gpu: self.gpu, journal, go_on, advance, keep };
+                engine::measure(&mut *study.borrow_mut(), list, &mut bench)?;
             }
             Part::Figures(scene) => {
                 let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
@@ -292,19 +305,22 @@ impl<'a> Study<'a> {
     /// Writes the records and the page with what there is.
     fn write(&self, journal: &Journal, made: &Made) -> anyhow::Result<Written> {
         let (folder, mut tabled, mut viewed) = (self.pictures.path(), Vec::new(), Vec::new());
-        let mut errors = Vec::new();
+        let mut errors: Vec<ErrorRecord> = Vec::new();
         for part in self.parts {
             match part {
                 Part::Table(spec) => tabled.extend(timing::records(spec, journal)),
                 Part::Times(spec) => viewed.extend(timing::records(spec, journal)),
-                Part::Errors(cells) => errors.extend(cells.records(self.gpu, journal)),
+                Part::Errors(of) => {
+                    let list = &of.1;
+                    errors.extend(engine::rows(list, journal));
+                    Results { rows: &errors, list, missing: &[] }.write(&folder.join(ERROR_FOLDER))?;
+                }
                 Part::Pictures(..) | Part::Figures(_) | Part::OtherDevices(_) => {}
             }
         }
         let all: Vec<TimeRecord> = viewed.iter().chain(&tabled).cloned().collect();
         files::write(&folder.join("time.json"), files::json(&all).as_bytes())?;
-        files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes())?;
-        error_report::write(&folder.join(ERROR_FOLDER), &errors, &self.plan.command, &[])?;
+        files::write(&folder.join(timing::SAMPLES), files::csv(&timing::sample_cells(&all)).as_bytes())?;
         let table = compare(&tabled);
         let page = Page {
             device: self.gpu.info(),
@@ -315,12 +331,12 @@ impl<'a> Study<'a> {
                 table: &table,
                 table_records: &tabled,
                 view_records: &viewed,
-                plot: plot::stage_bars(&viewed).map_err(anyhow::Error::msg)?,
+                plot: plot::draw(&timing::chart(&viewed).drawing).map_err(anyhow::Error::msg)?,
             },
             errors: Errors {
                 settings: error_settings(self.plan),
                 records: &errors,
-                plots: error_report::plots(&errors).map_err(anyhow::Error::msg)?,
+                plots: plot::drawn(&errors).map_err(anyhow::Error::msg)?,
                 pictures: study_pictures::of_errors(&errors, &self.plan.methods),
             },
             views: &made.views,

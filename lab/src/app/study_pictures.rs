@@ -6,9 +6,10 @@ use crate::gpu::Pixels;
 use crate::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
-use crate::report::{error_report, files, images, tables};
+use crate::report::images;
 use crate::scene::{Scene, View};
-use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
+use crate::study::names::{cell_name, roughness, safe_word};
 use crate::study::{Globals, Shot, Stage, gbuffer, image, table};
 use std::path::Path;
 
@@ -51,7 +52,7 @@ pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMu
     let materials = GLOSSY.materials(scene, view);
     let mut pictures = Vec::new();
     let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
-        let [of, seen] = [&scene.name, &view.name].map(|name| files::safe_word(name));
+        let [of, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
         let file = format!("images/{of}-{seen}-{}.png", name.replace(' ', "-"));
         images::write_image(&folder.join(&file), pixels)?;
         pictures.push(Picture { file, name: name.into(), caption });
@@ -131,20 +132,19 @@ pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Galler
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
         let h = &r.head;
-        let title = format!("{}, {}, roughness {}", h.scene, h.view, tables::roughness(h.roughness));
+        let title = format!("{}, {}, roughness {}", h.scene, h.view, roughness(h.roughness));
         if galleries.iter().any(|g| g.title == title) {
             continue;
         }
-        let stem = error_report::stem(&h.scene, &h.view, [h.width, h.height], h.roughness);
+        let stem = cell_name(&h.scene, &h.view, [h.width, h.height], h.roughness);
         let picture = |file: String, name: &str, caption: String| Picture {
             file: format!("{ERROR_FOLDER}/images/{file}"),
             name: name.to_owned(),
             caption,
         };
-        let reflection =
-            |name: &str, caption: &str| picture(error_report::picture_file(&stem, name), name, caption.into());
+        let reflection = |name: &str, caption: &str| picture(picture_file(&stem, name), name, caption.into());
         let pair = |name: &str| {
-            let flip = error_report::flip_file(&stem, name);
+            let flip = flip_file(&stem, name);
             [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
         };
         let (screen, more): (Vec<&MethodInfo>, Vec<&MethodInfo>) =

@@ -1,104 +1,114 @@
 //! `ssct time`.
 
-use super::cli::{Table, TimeOptions};
-use super::run::{Run, list_head};
-use super::time_output::{TimeOutput, device_line};
-use super::{progress, resolve};
+use super::cli::{CommonOptions, DeviceOptions, size};
+use super::measure::StudyOptions;
+use super::resolve;
 use crate::error::{Error, Result};
 use crate::methods;
-use crate::report::{files, plot, tables, trace};
-use crate::study::cell_list::{CellList, CellListHead};
+use crate::report::{files, trace};
+use crate::scene::{Scene, library};
+use crate::study::Globals;
+use crate::study::captions::{CAPTIONS, Caption, REFERENCE};
+use crate::study::cell_list::CellList;
 use crate::study::error::Variant;
+use crate::study::journal::Journal;
 use crate::study::table as table_5_8;
-use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, TimeRecord};
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use crate::study::timing::{self, Beside, TimeJob, TimeSettings, TimeStudy};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use std::rc::Rc;
 
-/// Measures, prints and writes.
-pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
-    let common = &options.common;
-    if options.table == Some(Table::Captions) {
-        if options.shard.shard.is_some() {
-            return Err(Error::Usage("--shard is not for --table captions, whose rows are few".into()).into());
-        }
-        if options.trace.is_some() {
-            return Err(
-                Error::Usage("--trace is not for --table captions, whose rows are of several scenes".into()).into()
-            );
-        }
-        return super::time_captions::run(options);
+/// Roughness and normal deviation of the captions' views unless flags say otherwise: table 5.8's rougher rows. The
+/// captions give none.
+const CAPTION_ROUGHNESS: f32 = 0.1;
+
+/// Options of `ssct time`.
+#[derive(Debug, Args)]
+pub struct TimeOptions {
+    /// Scene, methods and device.
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Methods, such as ssct,hzct; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Widths and heights in pixels; by default 960x540
+    #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Measure a table of the thesis, or its captions' times
+    ///
+    /// A table is measured at its own sizes and roughness values, on the view `hall`; the times in the captions each on the
+    /// view that takes the place of its figure.
+    #[arg(long, value_name = "TABLE", value_enum)]
+    pub table: Option<Table>,
+    /// For --table captions: rays a pixel of the reference that takes the place of Mitsuba.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub reference_rays: u32,
+    /// Frames of a method that are timed
+    ///
+    /// They are as many for each method, size and roughness.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub samples: usize,
+    /// Frames that are drawn before the first that is timed.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub warmup: usize,
+    /// Time each method against itself, too: how far it strays is its noise floor, within which `ssct compare` calls
+    /// nothing faster or slower.
+    #[arg(long)]
+    pub a_a: bool,
+    /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+}
+
+/// A table of the thesis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Table {
+    /// Resolutions and roughness values of SSCT, HZCT and SSLR.
+    #[value(name = "5.8")]
+    T5_8,
+    /// The times under figures 5.2 to 5.9.
+    Captions,
+}
+
+impl StudyOptions for TimeOptions {
+    type Study = TimeStudy;
+
+    fn device(&self) -> &DeviceOptions {
+        &self.common.device
     }
-    let table = options.table == Some(Table::T5_8);
-    let scene = resolve::scene(&common.place, if table { "atrium" } else { "rooms" })?;
-    let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
+
+    fn study(&self) -> Result<TimeStudy> {
+        if self.samples == 0 {
+            return Err(Error::Usage("--samples 0: at least one is needed".into()));
+        }
+        let (beside, jobs) = match self.table {
+            Some(Table::Captions) => (Beside::Captions, caption_jobs(self)?),
+            Some(Table::T5_8) => (Beside::Table, vec![job(self, true)?]),
+            None => (Beside::Nothing, vec![job(self, false)?]),
+        };
+        let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a };
+        Ok(TimeStudy::new(jobs, settings, self.warmup, self.reference_rays))
+    }
+
+    fn write_more(&self, list: &CellList, journal: &Journal) -> Result<()> {
+        let Some(path) = &self.trace else { return Ok(()) };
+        files::write(path, trace::json(&timing::frames(list, journal)).as_bytes())
+    }
+}
+
+/// The methods of the flags on their view, or those of table 5.8 on its.
+fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
+    let common = &options.common;
+    let scene = resolve::scene(&common.place, if is_table { "atrium" } else { "rooms" })?;
+    let view = resolve::view(&scene, &common.place, is_table.then_some("hall"))?;
     let methods = match &options.method[..] {
-        [] if table => table_5_8::methods(),
+        [] if is_table => table_5_8::methods(),
         names => methods::choose(names, &common.method_options.setup([1, 1]))?,
     };
-    let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
-    let sizes = sizes(options, table)?;
-    if options.samples == 0 {
-        return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
-    }
-    let gpu = resolve::gpu(&common.device)?;
-    let setup = common.method_options.setup(sizes[0]);
-    let (warmup, samples) = (options.warmup, options.samples);
-    let a_a = options.a_a;
-    let variants = Variant::of(&methods, &setup);
-    let (gpu, scene, view, only) = (&gpu, &scene, &view, None);
-    let mut spec = TimeSpec { gpu, scene, view, variants, sizes, globals, warmup, samples, a_a, only };
-    let settings = json!(TimeSettings { table, samples, a_a });
-    let head = CellListHead { settings, ..list_head("time", options.shard.shard, &setup, scene) };
-    let list = CellList::new(head, gpu.info(), spec.planned());
-    spec.only = Some(list.cells.iter().map(|c| c.own).collect());
-    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
-    run.list(&list)?;
-    let bar = progress::bar("timing", spec.frames());
-    let outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
-    bar.finish_and_clear();
-    let records = timing::records(&spec, &run.journal);
-    if let Some(path) = &options.trace {
-        files::write(path, trace::json(&timing::frames(&spec, &run.journal)).as_bytes())?;
-    }
-
-    let written = output(&records, table).map_err(anyhow::Error::msg)?;
-    written.conclude((options.output.as_deref(), options.run.json), run, outcome, gpu)
-}
-
-/// Settings that the files of a run depend on, beside its cells.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct TimeSettings {
-    /// Whether the times are compared with the thesis's table.
-    pub table: bool,
-    /// Frames that count.
-    pub samples: usize,
-    /// Whether methods are timed against themselves.
-    pub a_a: bool,
-}
-
-/// The files and the text of records of one device.
-pub fn output(records: &[TimeRecord], table: bool) -> std::result::Result<TimeOutput, String> {
-    Ok(TimeOutput {
-        stem: "time",
-        json: files::json(records),
-        samples: ("time-samples.csv", files::samples_csv(records)),
-        plot: plot::stage_bars(records)?,
-        text: text(records, table),
-    })
-}
-
-/// The text of records of one device.
-pub fn text(records: &[TimeRecord], table: bool) -> String {
-    let mut text = String::new();
-    if let Some(first) = records.first() {
-        text += &device_line(&first.head.program.device);
-    }
-    if table {
-        text += &tables::table_5_8(&table_5_8::compare(records));
-        text += "\n";
-    }
-    text + &tables::times(records)
+    let globals = if is_table { table_globals(options)? } else { resolve::globals(&common.place)? };
+    let sizes = sizes(options, is_table)?;
+    let variants = Variant::of(&methods, &common.method_options.setup(sizes[0]));
+    Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }
 
 /// Sizes of the flags, else of the table, else 960×540.
@@ -126,4 +136,67 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     }
     let reflectivity = options.common.place.reflectivity;
     Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())
+}
+
+/// The methods of each caption on the view that stands for its figure.
+fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
+    let place = &options.common.place;
+    if !options.method.is_empty() || !options.size.is_empty() {
+        let message = "--table captions takes methods and sizes from the captions, without --method and --size";
+        return Err(Error::Usage(message.into()));
+    }
+    let (scenes, globals) = (caption_scenes(options)?, caption_globals(options)?);
+    let job = |(caption, scene): (Caption, &Rc<Scene>)| {
+        let has_reference = caption.other == REFERENCE;
+        let names = ["ssct", caption.other];
+        let methods = names.iter().filter(|name| **name != REFERENCE).map(|name| methods::find(name));
+        let methods = methods.collect::<Result<Vec<_>>>()?;
+        Ok(TimeJob {
+            scene: Rc::clone(scene),
+            view: resolve::with_lens(scene, scene.view(caption.view)?.clone(), place)?,
+            variants: Variant::of(&methods, &options.common.method_options.setup(caption.size)),
+            sizes: vec![caption.size],
+            globals: globals.clone(),
+            has_reference,
+        })
+    };
+    wanted(options, &scenes)?.into_iter().map(job).collect()
+}
+
+/// The scene of the flags, or the built-in ones that stand for the figures.
+fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
+    let place = &options.common.place;
+    if place.scene.is_empty() {
+        let mut names: Vec<&str> = CAPTIONS.iter().map(|c| c.scene).collect();
+        names.sort_unstable();
+        names.dedup();
+        return Ok(names.into_iter().filter_map(library::scene).map(Rc::new).collect());
+    }
+    Ok(vec![Rc::new(resolve::scene(place, "")?)])
+}
+
+/// The captions whose view a scene has, and that the flags ask for.
+fn wanted<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
+    let asked = options.common.place.view.as_deref();
+    let of = |c: &Caption| {
+        let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;
+        asked.is_none_or(|view| view == c.view).then_some((*c, scene))
+    };
+    let wanted: Vec<_> = CAPTIONS.iter().filter_map(of).collect();
+    if wanted.is_empty() {
+        let views: Vec<&str> = CAPTIONS.iter().map(|c| c.view).collect();
+        let views = views.join(", ");
+        return Err(Error::Usage(format!("no caption with times is of such a view; they are of: {views}")));
+    }
+    Ok(wanted)
+}
+
+/// The flags' factors, else [`CAPTION_ROUGHNESS`]; the normal deviation is the roughness unless a flag gives it.
+fn caption_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
+    let mut globals = resolve::globals(&options.common.place)?;
+    for g in &mut globals {
+        g.roughness = g.roughness.or(Some(CAPTION_ROUGHNESS));
+        g.normal_deviation = g.normal_deviation.or(g.roughness);
+    }
+    Ok(globals)
 }

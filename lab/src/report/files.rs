@@ -4,12 +4,9 @@ use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
 use crate::methods::{self, EffectParams, MethodInfo};
 use crate::parameter::{Parameter, Parameters};
-use crate::study::TimeRecord;
 use crate::study::compare::{Subject, TimeSample};
+use crate::study::timing::{FLOORS, MEASURED, PLACE};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
-use std::borrow::Cow;
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 use std::str::FromStr;
@@ -37,28 +34,6 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io:
     Ok(())
 }
 
-/// A name as a part of a file's name, whatever a user or a file calls a scene, a view or a variant: without separators of
-/// folders and other characters that file systems, shells' patterns or addresses of pages give a meaning, and short. A
-/// name that had to be changed ends in a digest of what it was, so that different names stay different.
-pub fn safe_word(name: &str) -> Cow<'_, str> {
-    const MOST_BYTES: usize = 64;
-    let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|%#"#.contains(c);
-    if !name.is_empty() && name.len() <= MOST_BYTES && !name.starts_with('.') && name.chars().all(is_safe) {
-        return name.into();
-    }
-    let mut word = String::new();
-    for c in name.chars() {
-        if word.len() + c.len_utf8() > MOST_BYTES {
-            break;
-        }
-        word.push(if is_safe(c) && !(c == '.' && word.is_empty()) { c } else { '_' });
-    }
-    let digest = Sha256::digest(name.as_bytes());
-    word.push('-');
-    word.extend(digest.iter().take(4).map(|byte| format!("{byte:02x}")));
-    word.into()
-}
-
 /// Records as a JSON array, one record a line.
 pub fn json<T: Serialize>(records: &[T]) -> String {
     let lines: Vec<String> =
@@ -66,43 +41,17 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
     format!("[{}]\n", lines.join(",\n "))
 }
 
-/// The columns of a sample that say what it is of, before everything that was set.
-const PLACE: [&str; 3] = ["scene", "view", "method"];
-/// The columns of a sample that say what was measured, after everything that was set.
-const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
-/// The columns of noise floors, of the pass and of the total; empty where they were not measured.
-const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
-
-/// Raw samples of time records as CSV: one row a sample and pass, one column for everything that was set of any of the
-/// methods; what a method does not have is empty.
-pub fn samples_csv(records: &[TimeRecord]) -> String {
+/// Rows of cells as CSV.
+pub fn csv(cells: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let settings: BTreeSet<&String> = records.iter().flat_map(|r| r.head.setup.keys()).collect();
-    // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
-    let columns = settings.iter().map(|name| name.as_str());
-    let _ = writer.write_record(PLACE.into_iter().chain(columns).chain(MEASURED));
-    for r in records {
-        let place = [&r.head.scene, &r.head.view, &r.head.method].map(Clone::clone);
-        let set: Vec<String> = settings.iter().map(|name| r.head.setting(name)).collect();
-        for (n, sample) in r.samples.iter().enumerate() {
-            for (pass, ms) in r.passes.iter().zip(sample) {
-                let floor = |floor: Option<f64>| floor.map(|f| format!("{f:.6}")).unwrap_or_default();
-                let measured = [
-                    n.to_string(),
-                    pass.name.clone(),
-                    pass.counted.to_string(),
-                    format!("{ms:.6}"),
-                    floor(pass.noise_floor),
-                    floor(r.noise_floor),
-                ];
-                let _ = writer.write_record(place.iter().chain(&set).chain(&measured));
-            }
-        }
+    for row in cells {
+        // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
+        let _ = writer.write_record(row);
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
-/// Reads what [`samples_csv`] makes, now or at an earlier version, whose files have fewer columns.
+/// Reads what [`sample_cells`](crate::study::timing::sample_cells) makes, as CSV, now or at an earlier version, whose files have fewer columns.
 ///
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
@@ -187,29 +136,4 @@ pub fn read_device(path: &Path) -> Result<Option<DeviceInfo>> {
     let mut records: serde_json::Value = serde_json::from_slice(&text).map_err(wrong)?;
     let device = records.pointer_mut("/0/device").map(serde_json::Value::take).unwrap_or_default();
     serde_json::from_value(device).map(Some).map_err(wrong)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_become_words_of_file_names_and_stay_different() {
-        for plain in ["exit sign", "Küche (Süd)", "front 2", "r0.4", "a-b_c"] {
-            assert_eq!(safe_word(plain), plain);
-        }
-        let long = "x".repeat(400);
-        let wide = "\u{30ab}".repeat(100);
-        let odd = [
-            "", ".", "..", "a/b", "a\\b", "a_b/", "../../x", "a\0b", "a\nb", "a:b", "50 %", "#1", ".hidden", &long,
-            &wide,
-        ];
-        let words: BTreeSet<String> = odd.iter().map(|name| safe_word(name).into_owned()).collect();
-        assert_eq!(words.len(), odd.len(), "{words:?}");
-        for word in &words {
-            let path = Path::new(word);
-            assert!(path.components().count() == 1 && path.file_name().is_some_and(|f| f == word.as_str()), "{word:?}");
-            assert!(word.len() < 80 && !word.starts_with('.') && !word.contains(char::is_control), "{word:?}");
-        }
-    }
 }

@@ -1,14 +1,16 @@
 //! The study of a device as files and a page.
 
-use super::{agreement_report, files, html, tables};
+use super::{files, html};
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
+use crate::study::exhibit::Table;
+use crate::study::names::roughness;
 use crate::study::record::Head;
 use crate::study::steps::StepsRecord;
-use crate::study::table::compare;
+use crate::study::table;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -81,69 +83,60 @@ fn page(
     rates: &[BandwidthRecord],
     found: &Findings,
 ) -> String {
+    let all_rates = [std::slice::from_ref(&found.copy), rates].concat();
     html::tables_page(
         "A device",
         Some(device),
         command,
         &[
-            (
+            Table::new(
+                "table-5.8",
                 "Table 5.8",
                 "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside those of this device on the atrium, for the \
                  effect without the scene passes.",
-                &tables::table_5_8_cells(&compare(&times.table)),
+                table::cells(&table::compare(&times.table)),
             ),
-            (
+            Table::new(
+                "methods",
                 "Every method",
                 "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was also \
                  timed against itself: the floor is how far its time strays from itself, and a smaller difference \
                  means nothing.",
-                &method_cells(&times.methods),
+                method_cells(&times.methods),
             ),
-            (
+            Table::new(
+                "stages",
                 "Fragment and compute",
                 "Each pass of unified as a fragment shader and as a compute shader, timed in turn. Both make the same image. \
                  Where the ratio is below 1, compute is faster.",
-                &pair_cells(&times.stages, ["fragment", "compute"]),
+                pair_cells(&times.stages, ["fragment", "compute"]),
             ),
-            (
+            Table::new(
+                "first",
                 "Screen and triangles",
                 "unified with its rays asked of the screen first, and of the scene's triangles, timed in turn. Both end a ray \
                  where the scene does. Where the ratio is below 1, the triangles alone are faster.",
-                &pair_cells(&times.first, ["screen", "triangles"]),
+                pair_cells(&times.first, ["screen", "triangles"]),
             ),
-            (
-                "Rates",
-                "For the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its \
-                 time; first the same for a plain copy of an image. Each level of the Hi-Z buffer is a pass; the small \
-                 ones take their time for other things than bytes.",
-                &rate_cells(&found.copy, rates),
-            ),
-            (
-                "Steps",
-                "How many cells a mirror ray of unified looks at, counted by its twin on the CPU, which takes the same steps. \
-                 Mean of eight: the mean of the most among eight rays beside each other, as threads wait that walk together.",
-                &step_cells(&found.steps),
-            ),
-            ("The same on other devices", agreement_report::ABOUT_METHODS, &some(agreement_report::cells(&found.same))),
-            ("G-buffers", agreement_report::ABOUT_DRAWN, &some(agreement_report::drawn_cells(&found.drawn))),
-            (
+            BandwidthRecord::table(&all_rates),
+            StepsRecord::table(&found.steps),
+            AgreementRecord::table(&found.same),
+            DrawnRecord::table(&found.drawn),
+            Table::new(
+                "validation",
                 "Validation",
                 "The messages of the Khronos validation layers about any method that the allow-list does not excuse; there \
                  should be none.",
-                &validation_cells(&found.validation),
+                validation_cells(&found.validation),
             ),
-            (
+            Table::new(
+                "passes",
                 "Every pass",
                 "Median time of each pass, and the shader invocations that the device counted in another frame.",
-                &pass_cells(&times.methods),
+                pass_cells(&times.methods),
             ),
         ],
     )
-}
-
-/// The cells, or nothing where they are a header alone.
-fn some(cells: Vec<Vec<String>>) -> Vec<Vec<String>> {
-    if cells.len() > 1 { cells } else { Vec::new() }
 }
 
 fn header(names: &[&str]) -> Vec<Vec<String>> {
@@ -154,7 +147,7 @@ fn place(head: &Head) -> Vec<String> {
     vec![
         format!("{} {}", head.scene, head.view),
         format!("{} x {}", head.width, head.height),
-        tables::roughness(head.roughness),
+        roughness(head.roughness),
     ]
 }
 
@@ -203,41 +196,6 @@ fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String
             rows.push(row);
         }
     }
-    rows
-}
-
-fn rate_cells(copy: &BandwidthRecord, rates: &[BandwidthRecord]) -> Vec<Vec<String>> {
-    let mut rows = header(&["view", "method", "pass", "size", "bytes", "median ms", "GB/s", "of a copy"]);
-    rows.extend([copy].into_iter().chain(rates).map(|r| {
-        vec![
-            r.view.clone().unwrap_or_else(|| "-".into()),
-            r.method.clone().unwrap_or_else(|| "-".into()),
-            r.pass.clone(),
-            format!("{} x {}", r.width, r.height),
-            r.bytes.to_string(),
-            format!("{:.4}", r.median_ms),
-            format!("{:.2}", r.gb_per_s),
-            format!("{:.2}", r.of_copy),
-        ]
-    }));
-    rows
-}
-
-fn step_cells(records: &[StepsRecord]) -> Vec<Vec<String>> {
-    let mut rows = header(&["view", "size", "in", "rays", "mean", "mean of eight", "median", "p99", "most"]);
-    rows.extend(records.iter().map(|r| {
-        vec![
-            format!("{} {}", r.scene, r.view),
-            format!("{} x {}", r.width, r.height),
-            r.images.label().to_owned(),
-            r.rays.to_string(),
-            format!("{:.1}", r.mean),
-            format!("{:.1}", r.mean_of_eight),
-            r.median.to_string(),
-            r.p99.to_string(),
-            r.most.to_string(),
-        ]
-    }));
     rows
 }
 

@@ -1,8 +1,8 @@
 //! Plots as SVG.
 
-use crate::study::TimeRecord;
+use crate::study::engine::Row;
+use crate::study::exhibit::{Chart, Drawing, Line, NamedPoint, StageBar, distinct};
 use crate::study::library::trends::TrendLine;
-use crate::study::sweep::Point;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -26,15 +26,40 @@ pub(super) const WIDTH: u32 = 640;
 /// Pixels of a plot's text.
 pub(super) const TEXT: u32 = 14;
 
-/// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
-pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
-    let mut stages: Vec<String> = Vec::new();
-    for (name, _) in records.iter().flat_map(|r| r.stages()) {
-        if !stages.contains(&name) {
-            stages.push(name);
-        }
+/// A chart, drawn.
+#[derive(Debug, Clone)]
+pub struct DrawnChart {
+    /// The chart.
+    pub chart: Chart,
+    /// The drawing, as SVG.
+    pub svg: String,
+}
+
+/// Draws the charts of rows that one device measured.
+///
+/// # Errors
+/// What the drawing library says.
+pub fn drawn<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
+    let draw = |chart: Chart| Ok(DrawnChart { svg: draw(&chart.drawing)?, chart });
+    R::charts(rows).into_iter().map(draw).collect()
+}
+
+/// Draws the values of a chart as SVG.
+///
+/// # Errors
+/// What the drawing library says.
+pub fn draw(drawing: &Drawing) -> Result<String, String> {
+    match drawing {
+        Drawing::Lines([x, y], all) => lines(all, [x, y]),
+        Drawing::Points([x, y], points) => against(points, [x, y]),
+        Drawing::Bars(bars) => stage_bars(bars),
     }
-    let most = records.iter().map(|r| r.stages().iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
+}
+
+/// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
+fn stage_bars(records: &[StageBar]) -> Result<String, String> {
+    let stages: Vec<String> = distinct(records.iter().flat_map(|r| &r.stages).map(|(name, _)| name.clone()));
+    let most = records.iter().map(|r| r.stages.iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
     let legend = legend_height(&stages);
     // A row is a line of text and its bar.
     let row_height = 40;
@@ -63,9 +88,9 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
         for (row, record) in records.iter().enumerate() {
             let (y, mut x) = (row as f64, 0.0);
             let at = chart.backend_coord(&(0.0, y));
-            root.draw(&Text::new(label(record), (at.0 + 2, at.1 + 4), ("sans-serif", TEXT))).map_err(failed)?;
-            for (name, ms) in record.stages() {
-                let bar = Rectangle::new([(x, y + 0.5), (x + ms, y + 0.95)], stage_color(&stages, &name).filled());
+            root.draw(&Text::new(record.label.clone(), (at.0 + 2, at.1 + 4), ("sans-serif", TEXT))).map_err(failed)?;
+            for (name, ms) in &record.stages {
+                let bar = Rectangle::new([(x, y + 0.5), (x + ms, y + 0.95)], stage_color(&stages, name).filled());
                 chart.draw_series([bar]).map_err(failed)?;
                 x += ms;
             }
@@ -76,12 +101,6 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
         root.present().map_err(failed)?;
     }
     Ok(svg)
-}
-
-fn label(record: &TimeRecord) -> String {
-    let h = &record.head;
-    let roughness = super::tables::roughness(h.roughness);
-    format!("{}: {} {}, {} × {}, roughness {roughness}", h.method, h.scene, h.view, h.width, h.height)
 }
 
 fn stage_color(stages: &[String], name: &str) -> RGBColor {
@@ -111,26 +130,9 @@ fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
-/// A point of a plot.
-#[derive(Debug, Clone)]
-pub struct NamedPoint {
-    /// What it is called.
-    pub name: String,
-    /// Cost, above 0, and error, at least 0.
-    pub at: [f64; 2],
-    /// Whether nothing beats it in both.
-    pub on_front: bool,
-}
-
-/// Run time against error on log axes: every point named, the Pareto front connected.
-pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, String> {
-    let named = |p: &Point| NamedPoint { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
-    against(&points.iter().map(named).collect::<Vec<_>>(), ["milliseconds, median", error_axis])
-}
-
 /// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected. A point without
 /// an error has no place on a log axis, and stands at its foot, at a tick that says 0.
-pub fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
+fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
     let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
@@ -223,16 +225,8 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
 }
 
-/// A line of [`lines`].
-pub struct Line {
-    /// What the legend calls it.
-    pub name: String,
-    /// Frames and their values, ≥ 0.
-    pub points: Vec<(f64, f64)>,
-}
-
 /// Values over frames, from 0 up, a line each; `axes` names the frames and the values.
-pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
+fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
     let legend = line_legend_height(&names);
     let points = || lines.iter().flat_map(|l| &l.points);

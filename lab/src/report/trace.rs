@@ -12,7 +12,7 @@ const DEVICE: u32 = 2;
 /// is drawn so that it ends when the host saw its end. Times are in microseconds from the first frame.
 pub fn json(frames: &[TimedFrame]) -> String {
     let mut events: Vec<Value> = Vec::new();
-    let mut methods: Vec<&str> = Vec::new();
+    let mut methods: Vec<&String> = Vec::new();
     let begun = |f: &TimedFrame| f.report.host.map(|h| h.begun_us);
     let first = frames.iter().filter_map(begun).min().unwrap_or(0);
     for (process, name) in [(HOST, "host"), (DEVICE, "device")] {
@@ -20,8 +20,8 @@ pub fn json(frames: &[TimedFrame]) -> String {
     }
     for frame in frames {
         let Some(host) = frame.report.host else { continue };
-        let thread = methods.iter().position(|m| *m == frame.method).unwrap_or_else(|| {
-            methods.push(frame.method);
+        let thread = methods.iter().position(|m| **m == frame.method).unwrap_or_else(|| {
+            methods.push(&frame.method);
             for process in [HOST, DEVICE] {
                 let name = json!({"name": frame.method});
                 events.push(json!({
@@ -60,7 +60,7 @@ mod tests {
     fn passes_lie_within_their_frame_and_frames_follow_each_other() {
         let pass = |name: &str, start_ms: f64| PassTime { name: name.into(), ms: 2.0, start_ms, counted: true };
         let frame = |begun_us: u64| TimedFrame {
-            method: "ssct",
+            method: "ssct".to_owned(),
             label: "64x36, sample 0".into(),
             report: FrameReport {
                 passes: vec![pass("a", 0.5), pass("b", 2.5)],

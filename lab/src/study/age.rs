@@ -1,11 +1,15 @@
 //! Error over age: things move a step each frame, captures are renewed by so many faces a frame, and each frame is held
 //! against the world as it then is (docs/definitions.md, "Captures in time").
 
+use super::columns::{Column, columns, figure, part, series, time};
+use super::engine::{Bench, Planned, Row, Study};
+use super::exhibit::{Chart, Drawing, Line, Table};
 use super::gbuffer;
-use super::record::{Head, Of};
+use super::journal::scene_digest;
+use super::names::cell_name;
+use super::record::{Head, Of, Provenance, Stats};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::image::masked_rmse;
@@ -14,73 +18,240 @@ use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
 use crate::scene::{GBufferData, Material, Scene, View};
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// What moves, and how captures follow.
-pub struct AgeSpec<'a> {
-    /// Device.
-    pub gpu: &'a Gpu,
+pub struct AgeStudy {
     /// Scene, with its captures or without; those that are found are of the scene before it moves.
-    pub scene: &'a Scene,
+    pub scene: Scene,
     /// View, which stands still.
-    pub view: &'a View,
-    /// Global factors.
-    pub globals: Globals,
-    /// A method that looks into captures, or has them behind it.
-    pub method: &'static MethodInfo,
-    /// Its parameters, with captures, and the size.
+    pub view: View,
+    /// Methods that look into captures, or have them behind them.
+    pub methods: Vec<&'static MethodInfo>,
+    /// Their parameters, with captures.
     pub setup: Setup,
+    /// Sizes in pixels.
+    pub sizes: Vec<[u32; 2]>,
+    /// Global factors.
+    pub globals: Vec<Globals>,
     /// The meshes that move, by name.
-    pub moving: &'a [String],
+    pub moving: Vec<String>,
     /// By how much from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
     /// Faces that are renewed in each frame: a row of the study each.
-    pub faces: &'a [u32],
+    pub faces: Vec<u32>,
     /// Frames, ≥ 1, the first of which shows the scene as it was captured.
     pub frames: u32,
     /// Rays a pixel of the world reference, ≥ 1.
     pub rays: u32,
 }
 
-/// A frame of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct AgeFrame {
-    /// How far the things that move are from where they began, in metres.
-    pub moved_m: f32,
-    /// Mean over the faces of how many frames ago they were drawn.
-    pub age_frames: f64,
-    /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
-    pub rmse: f64,
-    /// Share of the reflecting pixels whose rays meet what moved, where it is or where it was.
-    pub touched: f64,
-    /// The RMSE over these alone, the only ones that age; null where there are none, as in the first frame.
-    pub touched_rmse: Option<f64>,
-    /// Standard error of that world reference.
-    pub standard_error: f64,
-    /// The method's time, the renewal of captures with it, in milliseconds.
-    pub effect_ms: f64,
-    /// The renewal's part of it.
-    pub capture_ms: f64,
+/// A method at a size with a set of factors.
+pub struct AgeCell {
+    method: &'static MethodInfo,
+    setup: Setup,
+    globals: Globals,
 }
 
-/// How the error grows with one number of faces a frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AgeRecord {
-    /// What it is of; `captures_per_frame` stands in its setup.
-    #[serde(flatten)]
-    pub head: Head,
-    /// The meshes that move.
-    pub moving: Vec<String>,
-    /// By how much from one frame to the next, in metres.
-    pub step_m: [f32; 3],
-    /// Faces renewed in each frame.
-    pub faces_per_frame: u32,
-    /// Faces of all captures.
-    pub faces: u32,
-    /// Rays a pixel of the world reference.
-    pub rays: u32,
-    /// Every frame in order.
-    pub frames: Vec<AgeFrame>,
+columns! {
+    /// A frame of a row.
+    #[derive(Copy)]
+    pub struct AgeFrame {
+        /// How far the things that move are from where they began, in metres.
+        pub moved_m: f32 = figure(""),
+        /// Mean over the faces of how many frames ago they were drawn.
+        pub age_frames: f64 = figure(""),
+        /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
+        pub rmse: f64 = figure(""),
+        /// Share of the reflecting pixels whose rays meet what moved, where it is or where it was.
+        pub touched: f64 = figure(""),
+        /// The RMSE over these alone, the only ones that age; null where there are none, as in the first frame.
+        pub touched_rmse: Option<f64> = figure(""),
+        /// Standard error of that world reference.
+        pub standard_error: f64 = figure(""),
+        /// The method's time, the renewal of captures with it, in milliseconds.
+        pub effect_ms: f64 = time(""),
+        /// The renewal's part of it.
+        pub capture_ms: f64 = time(""),
+    }
+}
+
+columns! {
+    /// How the error grows with one number of faces a frame.
+    pub struct AgeRecord {
+        /// What it is of; `captures_per_frame` stands in its setup.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// The meshes that move.
+        pub moving: Vec<String>,
+        /// By how much from one frame to the next, in metres.
+        pub step_m: [f32; 3],
+        /// Faces renewed in each frame.
+        pub faces_per_frame: u32 = figure("faces a frame"),
+        /// Faces of all captures.
+        pub faces: u32 = figure("of"),
+        /// Rays a pixel of the world reference.
+        pub rays: u32,
+        /// Every frame in order.
+        pub frames: Vec<AgeFrame> = series(),
+    }
+}
+
+impl Row for AgeRecord {
+    const KIND: &'static str = "age";
+    const TITLE: &'static str = "Error over the age of captures";
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    /// The error at the beginning and at the end, that of the pixels that something moved for in the middle and at the end,
+    /// and times.
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        let first = |r: &Self| r.frames.first().map(|f| f.rmse);
+        let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
+        let median =
+            |r: &Self, of: fn(&AgeFrame) -> f64| Stats::of(&r.frames.iter().map(of).collect::<Vec<_>>()).median_ms;
+        let more = [
+            Column::derived("rmse first", 4, first),
+            Column::derived("last", 4, |r: &Self| r.frames.last().map(|f| f.rmse)),
+            Column::derived("of touched, middle", 4, middle),
+            Column::derived("last", 4, |r: &Self| r.frames.last().and_then(|f| f.touched_rmse)),
+            Column::derived("touched %", 1, |r: &Self| r.frames.last().map(|f| 100.0 * f.touched)),
+            Column::derived("moved m", 2, |r: &Self| r.frames.last().map(|f| f.moved_m)),
+            Column::derived("age, frames", 1, |r: &Self| r.frames.last().map(|f| f.age_frames)),
+            Column::derived("effect ms median", 3, move |r: &Self| median(r, |f| f.effect_ms)),
+            Column::derived("captures ms median", 3, move |r: &Self| median(r, |f| f.capture_ms)),
+        ];
+        vec![Table::with_columns("table", rows, more)]
+    }
+
+    /// The error of the pixels that something moved for over the frames, a line for each record.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
+        let line = |r: &Self| {
+            let points = r.frames.iter().enumerate().filter_map(|(n, f)| Some((n as f64, f.touched_rmse?)));
+            let name = r.head.line_name(&heads, &format!("{} of {} faces", r.faces_per_frame, r.faces));
+            Line { name, points: points.collect() }
+        };
+        let axes = ["frame", "RMSE of the pixels that something moved for"].map(str::to_owned);
+        let lines = Drawing::Lines(axes, rows.iter().map(line).collect());
+        vec![Chart::new("age", "The error of what something moved for", lines)]
+    }
+}
+
+impl AgeStudy {
+    /// Refuses methods without captures.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the method.
+    pub fn check(&self) -> Result<()> {
+        let effect = self.setup.effect();
+        let takes = |method: &MethodInfo| {
+            let sees = effect.captures.wanted().is_some() || !method.is_screen_space();
+            effect.fallback == Fallback::Captures || method.takes_captures && sees
+        };
+        match self.methods.iter().find(|method| !takes(method)) {
+            Some(method) => {
+                let message = format!("the method {} has no captures whose age could be measured", method.name);
+                Err(Error::Usage(message))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Study for AgeStudy {
+    type Cell = AgeCell;
+    type Row = AgeRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
+    }
+
+    fn definitions(&self) -> u32 {
+        self.setup.effect().definitions.into()
+    }
+
+    fn cells(&self) -> Vec<Planned<AgeCell>> {
+        let digest = scene_digest(&self.scene);
+        let measured = json!([self.moving, self.step_m.to_array(), self.faces, self.frames, self.rays]);
+        let mut cells = Vec::new();
+        for &method in &self.methods {
+            for &size in &self.sizes {
+                let setup = self.setup.at(size);
+                cells.extend(self.globals.iter().map(|&globals| {
+                    let set = json!([method.name, setup.recorded(Some(method)), globals, format!("{:?}", self.view)]);
+                    let name = cell_name(&self.scene.name, &self.view.name, size, globals.roughness);
+                    Planned {
+                        name: format!("{name}-{}", method.name),
+                        setup: json!([digest, set, measured]),
+                        cell: AgeCell { method, setup: setup.clone(), globals },
+                    }
+                }));
+            }
+        }
+        cells
+    }
+
+    /// Measures every number of faces, frame by frame in turn.
+    fn measure(&mut self, cell: &AgeCell, bench: &mut Bench) -> Result<Vec<AgeRecord>> {
+        let camera = self.view.camera(&self.scene, cell.setup.extent);
+        let materials = cell.globals.materials(&self.scene, &self.view);
+        let mut stage = Stage::new(bench.gpu, &self.scene)?;
+        let mut rows = Vec::new();
+        for &faces in &self.faces {
+            let setup = cell.setup.with(|p: &mut EffectParams| p.captures_per_frame = faces);
+            let shot = Shot::new(&mut stage, cell.method, &setup, Wants::REFLECTION, camera, materials.clone())?;
+            let place = (&self.scene, &self.view);
+            let record = AgeRecord {
+                head: Head::new("age", bench.gpu, place, Of::Method(cell.method), &setup, &cell.globals),
+                moving: self.moving.clone(),
+                step_m: self.step_m.to_array(),
+                faces_per_frame: faces,
+                faces: shot.capture_faces(),
+                rays: self.rays,
+                frames: Vec::new(),
+            };
+            rows.push((shot, record));
+        }
+        for frame in 0..self.frames {
+            let offset = frame as f32 * self.step_m;
+            for name in &self.moving {
+                stage.scene_mut().place_meshes(name, offset)?;
+            }
+            let mut truth = None;
+            for (shot, record) in &mut rows {
+                (bench.go_on)()?;
+                let (report, _, output) = stage.output_in(Mode::Timed, shot)?;
+                let made = gbuffer::reflection(&mut stage.context, &output)?;
+                let made: Vec<[f32; 3]> = made.texels().map(|t| [t[0], t[1], t[2]]).collect();
+                let truth = match &mut truth {
+                    Some(truth) => truth,
+                    // Every row draws the same G-buffer.
+                    none => {
+                        let screen = gbuffer::read(&mut stage.context, shot)?;
+                        none.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
+                    }
+                };
+                let sum = |counts: &dyn Fn(&str) -> bool| {
+                    // `fold` makes the sum of no passes 0; `sum` would make it -0.
+                    report.passes.iter().filter(|p| p.counted && counts(&p.name)).fold(0.0, |sum, p| sum + p.ms)
+                };
+                record.frames.push(AgeFrame {
+                    moved_m: offset.length(),
+                    age_frames: mean_age(record.faces, record.faces_per_frame, frame),
+                    rmse: masked_rmse(&truth.color, &made, &truth.mask),
+                    touched: truth.touched_share(),
+                    touched_rmse: truth.touched_rmse(&made),
+                    standard_error: truth.standard_error,
+                    effect_ms: sum(&|_| true),
+                    capture_ms: sum(&|name| name.starts_with("capture/")),
+                });
+            }
+        }
+        Ok(rows.into_iter().map(|(_, record)| record).collect())
+    }
 }
 
 /// The mean age in frames of so many faces at a frame, counted from 0, of which some are renewed in turn in each frame
@@ -90,72 +261,6 @@ pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     let age = |place: u32| (place / renewed.max(1)).min(frame);
     let ages: u32 = if renewed == 0 { faces * frame } else { (0..faces).map(age).sum() };
     if faces == 0 { 0.0 } else { f64::from(ages) / f64::from(faces) }
-}
-
-/// Measures every row, frame by frame in turn. `go_on` is called between two steps, and its error ends it.
-///
-/// # Errors
-/// [`Error::Usage`] if the method has no captures, or no mesh has one of the names; those of the device and of `go_on`.
-pub fn measure(spec: &AgeSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<Vec<AgeRecord>> {
-    let effect = spec.setup.effect();
-    let takes = effect.fallback == Fallback::Captures
-        || spec.method.takes_captures && (effect.captures.wanted().is_some() || !spec.method.is_screen_space());
-    if !takes {
-        let message = format!("the method {} has no captures whose age could be measured", spec.method.name);
-        return Err(Error::Usage(message));
-    }
-    let camera = spec.view.camera(spec.scene, spec.setup.extent);
-    let materials = spec.globals.materials(spec.scene, spec.view);
-    let mut stage = Stage::new(spec.gpu, spec.scene)?;
-    let mut rows = Vec::new();
-    for &faces in spec.faces {
-        let setup = spec.setup.with(|p: &mut EffectParams| p.captures_per_frame = faces);
-        let shot = Shot::new(&mut stage, spec.method, &setup, Wants::REFLECTION, camera, materials.clone())?;
-        let head = Head::new("age", spec.gpu, (spec.scene, spec.view), Of::Method(spec.method), &setup, &spec.globals);
-        let record = AgeRecord {
-            head,
-            moving: spec.moving.to_vec(),
-            step_m: spec.step_m.to_array(),
-            faces_per_frame: faces,
-            faces: shot.capture_faces(),
-            rays: spec.rays,
-            frames: Vec::new(),
-        };
-        rows.push((shot, record));
-    }
-    for frame in 0..spec.frames {
-        let offset = frame as f32 * spec.step_m;
-        for name in spec.moving {
-            stage.scene_mut().place_meshes(name, offset)?;
-        }
-        let mut truth = None;
-        for (shot, record) in &mut rows {
-            go_on()?;
-            let (report, _, output) = stage.output_in(Mode::Timed, shot)?;
-            let made = gbuffer::reflection(&mut stage.context, &output)?;
-            let made: Vec<[f32; 3]> = made.texels().map(|t| [t[0], t[1], t[2]]).collect();
-            let truth = match &mut truth {
-                Some(truth) => truth,
-                // Every row draws the same G-buffer.
-                none => none.insert(Truth::new(spec, gbuffer::read(&mut stage.context, shot)?, &materials, offset)),
-            };
-            let sum = |counts: &dyn Fn(&str) -> bool| {
-                // `fold` makes the sum of no passes 0; `sum` would make it -0.
-                report.passes.iter().filter(|p| p.counted && counts(&p.name)).fold(0.0, |sum, p| sum + p.ms)
-            };
-            record.frames.push(AgeFrame {
-                moved_m: offset.length(),
-                age_frames: mean_age(record.faces, record.faces_per_frame, frame),
-                rmse: masked_rmse(&truth.color, &made, &truth.mask),
-                touched: truth.touched_share(),
-                touched_rmse: truth.touched_rmse(&made),
-                standard_error: truth.standard_error,
-                effect_ms: sum(&|_| true),
-                capture_ms: sum(&|name| name.starts_with("capture/")),
-            });
-        }
-    }
-    Ok(rows.into_iter().map(|(_, record)| record).collect())
 }
 
 /// The world of a frame.
@@ -168,25 +273,25 @@ struct Truth {
 }
 
 impl Truth {
-    fn new(spec: &AgeSpec, screen: GBufferData, materials: &[Material], offset: Vec3) -> Self {
-        let mut scene = spec.scene.clone();
-        for mesh in scene.meshes.iter_mut().filter(|m| spec.moving.contains(&m.name)) {
+    fn new(study: &AgeStudy, setup: &Setup, screen: GBufferData, materials: &[Material], offset: Vec3) -> Self {
+        let mut scene = study.scene.clone();
+        for mesh in scene.meshes.iter_mut().filter(|m| study.moving.contains(&m.name)) {
             mesh.translate(offset);
         }
         let world = World::new(&scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
-        let definitions = spec.setup.effect().definitions;
+        let definitions = setup.effect().definitions;
         let seen = |world: &World| {
             let reference = WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Environment, 2)
-                .with_bounces(spec.setup.effect().bounces);
+                .with_bounces(setup.effect().bounces);
             let mut state = reference.start();
-            reference.add(&mut state, spec.rays);
+            reference.add(&mut state, study.rays);
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
             (color, state.overall_standard_error())
         };
         let (color, standard_error) = seen(&world);
         // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets what moved.
-        let (before, _) = seen(&World::new(spec.scene, materials));
+        let (before, _) = seen(&World::new(&study.scene, materials));
         let mask = screen.reflecting();
         let touched = color.iter().zip(&before).zip(&mask).map(|((now, then), m)| *m && now != then).collect();
         Self { color, mask, touched, standard_error }

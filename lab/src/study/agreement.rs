@@ -1,8 +1,11 @@
 //! Agreement of devices: what methods make of one G-buffer on one device, held against what they make of it on another;
 //! and how far the G-buffers differ that two devices draw of one view.
 
+use super::columns::{Column, columns, figure, part};
 use super::error::display;
+use super::exhibit::Table;
 use super::gbuffer::{self, at_rest, hit_positions};
+use super::names::name_among;
 use super::record::{Head, Of};
 use super::stage::{Globals, Shot, Stage};
 use super::ties::is_tie;
@@ -16,7 +19,7 @@ use crate::passes::GBuffer;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
 use crate::scene::{GBufferData, Scene, View};
-use serde::{Deserialize, Serialize};
+use std::rc::Rc;
 
 /// What is looked at on every device.
 #[derive(Clone)]
@@ -43,60 +46,105 @@ pub struct DeviceImage {
     pub hits: Option<Pixels>,
 }
 
-/// How a method's image on a device compares with the one on another device.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AgreementRecord {
-    /// What it is of; the device is the one that is held against `base`.
-    #[serde(flatten)]
-    pub head: Head,
-    /// The device that is compared with; it also drew the G-buffer.
-    pub base: DeviceInfo,
-    /// Reflecting pixels.
-    pub pixels: usize,
-    /// The device's hits against those of `base`; null for what traces no rays over the screen.
-    #[serde(flatten)]
-    pub hits: HitAgreement,
-    /// Pixels whose hits are apart; only of `unified`.
-    pub apart: Option<usize>,
-    /// Pixels of `apart` where both ends are ends of the ray within the rounding of 32-bit floats.
-    pub ties: Option<usize>,
-    /// Root mean square difference of the linear reflection colour over reflecting pixels.
-    pub rmse: f64,
-    /// Mean FLIP of the display images of the reflection colour.
-    pub flip: f64,
+columns! {
+    /// How a method's image on a device compares with the one on another device.
+    pub struct AgreementRecord {
+        /// What it is of; the device is the one that is held against `base`.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// The device that is compared with; it also drew the G-buffer.
+        pub base: DeviceInfo,
+        /// Reflecting pixels.
+        pub pixels: usize,
+        /// The device's hits against those of `base`; null for what traces no rays over the screen.
+        #[serde(flatten)]
+        pub hits: HitAgreement,
+        /// Pixels whose hits are apart; only of `unified`.
+        pub apart: Option<usize> = figure("apart"),
+        /// Pixels of `apart` where both ends are ends of the ray within the rounding of 32-bit floats.
+        pub ties: Option<usize> = figure("ties"),
+        /// Root mean square difference of the linear reflection colour over reflecting pixels.
+        pub rmse: f64 = figure("RMSE").digits(5),
+        /// Mean FLIP of the display images of the reflection colour.
+        pub flip: f64 = figure("FLIP"),
+    }
 }
 
-/// How the G-buffers that two devices draw of one view differ.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DrawnRecord {
-    /// Always `drawn`.
-    pub kind: String,
-    /// The device.
-    pub device: DeviceInfo,
-    /// The device that is compared with.
-    pub base: DeviceInfo,
-    /// How finely `base` and the device rasterise and filter.
-    pub precision: [Precision; 2],
-    /// Scene name.
-    pub scene: String,
-    /// View name.
-    pub view: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Whether material maps were sampled without anisotropy.
-    pub isotropic: bool,
-    /// Whether normal maps were left out.
-    pub plain_normals: bool,
-    /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % apart.
-    pub other_surface: f64,
-    /// Share of the other pixels whose normals are more than 2 degrees apart.
-    pub other_normal: f64,
-    /// Share of the other pixels whose lit colour differs by more than 0.02 in a channel.
-    pub other_color: f64,
-    /// Root mean square difference of the lit colour over the pixels that show the same surface.
-    pub rmse: f64,
+columns! {
+    /// How the G-buffers that two devices draw of one view differ.
+    pub struct DrawnRecord {
+        /// Always `drawn`.
+        pub kind: String,
+        /// The device.
+        pub device: DeviceInfo,
+        /// The device that is compared with.
+        pub base: DeviceInfo,
+        /// How finely `base` and the device rasterise and filter.
+        pub precision: [Precision; 2],
+        /// Scene name.
+        pub scene: String = figure("scene"),
+        /// View name.
+        pub view: String = figure("view"),
+        /// Pixels.
+        pub width: u32,
+        /// Pixels.
+        pub height: u32,
+        /// Whether material maps were sampled without anisotropy.
+        pub isotropic: bool = figure("no anisotropy"),
+        /// Whether normal maps were left out.
+        pub plain_normals: bool = figure("no maps"),
+        /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % apart.
+        pub other_surface: f64 = figure("surface %").share().digits(3),
+        /// Share of the other pixels whose normals are more than 2 degrees apart.
+        pub other_normal: f64 = figure("normal %").share().digits(3),
+        /// Share of the other pixels whose lit colour differs by more than 0.02 in a channel.
+        pub other_color: f64 = figure("colour %").share().digits(3),
+        /// Root mean square difference of the lit colour over the pixels that show the same surface.
+        pub rmse: f64 = figure("RMSE").digits(5),
+    }
+}
+
+const ABOUT_METHODS: &str = "Every method runs on one G-buffer, which the device under “beside” drew; the hits and the \
+    reflection colour of each device are held against those of that device. The hits of a pixel are apart if only one of the two \
+    rays hits, or if both hit more than a pixel from each other. They are a tie if the rounding of 32-bit floats alone decides \
+    between them. A method that sees more than the screen also draws the scene, with the device that it runs on.";
+
+const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table gives the shares of pixels that differ. A \
+    pixel shows another surface where the two devices put it on different sides of an edge. Normals differ by more than 2 degrees \
+    and colours by more than 0.02 mostly because of the filter of material maps: the specification does not say where an \
+    anisotropic filter takes its samples. The rows without anisotropy and without normal maps show how much each of them \
+    contributes. The three numbers of bits are those of the position of a vertex within a pixel, of a position between two texels \
+    and of one between two levels.";
+
+/// The columns of a row's device and of the device beside it, by the shortest names that tell all devices of a table apart.
+fn devices<R: 'static>(rows: &[R], of: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
+    let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(of).cloned().collect());
+    [("device", 0), ("beside", 1)].map(|(title, n)| {
+        let all = Rc::clone(&all);
+        Column::derived(title, 0, move |row| name_among(of(row)[n], &all.iter().collect::<Vec<_>>()))
+    })
+}
+
+impl AgreementRecord {
+    /// What methods make of one G-buffer.
+    pub fn table(rows: &[Self]) -> Table {
+        let [device, beside] = devices(rows, |r: &Self| [&r.head.program.device, &r.base]);
+        let agree = Column::derived("hits agree %", 4, |r: &Self| r.hits.hit_agreement.map(|share| 100.0 * share));
+        let table = Table::with_columns("same", rows, [device, beside, agree]);
+        Table { title: "The same on other devices".to_owned(), about: ABOUT_METHODS.to_owned(), ..table }
+    }
+}
+
+impl DrawnRecord {
+    /// The G-buffers that devices draw.
+    pub fn table(rows: &[Self]) -> Table {
+        let [device, beside] = devices(rows, |r: &Self| [&r.device, &r.base]);
+        let bits = |p: &Precision| format!("{}/{}/{}", p.sub_pixel_bits, p.sub_texel_bits, p.mipmap_bits);
+        let here = Column::derived("bits", 0, move |r: &Self| bits(&r.precision[1]));
+        let there = Column::derived("bits there", 0, move |r: &Self| bits(&r.precision[0]));
+        let table = Table::with_columns("drawn", rows, [device, beside, here, there]);
+        Table { title: "G-buffers, share of other pixels".to_owned(), about: ABOUT_DRAWN.to_owned(), ..table }
+    }
 }
 
 /// Draws the G-buffer of the view.

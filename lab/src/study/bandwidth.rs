@@ -1,13 +1,14 @@
 //! The rates of the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its time;
 //! and the rate of a plain copy of an image, to compare them with.
 
+use super::columns::{columns, figure, time};
+use super::exhibit::Table;
 use super::record::{Provenance, Stats, TimeRecord};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
 use crate::passes::pyramid;
 use ash::vk;
-use serde::{Deserialize, Serialize};
 
 /// The pass of `unified` that builds its pyramid.
 const PYRAMID: &str = "pyramid";
@@ -19,32 +20,44 @@ const R32F_BYTES: u64 = 4;
 /// Bytes of a cell of the pyramid: front and back (RG32F).
 const RG32F_BYTES: u64 = 8;
 
-/// The rate of a pass, or of the copy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BandwidthRecord {
-    /// Always `bandwidth`.
-    pub kind: String,
-    /// Definitions, version, commit and device.
-    #[serde(flatten)]
-    pub program: Provenance,
-    /// The pass: `copy`, `pyramid`, or `hi-z`, which is all its levels.
-    pub pass: String,
-    /// The method whose pass it is; of the copy, none.
-    pub method: Option<String>,
-    /// Scene and view that it was timed on.
-    pub view: Option<String>,
-    /// Width and height of its image in pixels.
-    pub width: u32,
-    /// See `width`.
-    pub height: u32,
-    /// Bytes that it reads and writes at least, each texel once.
-    pub bytes: u64,
-    /// Its median time.
-    pub median_ms: f64,
-    /// Bytes over time, in 10⁹ bytes a second.
-    pub gb_per_s: f64,
-    /// That over the rate of the copy.
-    pub of_copy: f64,
+columns! {
+    /// The rate of a pass, or of the copy.
+    pub struct BandwidthRecord {
+        /// Always `bandwidth`.
+        pub kind: String,
+        /// Definitions, version, commit and device.
+        #[serde(flatten)]
+        pub program: Provenance,
+        /// The pass: `copy`, `pyramid`, or `hi-z`, which is all its levels.
+        pub pass: String = figure("pass"),
+        /// The method whose pass it is; of the copy, none.
+        pub method: Option<String> = figure("method"),
+        /// Scene and view that it was timed on.
+        pub view: Option<String> = figure("view"),
+        /// Width and height of its image in pixels.
+        pub width: u32 = figure("width"),
+        /// See `width`.
+        pub height: u32 = figure("height"),
+        /// Bytes that it reads and writes at least, each texel once.
+        pub bytes: u64 = figure("bytes"),
+        /// Its median time.
+        pub median_ms: f64 = time("median ms").digits(4),
+        /// Bytes over time, in 10⁹ bytes a second.
+        pub gb_per_s: f64 = time("GB/s").digits(2),
+        /// That over the rate of the copy.
+        pub of_copy: f64 = time("of a copy").digits(2),
+    }
+}
+
+const ABOUT: &str = "For the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its \
+    time; first the same for a plain copy of an image. Each level of the Hi-Z buffer is a pass; the small ones take their time \
+    for other things than bytes.";
+
+impl BandwidthRecord {
+    /// The rates as a table.
+    pub fn table(rows: &[Self]) -> Table {
+        Table { title: "Rates".to_owned(), about: ABOUT.to_owned(), ..Table::of_rows("rates", rows) }
+    }
 }
 
 impl BandwidthRecord {

@@ -1,6 +1,8 @@
 //! The times that stand under the thesis's figures 5.2 to 5.9, and what they are here. What carries
 //! over between machines is the ratio of a figure's two times.
 
+use super::exhibit::Table;
+use super::names::roughness;
 use super::record::{Head, Of};
 use super::stage::Globals;
 use super::{Stats, TimeRecord};
@@ -146,4 +148,57 @@ pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Comp
         })
     });
     rows.collect()
+}
+
+/// The captions beside times here, with what stands in the place of Mitsuba.
+pub fn table(records: &[TimeRecord], references: &[ReferenceTime]) -> Table {
+    let of = |r: &ReferenceTime| {
+        format!(
+            "In the place of Mitsuba: this program's world reference on the CPU ({} threads), first hits and {} rays a \
+             pixel of the lobe, one bounce, {} x {}. It grows with the rays; the thesis does not say its number.",
+            r.threads, r.rays, r.head.width, r.head.height
+        )
+    };
+    let about = references.iter().map(of).collect::<Vec<_>>().join(" ");
+    let title = "Times in the captions of the thesis, and the same here".to_owned();
+    Table { id: "captions", title, about, cells: cells(&compare(records, references)), ..Table::default() }
+}
+
+/// The thesis's captions beside our own times: milliseconds, and ratios to SSCT.
+fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
+    let header = [
+        "figure",
+        "view",
+        "size",
+        "roughness",
+        "against SSCT",
+        "SSCT thesis ms",
+        "other thesis ms",
+        "SSCT here ms",
+        "other here ms",
+        "other/SSCT thesis",
+        "other/SSCT here",
+    ];
+    let mut cells = vec![header.map(str::to_owned).to_vec()];
+    for row in rows {
+        let c = row.caption;
+        let other = if c.other == REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
+        let of = |pair: Option<Pair>, value: fn(&Pair) -> f64| {
+            pair.map_or_else(|| "-".into(), |p| format!("{:.2}", value(&p)))
+        };
+        cells.push(vec![
+            c.figure.to_owned(),
+            c.view.to_owned(),
+            format!("{} x {}", c.size[0], c.size[1]),
+            roughness(row.roughness),
+            other,
+            of(Some(row.published), |p| p.ssct_ms),
+            of(Some(row.published), |p| p.other_ms),
+            of(row.measured, |p| p.ssct_ms),
+            of(row.measured, |p| p.other_ms),
+            of(Some(row.published), |p| p.ratio),
+            of(row.measured, |p| p.ratio),
+        ]);
+    }
+    cells
 }

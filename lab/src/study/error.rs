@@ -2,30 +2,36 @@
 //! and held against three references on the very same G-buffer (docs/definitions.md, "Oracle", "Image error").
 
 mod judged;
+mod pictures;
+pub mod points;
+mod row;
+mod suite;
 mod truth;
 
+pub use self::judged::ImageError;
 use self::judged::{MethodHits, Record};
+pub use self::pictures::{flip_file, picture_file};
+pub use self::row::{Against, ErrorRecord, source_table};
+pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
 use super::gbuffer;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
-use super::record::{Head, Of, Stats};
+use super::record::{Of, Stats};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
 use crate::methods::ssct::{self, ThesisMethod};
-use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
+use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::flip::FlipMap;
-use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::error_map;
 use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::world::Escape;
 use crate::scene::{GBufferData, Scene, View};
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// A method with its parameters.
@@ -70,128 +76,74 @@ pub(super) fn world_of(variants: &[Variant]) -> Result<(DefinitionsVersion, u32)
     Ok((definitions, variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)))
 }
 
-/// The version of the definitions that the figures of some variants follow.
-///
-/// # Errors
-/// [`Error::Usage`] if the variants follow several versions.
-pub fn definitions_of(variants: &[Variant]) -> Result<u32> {
-    Ok(world_of(variants)?.0.into())
-}
-
-/// What a figure is held against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Against {
-    /// Hits against the oracle, in the record's version; mirrors only.
-    Oracle,
-    /// The image against the screen reference of that version, in which a miss is black; not for what
-    /// shows the environment there.
-    Screen,
-    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment; by version 1 of
-    /// the definitions, black for what does not show it ([`Variant::escape`]).
-    World,
-}
-
-/// One figure of run time against error. What has no meaning is null.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ErrorRecord {
-    /// What it is of.
-    #[serde(flatten)]
-    pub head: Head,
-    /// Median of the method's total; null for what is no method.
-    pub time_ms: Option<f64>,
-    /// The reference.
-    pub against: Against,
-    /// Hits against the oracle's, or (without distances) against the world's.
-    #[serde(flatten)]
-    pub hits: HitAgreement,
-    /// Root mean square error of the linear reflection colour over reflecting pixels.
-    pub rmse: Option<f64>,
-    /// Mean square error over the reference's mean square.
-    pub rel_mse: Option<f64>,
-    /// Mean FLIP of the display image of the reflection colour.
-    pub flip: Option<f64>,
-    /// What the reference itself is expected to err by, as an RMSE.
-    pub standard_error: Option<f64>,
-    /// Against the world: the share of mirror rays that the method ends where they end among the triangles.
-    #[serde(default)]
-    pub place_agreement: Option<f64>,
-    /// Against the world: the RMSE of the floor of the screen's picture, the same for all methods.
-    #[serde(default)]
-    pub floor: Option<f64>,
-    /// What the method made of the scene before the first frame; null for what is no method.
-    #[serde(default)]
-    pub prepared: Option<Prepared>,
-}
-
 /// Images of a cell for the picture strip, linear: reflection colour before fade.
-pub struct Strip {
+struct Strip {
     /// File stem.
-    pub name: String,
+    name: String,
     /// The image, three channels a pixel.
-    pub color: Vec<[f32; 3]>,
+    color: Vec<[f32; 3]>,
     /// Its errors, for methods: against the screen reference, or the world's for what shows the
     /// environment.
-    pub error: Option<ErrorMaps>,
+    error: Option<ErrorMaps>,
 }
 
 /// Errors of each pixel, rows from the top.
-pub struct ErrorMaps {
+struct ErrorMaps {
     /// Root mean square over the three channels of the linear colour.
-    pub rmse: Vec<f32>,
+    rmse: Vec<f32>,
     /// FLIP of the display image.
-    pub flip: FlipMap,
+    flip: FlipMap,
 }
 
 /// What a cell gives.
-pub struct MeasuredCell {
+struct MeasuredCell {
     /// Width and height in pixels.
-    pub extent: [u32; 2],
+    extent: [u32; 2],
     /// Records of every variant against every reference.
-    pub records: Vec<ErrorRecord>,
+    records: Vec<ErrorRecord>,
     /// References and methods as images.
-    pub strips: Vec<Strip>,
+    strips: Vec<Strip>,
 }
 
 /// How a cell is measured, whatever the device.
-pub struct ErrorSpec<'a> {
+struct ErrorSpec<'a> {
     /// Scene.
-    pub scene: &'a Scene,
+    scene: &'a Scene,
     /// View.
-    pub view: &'a View,
+    view: &'a View,
     /// Pixels.
-    pub extent: [u32; 2],
+    extent: [u32; 2],
     /// Global factors.
-    pub globals: Globals,
+    globals: Globals,
     /// What is compared.
-    pub variants: &'a [Variant],
+    variants: &'a [Variant],
     /// Frames before the first that counts.
-    pub warmup: usize,
+    warmup: usize,
     /// Frames that count.
-    pub samples: usize,
+    samples: usize,
     /// Rays a pixel of the references.
-    pub rays: u32,
+    rays: u32,
     /// [`scene_digest`](super::journal::scene_digest) of the scene.
-    pub scene_digest: String,
+    scene_digest: String,
 }
 
 impl ErrorSpec<'_> {
     /// Everything that the cell depends on, but for the device, the program and how often it is sampled.
-    pub fn settings(&self) -> Value {
+    fn settings(&self) -> Value {
         let variants: Vec<_> = self.variants.iter().map(|v| v.settings(self.extent)).collect();
         let view = format!("{:?}", self.view);
         json!([self.scene_digest, view, self.globals, variants, self.warmup])
     }
 
     /// Everything that the cell depends on, but for how often it is sampled.
-    pub fn digest(&self, gpu: &Gpu) -> String {
+    fn digest(&self, gpu: &Gpu) -> String {
         digest(gpu, &self.settings())
     }
 }
 
 /// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
 /// and its error ends the cell.
-pub fn measure(
+fn measure(
     gpu: &Gpu,
     spec: &ErrorSpec,
     stage: &mut Stage,

@@ -43,23 +43,6 @@ impl Journal {
         self.known.get(key)
     }
 
-    /// A result that is known, or else measured now and kept.
-    ///
-    /// # Errors
-    /// Errors of the measurement and of the sink.
-    pub fn get_or<T: Serialize + DeserializeOwned>(
-        &mut self,
-        key: &str,
-        measure: impl FnOnce(&mut Self) -> Result<T>,
-    ) -> Result<T> {
-        if let Some(known) = self.get(key) {
-            return Ok(known);
-        }
-        let result = measure(self)?;
-        self.put(key.to_owned(), &result)?;
-        Ok(result)
-    }
-
     /// Keeps an entry of another journal, whose line is copied as it stands there. A line that is no entry is left out.
     ///
     /// # Errors

@@ -44,15 +44,21 @@ pub struct MergedResult {
     pub value: Value,
 }
 
-/// Reads a result of a cell from a journal; `None` where the journal does not have all of it.
-pub type ReadResult<'a> = &'a dyn Fn(&CellList, &ListedResult, &Journal) -> Option<Value>;
+/// What merging knows of a kind of study.
+#[derive(Clone, Copy)]
+pub struct ResultKind {
+    /// Reads a result of a cell from a journal; `None` where the journal does not have all of it.
+    pub read: fn(&CellList, &ListedResult, &Journal) -> Option<Value>,
+    /// Whether a field of its records, at whatever depth, is a time, which may differ from run to run.
+    pub is_time: fn(&str) -> bool,
+}
 
 /// Puts runs together. Where several runs measured a cell on one device, the first of them counts.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the folder that does not fit those before it: its study is another one, or it has other
 /// figures for a cell that they have as well. [`Error::Usage`] without any run.
-pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
+pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
         return Err(Error::Usage("nothing to merge: name the folders of some shards".into()));
     };
@@ -62,7 +68,7 @@ pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
             return Err(Error::malformed(&input.folder, None, message));
         }
     }
-    check_overlaps(inputs, read)?;
+    check_overlaps(inputs, kind)?;
 
     let mut cells = CellList { shard: None, devices: Vec::new(), ..first.cells.clone() };
     for (n, cell) in cells.cells.iter_mut().enumerate() {
@@ -87,7 +93,7 @@ pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
     let (mut results, mut missing) = (Vec::new(), Vec::new());
     for cell in &mut cells.cells {
         cell.results.retain(|of| {
-            let value = read(&first.cells, of, &journal);
+            let value = (kind.read)(&first.cells, of, &journal);
             let is_there = value.is_some();
             results.extend(value.map(|value| MergedResult { device: of.device, value }));
             is_there
@@ -130,10 +136,10 @@ fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
 }
 
 /// Refuses cells that two runs measured with different figures.
-fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
+fn check_overlaps(inputs: &[MergeInput], kind: ResultKind) -> Result<()> {
     let values = |input: &MergeInput, n: usize| -> Vec<Value> {
         let results = &input.cells.cells[n].results;
-        results.iter().filter_map(|of| read(&input.cells, of, &input.journal)).collect()
+        results.iter().filter_map(|of| (kind.read)(&input.cells, of, &input.journal)).collect()
     };
     for n in 0..inputs[0].cells.cells.len() {
         let mut known: Option<(&MergeInput, Value)> = None;
@@ -143,7 +149,7 @@ fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
                     known = Some((input, value));
                     continue;
                 };
-                if let Some(difference) = difference_of_figures(before, &value) {
+                if let Some(difference) = difference_of_figures(before, &value, kind.is_time) {
                     let (name, other) = (&input.cells.cells[n].name, of.folder.display());
                     let difference = format!("{} {}", difference.place.join("."), difference.values);
                     let message = format!("its cell {name} is not as in {other}: {}", difference.trim_start());
@@ -155,20 +161,8 @@ fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
     Ok(())
 }
 
-/// The fields of records that may differ from machine to machine and from run to run: devices and times.
-const NOT_FIGURES: [&str; 11] = [
-    "device",
-    "time_ms",
-    "prepared",
-    "effect_ms",
-    "capture_ms",
-    "passes",
-    "total",
-    "frame",
-    "noise_floor",
-    "samples",
-    "command",
-];
+/// The field of a record that names its device.
+const DEVICE: &str = "device";
 
 /// The first difference of two results.
 struct Difference {
@@ -179,16 +173,16 @@ struct Difference {
 }
 
 /// The first difference of two results, devices and times apart.
-fn difference_of_figures(a: &Value, b: &Value) -> Option<Difference> {
+fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Option<Difference> {
     let within = |name: String, a: &Value, b: &Value| {
-        let mut difference = difference_of_figures(a, b)?;
+        let mut difference = difference_of_figures(a, b, is_time)?;
         difference.place.insert(0, name);
         Some(difference)
     };
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
             let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
-            let mut figures = names.filter(|name| !NOT_FIGURES.contains(&name.as_str()));
+            let mut figures = names.filter(|name| *name != DEVICE && !is_time(name));
             figures.find_map(|name| {
                 let [a, b] = [a, b].map(|of| of.get(name).unwrap_or(&Value::Null));
                 within(name.clone(), a, b)
@@ -245,18 +239,16 @@ mod tests {
         MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines }
     }
 
-    fn read(_: &CellList, of: &ListedResult, journal: &Journal) -> Option<Value> {
-        journal.value(&of.key).cloned()
-    }
+    const KIND: ResultKind =
+        ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |name| name == "time_ms" };
 
     fn refused(inputs: &[MergeInput]) -> String {
-        merge(inputs, &read).err().expect("refused").to_string()
+        merge(inputs, KIND).err().expect("refused").to_string()
     }
 
     #[test]
     fn cells_come_in_the_order_of_the_study_and_missing_ones_are_named() {
-        let merged =
-            merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], &read).expect("one study");
+        let merged = merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], KIND).expect("one study");
         let errors: Vec<_> = merged.results.iter().map(|r| r.value[0]["rmse"].as_f64()).collect();
         assert_eq!((errors, merged.missing), (vec![Some(1.0), Some(3.0)], vec!["b".to_owned()]));
         assert_eq!(merged.cells.cells.iter().map(|c| c.own).collect::<Vec<_>>(), [true, false, true]);
@@ -266,10 +258,10 @@ mod tests {
     #[test]
     fn of_one_device_the_first_counts_and_of_two_devices_both() {
         let all = [("a", 1.0), ("b", 2.0), ("c", 3.0)];
-        let same = merge(&[input("A", "x", &all), input("B", "x", &all[1..])], &read).expect("they agree");
+        let same = merge(&[input("A", "x", &all), input("B", "x", &all[1..])], KIND).expect("they agree");
         assert_eq!((same.results.len(), same.lines.len()), (3, 3));
         assert_eq!(same.results[1].value[0]["time_ms"], 1.0, "B measured it as its first");
-        let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], &read).expect("they agree");
+        let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], KIND).expect("they agree");
         let devices: Vec<_> = two.results.iter().map(|r| r.value[0]["device"].as_str().map(str::to_owned)).collect();
         assert_eq!(devices, ["x", "x", "y", "x", "y"].map(|d| Some(d.to_owned())));
         // And what was merged is merged again.
@@ -279,7 +271,7 @@ mod tests {
             cells: two.cells.clone(),
             lines: two.lines.clone(),
         };
-        let both = merge(&[again, input("B", "y", &all[1..])], &read).expect("they agree");
+        let both = merge(&[again, input("B", "y", &all[1..])], KIND).expect("they agree");
         assert_eq!((both.results, both.cells), (two.results, two.cells));
     }
 
@@ -303,6 +295,6 @@ mod tests {
         assert!(with(|c| c.cells[2].setup = "x".into()).contains("the setup of its cell c has the digest x"));
         assert!(with(|c| drop(c.cells.pop())).ends_with("it has no cell c"));
         assert!(with(|c| c.cells.swap(0, 1)).ends_with("its cells are in another order"));
-        assert!(merge(&[], &read).is_err());
+        assert!(merge(&[], KIND).is_err());
     }
 }

@@ -1,26 +1,29 @@
 //! The camera on its way: methods interleaved frame by frame along a path, and the frames per second of
 //! each (what Schmidt's figures 42 and 52 plot, 2013, sections 5.3.2 and 5.4.2).
 
+use super::cell_list::{CellList, ListedResult};
+use super::columns::{columns, nested, part, series, time};
+use super::engine::{Bench, Planned, Row, Study};
+use super::exhibit::{Chart, Drawing, Line};
 use super::interleave::{Round, Sample, interleave};
-use super::journal::{Journal, digest, scene_digest};
-use super::record::{Head, Of, Stats};
+use super::journal::{Journal, scene_digest};
+use super::names::cell_name;
+use super::record::{Head, Of, Provenance, Stats};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
 use crate::methods::{MethodInfo, Setup, Wants};
 use crate::scene::{CameraPath, Scene, View};
-use serde::Serialize;
-use serde_json::json;
+use serde::Deserialize;
+use serde_json::{Value, json};
 
 /// What runs along which path.
-pub struct PathSpec<'a> {
-    /// Device.
-    pub gpu: &'a Gpu,
+pub struct PathStudy {
     /// Scene; its own lens and materials hold on the whole way.
-    pub scene: &'a Scene,
+    pub scene: Scene,
     /// The way.
-    pub path: &'a CameraPath,
+    pub path: CameraPath,
     /// Methods, taken in turn at every frame.
     pub methods: Vec<&'static MethodInfo>,
     /// Sizes in pixels.
@@ -35,42 +38,101 @@ pub struct PathSpec<'a> {
     pub frames: usize,
 }
 
-/// A frame on the way.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PathFrame {
-    /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
-    pub frame_ms: f64,
-    /// Milliseconds of the passes that count: the method's.
-    pub effect_ms: f64,
-    /// 1000 / `frame_ms`.
-    pub fps: f64,
+columns! {
+    /// A frame on the way.
+    #[derive(Copy)]
+    pub struct PathFrame {
+        /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
+        pub frame_ms: f64 = time(""),
+        /// Milliseconds of the passes that count: the method's.
+        pub effect_ms: f64 = time(""),
+        /// 1000 / `frame_ms`.
+        pub fps: f64 = time(""),
+    }
 }
 
-/// Frames per second of a whole way.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Fps {
-    /// Frames per second at the median time of a frame.
-    pub median: f64,
-    /// Frames per second that 95 % of the frames reach: at the 95th percentile of the frames' times.
-    pub p95: f64,
-    /// Frames per second of the slowest 1 % of the frames, at least one: their number over their time.
-    pub low_1_percent: f64,
+columns! {
+    /// Frames per second of a whole way.
+    #[derive(Copy)]
+    pub struct Fps {
+        /// Frames per second at the median time of a frame.
+        pub median: f64 = time("median").digits(2),
+        /// Frames per second that 95 % of the frames reach: at the 95th percentile of the frames' times.
+        pub p95: f64 = time("p95").digits(2),
+        /// Frames per second of the slowest 1 % of the frames, at least one: their number over their time.
+        pub low_1_percent: f64 = time("1 % low").digits(2),
+    }
 }
 
-/// One method at one size on one path.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PathRecord {
-    /// What it is of; the view is the path.
-    #[serde(flatten)]
-    pub head: Head,
-    /// Times of whole frames.
-    pub frame: Stats,
-    /// Times of the method.
-    pub effect: Stats,
-    /// Frames per second.
-    pub fps: Fps,
-    /// Every frame in order.
-    pub frames: Vec<PathFrame>,
+columns! {
+    /// One method at one size on one path.
+    pub struct PathRecord {
+        /// What it is of; the view is the path.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// Times of whole frames.
+        pub frame: Stats = nested("frame ms"),
+        /// Times of the method.
+        pub effect: Stats = nested("effect ms"),
+        /// Frames per second.
+        pub fps: Fps = nested("fps"),
+        /// Every frame in order.
+        pub frames: Vec<PathFrame> = series(),
+    }
+}
+
+impl Row for PathRecord {
+    const KIND: &'static str = "path";
+    const TITLE: &'static str = "Frames per second along a path";
+    const IS_SAMPLED: bool = true;
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    /// Frames per second over the frames, a line for each record.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
+        let line = |r: &Self| {
+            let points = r.frames.iter().enumerate().map(|(n, f)| (n as f64, f.fps));
+            Line { name: r.head.line_name(&heads, &r.head.method_and_fallback()), points: points.collect() }
+        };
+        let axes = ["frame along the path", "frames per second, whole frame on the device"].map(str::to_owned);
+        let lines = Drawing::Lines(axes, rows.iter().map(line).collect());
+        vec![Chart::new("path", "Frames per second, frame by frame", lines)]
+    }
+
+    fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
+        (0..frames_of(list)).all(|n| journal.has(&key(&of.key, n)))
+    }
+
+    /// The record of what the journal has: a way that was not walked to its end has fewer frames.
+    fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
+        let frame = |n: usize| {
+            let sample: Sample = journal.get(&key(&of.key, n))?;
+            let frame_ms = sample.report.frame_ms;
+            Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
+        };
+        let frames: Vec<PathFrame> = (0..frames_of(list)).filter_map(frame).collect();
+        let head = Head::deserialize(&of.of).ok().filter(|_| !frames.is_empty());
+        let record = |head| {
+            let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
+            let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
+            let fps = Fps::of(&whole);
+            Self { head, frame: Stats::of(&whole), effect: Stats::of(&effect), fps, frames }
+        };
+        head.map(record).into_iter().collect()
+    }
+}
+
+/// The frames of the way, by the settings of its study.
+fn frames_of(list: &CellList) -> usize {
+    list.settings["frames"].as_u64().unwrap_or(0) as usize
+}
+
+/// Where the journal keeps a frame of a method, whose keys begin alike.
+fn key(of: &str, frame: usize) -> String {
+    format!("{of} {frame}")
 }
 
 impl Fps {
@@ -86,84 +148,86 @@ impl Fps {
     }
 }
 
-impl PathSpec<'_> {
-    /// Frames that [`measure`] submits if the journal has none.
-    pub fn submissions(&self) -> usize {
-        self.methods.len() * self.sizes.len() * (self.warmup + self.frames)
-    }
-
-    /// What every frame depends on.
-    fn digest(&self) -> String {
-        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
-        let (scene, path) = (scene_digest(self.scene), format!("{:?}", self.path));
-        digest(self.gpu, &json!([scene, path, self.globals, methods, self.warmup, self.frames]))
-    }
-
-    /// Where the journal keeps a frame.
-    fn key(&self, digest: &str, method: &MethodInfo, [width, height]: [u32; 2], frame: &str) -> String {
-        let (scene, path) = (&self.scene.name, &self.path.name);
-        format!("path {scene} {path} {width}x{height} {digest} {} {frame}", method.name)
-    }
-
+impl PathStudy {
     /// The place of a frame as a view.
     fn view(&self, frame: usize) -> View {
         let (eye, look_at) = self.path.at(frame as f32 / (self.frames - 1).max(1) as f32);
         View { name: self.path.name.clone(), eye, look_at, ..View::default() }
     }
+
+    /// What the keys of each method's frames begin with, at a size.
+    fn prefixes(&self, gpu: &Gpu, extent: [u32; 2]) -> Vec<String> {
+        let key = self.planned(extent).key::<PathRecord>(gpu);
+        self.methods.iter().map(|method| format!("{key} {}", method.name)).collect()
+    }
+
+    fn planned(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
+        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.at(extent).recorded(Some(m)))).collect();
+        let (scene, path) = (scene_digest(&self.scene), format!("{:?}", self.path));
+        Planned {
+            name: cell_name(&self.scene.name, &self.path.name, extent, self.globals.roughness),
+            setup: json!([scene, path, self.globals, methods, self.warmup, self.frames]),
+            cell: extent,
+        }
+    }
 }
 
-/// Runs what the journal lacks. `progress` is called after each frame; its error ends the study.
-pub fn measure(spec: &PathSpec, journal: &mut Journal, progress: &mut dyn FnMut() -> Result<()>) -> Result<()> {
-    let mut stage = Stage::new(spec.gpu, spec.scene)?;
-    let start = spec.view(0);
-    let materials = spec.globals.materials(spec.scene, &start);
-    let digest = spec.digest();
-    for &extent in &spec.sizes {
-        let key = |method: usize, frame: &str| spec.key(&digest, spec.methods[method], extent, frame);
-        let all = (0..spec.frames).flat_map(|n| (0..spec.methods.len()).map(move |m| (m, n)));
-        if all.into_iter().all(|(m, n)| journal.has(&key(m, &n.to_string()))) {
-            continue;
-        }
-        let (setup, first) = (spec.setup.at(extent), start.camera(spec.scene, extent));
+/// A cell is a size: all methods, whose frames are timed in turn.
+impl Study for PathStudy {
+    type Cell = [u32; 2];
+    type Row = PathRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
+    }
+
+    fn definitions(&self) -> u32 {
+        self.setup.effect().definitions.into()
+    }
+
+    fn settings(&self) -> Value {
+        json!({ "frames": self.frames })
+    }
+
+    fn cells(&self) -> Vec<Planned<[u32; 2]>> {
+        self.sizes.iter().map(|extent| self.planned(*extent)).collect()
+    }
+
+    fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
+        let (start, setup) = (self.view(0), self.setup.at(planned.cell));
+        let head = |m| Head::new("path", gpu, (&self.scene, &start), Of::Method(m), &setup, &self.globals);
+        let heads = self.methods.iter().map(|m| json!(head(m)));
+        self.prefixes(gpu, planned.cell).into_iter().zip(heads).collect()
+    }
+
+    fn steps(&self, _: &[u32; 2]) -> usize {
+        self.methods.len() * (self.warmup + self.frames)
+    }
+
+    fn measure(&mut self, extent: &[u32; 2], bench: &mut Bench) -> Result<Vec<PathRecord>> {
+        let mut stage = Stage::new(bench.gpu, &self.scene)?;
+        let start = self.view(0);
+        let materials = self.globals.materials(&self.scene, &start);
+        let prefixes = self.prefixes(bench.gpu, *extent);
+        let (setup, first) = (self.setup.at(*extent), start.camera(&self.scene, *extent));
         let made =
-            spec.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
+            self.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
         let mut shots = made.collect::<Result<Vec<_>>>()?;
-        let rounds: Vec<Round> = (0..spec.warmup + spec.frames)
+        let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
-                let counts = n.checked_sub(spec.warmup);
-                let camera = spec.view(counts.unwrap_or(0)).camera(spec.scene, extent);
+                let counts = n.checked_sub(self.warmup);
+                let camera = self.view(counts.unwrap_or(0)).camera(&self.scene, *extent);
                 Round { label: counts.map(|n| n.to_string()), mode: Mode::Timed, camera: Some(camera) }
             })
             .collect();
-        interleave(&mut stage, &mut shots, &rounds, &key, journal, progress)?;
+        let Bench { journal, go_on, advance, .. } = bench;
+        let key = |method: usize, frame: &str| format!("{} {frame}", prefixes[method]);
+        interleave(&mut stage, &mut shots, &rounds, &key, journal, &mut || {
+            advance(1);
+            go_on()
+        })?;
+        Ok(Vec::new())
     }
-    Ok(())
-}
-
-/// The records of what the journal has: a way that was not walked to its end has fewer frames.
-pub fn records(spec: &PathSpec, journal: &Journal) -> Vec<PathRecord> {
-    let (start, digest) = (spec.view(0), spec.digest());
-    let mut records = Vec::new();
-    for &extent in &spec.sizes {
-        let setup = spec.setup.at(extent);
-        for method in &spec.methods {
-            let frame = |n: usize| {
-                let sample: Sample = journal.get(&spec.key(&digest, method, extent, &n.to_string()))?;
-                let frame_ms = sample.report.frame_ms;
-                Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
-            };
-            let frames: Vec<PathFrame> = (0..spec.frames).filter_map(frame).collect();
-            if frames.is_empty() {
-                continue;
-            }
-            let head = Head::new("path", spec.gpu, (spec.scene, &start), Of::Method(method), &setup, &spec.globals);
-            let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
-            let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
-            let fps = Fps::of(&whole);
-            records.push(PathRecord { head, frame: Stats::of(&whole), effect: Stats::of(&effect), fps, frames });
-        }
-    }
-    records
 }
 
 #[cfg(test)]

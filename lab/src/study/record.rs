@@ -1,6 +1,8 @@
 //! Records: what a measurement was of, and what it found. One is one JSON object (docs/definitions.md,
 //! "Records").
 
+use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
+use super::names::roughness;
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
@@ -14,17 +16,19 @@ use serde_json::{Map, Value as Json, json};
 /// The version of docs/definitions.md that figures are of unless another is asked for.
 pub const DEFINITIONS: u32 = 2;
 
-/// Median, minimum, 95th percentile and number of some samples, in milliseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Stats {
-    /// Median; of an even number, the mean of the middle two.
-    pub median_ms: f64,
-    /// Least.
-    pub min_ms: f64,
-    /// The least sample that 95 % of the samples don't exceed.
-    pub p95_ms: f64,
-    /// How many.
-    pub samples: usize,
+columns! {
+    /// Median, minimum, 95th percentile and number of some samples, in milliseconds.
+    #[derive(Copy)]
+    pub struct Stats {
+        /// Median; of an even number, the mean of the middle two.
+        pub median_ms: f64 = time("median"),
+        /// Least.
+        pub min_ms: f64 = time("min"),
+        /// The least sample that 95 % of the samples don't exceed.
+        pub p95_ms: f64 = time("p95"),
+        /// How many.
+        pub samples: usize = time("n"),
+    }
 }
 
 impl Stats {
@@ -47,7 +51,7 @@ impl Stats {
 }
 
 /// A pass's times.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PassRecord {
     /// Label; a level of a chain follows a slash.
     pub name: String,
@@ -193,6 +197,18 @@ impl Head {
         }
     }
 
+    /// The name of its line in a chart beside those of others: `first`, and what tells it from them.
+    pub fn line_name(&self, all: &[&Self], first: &str) -> String {
+        let method = |h: &Self| h.method_and_fallback();
+        let place = |h: &Self| format!("{} {}", h.scene, h.view);
+        let rough = |h: &Self| format!("r {}", roughness(h.roughness));
+        let size = |h: &Self| format!("{} × {}", h.width, h.height);
+        let tell: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &rough, &size];
+        let differs = tell.iter().filter(|of| all.iter().any(|other| of(other) != of(self))).map(|of| of(self));
+        let words = std::iter::once(first.to_owned()).chain(differs.filter(|word| !first.starts_with(word.as_str())));
+        words.collect::<Vec<_>>().join(", ")
+    }
+
     /// What a variant of a method is called: method, fallback, preset, and the parameters that differ from the preset's
     /// values.
     pub fn variant(&self) -> String {
@@ -204,6 +220,27 @@ impl Head {
             rows.iter().filter(fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
         let words = preset.map(str::to_owned).into_iter().chain(differs);
         words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
+    }
+}
+
+impl Columns for Head {
+    fn columns() -> ColumnSet<Self> {
+        let tables = [
+            Column::derived("scene view", 0, |h: &Self| format!("{} {}", h.scene, h.view)),
+            Column::derived("size", 0, |h: &Self| format!("{}x{}", h.width, h.height)),
+            Column::derived("roughness", 0, |h: &Self| roughness(h.roughness)),
+            Column::derived("method", 0, Self::variant),
+        ];
+        let files = [
+            Column::named("scene", |h: &Self| h.scene.clone()),
+            Column::named("view", |h: &Self| h.view.clone()),
+            Column::named("method", |h: &Self| h.method.clone()),
+            Column::named("variant", Self::variant),
+            Column::named("width", |h: &Self| h.width),
+            Column::named("height", |h: &Self| h.height),
+            Column::named("roughness", |h: &Self| h.roughness),
+        ];
+        ColumnSet { columns: tables.into_iter().chain(files).collect(), ..ColumnSet::default() }
     }
 }
 
@@ -240,30 +277,31 @@ pub enum Of<'a> {
     },
 }
 
-/// Times of one method on one view, size and roughness.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TimeRecord {
-    /// What it is of.
-    #[serde(flatten)]
-    pub head: Head,
-    /// Every pass of the frame, in order.
-    pub passes: Vec<PassRecord>,
-    /// Sum of the counted passes, sample by sample.
-    pub total: Stats,
-    /// How far the total strays from itself, as a share, where the method was timed against itself.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub noise_floor: Option<f64>,
-    /// From the frame's first timestamp to its last, scene passes included.
-    pub frame: Stats,
-    /// Meshes and triangles drawn.
-    pub drawn: Drawn,
-    /// Labels of the passes recorded.
-    pub recorded: Vec<String>,
-    /// Passes that the frame did not need.
-    pub skipped: Vec<Skipped>,
-    /// Raw samples, one row a sample: milliseconds of each pass, in order. Kept beside, as CSV.
-    #[serde(skip)]
-    pub samples: Vec<Vec<f64>>,
+columns! {
+    /// Times of one method on one view, size and roughness.
+    pub struct TimeRecord {
+        /// What it is of.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// Every pass of the frame, in order.
+        pub passes: Vec<PassRecord> = times(),
+        /// Sum of the counted passes, sample by sample.
+        pub total: Stats = nested(""),
+        /// How far the total strays from itself, as a share, where the method was timed against itself.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub noise_floor: Option<f64> = time(""),
+        /// From the frame's first timestamp to its last, scene passes included.
+        pub frame: Stats = nested(""),
+        /// Meshes and triangles drawn.
+        pub drawn: Drawn,
+        /// Labels of the passes recorded.
+        pub recorded: Vec<String>,
+        /// Passes that the frame did not need.
+        pub skipped: Vec<Skipped>,
+        /// Raw samples, one row a sample: milliseconds of each pass, in order. Kept beside, as CSV.
+        #[serde(skip)]
+        pub samples: Vec<Vec<f64>>,
+    }
 }
 
 impl TimeRecord {

@@ -1,5 +1,7 @@
 //! How many cells the rays of `unified` look at. The plain twin of its traversal counts them, since it takes the same steps.
 
+use super::columns::{AsDatum, Datum, columns, figure};
+use super::exhibit::Table;
 use super::gbuffer;
 use super::record::Provenance;
 use super::stage::{Globals, Stage};
@@ -29,7 +31,7 @@ pub enum StepsIn {
 
 impl StepsIn {
     /// The name on a page.
-    pub fn label(self) -> &'static str {
+    fn label(self) -> &'static str {
         match self {
             Self::Screen => "the screen alone",
             Self::ScreenBeforeCaptures => "the screen, before captures",
@@ -38,37 +40,54 @@ impl StepsIn {
     }
 }
 
-/// The steps of the mirror rays of a view.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StepsRecord {
-    /// Always `steps`.
-    pub kind: String,
-    /// Definitions, version, commit and device.
-    #[serde(flatten)]
-    pub program: Provenance,
-    /// Scene name.
-    pub scene: String,
-    /// View name.
-    pub view: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Where the rays are counted.
-    pub images: StepsIn,
-    /// Rays: one for each pixel that reflects, or of these those that the screen lost.
-    pub rays: usize,
-    /// Mean of their steps.
-    pub mean: f64,
-    /// Mean, over groups of eight rays of pixels beside each other, of the most steps in a group: what eight threads take
-    /// that wait for each other.
-    pub mean_of_eight: f64,
-    /// Median.
-    pub median: u32,
-    /// 99th percentile.
-    pub p99: u32,
-    /// The most.
-    pub most: u32,
+impl AsDatum for StepsIn {
+    fn datum(&self) -> Datum {
+        Datum::Text(self.label().to_owned())
+    }
+}
+
+columns! {
+    /// The steps of the mirror rays of a view.
+    pub struct StepsRecord {
+        /// Always `steps`.
+        pub kind: String,
+        /// Definitions, version, commit and device.
+        #[serde(flatten)]
+        pub program: Provenance,
+        /// Scene name.
+        pub scene: String = figure("scene"),
+        /// View name.
+        pub view: String = figure("view"),
+        /// Pixels.
+        pub width: u32 = figure("width"),
+        /// Pixels.
+        pub height: u32 = figure("height"),
+        /// Where the rays are counted.
+        pub images: StepsIn = figure("in"),
+        /// Rays: one for each pixel that reflects, or of these those that the screen lost.
+        pub rays: usize = figure("rays"),
+        /// Mean of their steps.
+        pub mean: f64 = figure("mean").digits(1),
+        /// Mean, over groups of eight rays of pixels beside each other, of the most steps in a group: what eight threads take
+        /// that wait for each other.
+        pub mean_of_eight: f64 = figure("mean of eight").digits(1),
+        /// Median.
+        pub median: u32 = figure("median"),
+        /// 99th percentile.
+        pub p99: u32 = figure("p99"),
+        /// The most.
+        pub most: u32 = figure("most"),
+    }
+}
+
+const ABOUT: &str = "How many cells a mirror ray of unified looks at, counted by its twin on the CPU, which takes the same steps. \
+    Mean of eight: the mean of the most among eight rays beside each other, as threads wait that walk together.";
+
+impl StepsRecord {
+    /// The steps as a table.
+    pub fn table(rows: &[Self]) -> Table {
+        Table { title: "Steps".to_owned(), about: ABOUT.to_owned(), ..Table::of_rows("steps", rows) }
+    }
 }
 
 /// Counts the steps on a G-buffer of a view: without captures, and with four that the program places.

@@ -1,11 +1,8 @@
-//! What `ssct error` sweeps: methods × their settings, and what a sweep adds up to.
+//! What `ssct error` sweeps: methods × their settings.
 
-use super::error::{Against, ErrorRecord, Variant};
-use super::record::Stats;
+use super::error::Variant;
 use crate::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup};
-use crate::metrics::pareto;
-use std::collections::BTreeMap;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -61,123 +58,6 @@ pub fn bounces(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     let most = if method.is_screen_space() { base.effect().bounces } else { 1 };
     let with = |n| Variant { method, setup: base.with(|p: &mut EffectParams| p.bounces = n) };
     (1..=most).map(with).collect()
-}
-
-/// A variant over all cells.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Point {
-    /// Its name.
-    pub name: String,
-    /// Median over the cells of its median time.
-    pub time_ms: f64,
-    /// Mean over the cells of its error: the share of wrong hits against the oracle, else the RMSE.
-    pub error: f64,
-    /// Mean over the cells of its place agreement; `None` where no cell has one.
-    pub place_agreement: Option<f64>,
-    /// Medians over the cells of what it made of the scene before the first frame: bytes on the device, and
-    /// milliseconds. `None` where no record says it.
-    pub prepared: Option<(f64, f64)>,
-    /// Whether no other variant beats it.
-    pub on_front: bool,
-}
-
-/// The mean; `None` of nothing.
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// Mean over the cells of the screen's floor; `None` where no cell has one.
-pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
-    // Every method of a cell has the same.
-    mean(&records.iter().filter_map(|r| r.floor).collect::<Vec<_>>())
-}
-
-/// The error of a record in the plot of its reference.
-fn error(record: &ErrorRecord) -> Option<f64> {
-    match record.against {
-        Against::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
-        Against::Screen | Against::World => record.rmse,
-    }
-}
-
-/// One point a variant against a reference, over some records, in order of time. A variant with an
-/// error that is not finite is left out.
-pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
-    let mut all: Vec<(String, [Vec<f64>; 5])> = Vec::new();
-    for r in records.iter().filter(|r| r.against == against) {
-        let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
-        let name = r.head.variant();
-        let known = all.iter().position(|(n, _)| *n == name).unwrap_or(all.len());
-        if known == all.len() {
-            all.push((name, Default::default()));
-        }
-        let [times, errors, places, bytes, prepared_ms] = &mut all[known].1;
-        times.push(time);
-        errors.push(error);
-        places.extend(r.place_agreement);
-        bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
-        prepared_ms.extend(r.prepared.as_ref().map(|p| p.time_ms));
-    }
-    let mut points: Vec<Point> = all
-        .into_iter()
-        .map(|(name, [times, errors, places, bytes, prepared_ms])| Point {
-            name,
-            time_ms: Stats::of(&times).median_ms,
-            error: mean(&errors).unwrap_or(f64::NAN),
-            place_agreement: mean(&places),
-            prepared: (!bytes.is_empty()).then(|| (Stats::of(&bytes).median_ms, Stats::of(&prepared_ms).median_ms)),
-            on_front: false,
-        })
-        .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
-        .collect();
-    for index in pareto::front(&points.iter().map(|p| (p.time_ms, p.error)).collect::<Vec<_>>()) {
-        points[index].on_front = true;
-    }
-    points.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
-    points
-}
-
-/// Medians over the views of what the error consists of, at one roughness.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sources {
-    /// Roughness.
-    pub roughness: Option<f32>,
-    /// RMSE by (method, reference): the base variant of each method, exact hits with the thesis's
-    /// cone, and the screen reference against the world.
-    pub rmse: Vec<(String, Against, f64)>,
-    /// RMSE of the floor of the screen's picture, against the world.
-    pub floor: Option<f64>,
-}
-
-/// Where the error comes from, for each roughness: of each method its base variant, the first in the records.
-pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
-    let mut bases = BTreeMap::new();
-    for r in records {
-        bases.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
-    }
-    let base = |r: &&ErrorRecord| bases.get(&r.head.method_and_fallback()) == Some(&r.head.variant());
-    let mut found: Vec<Sources> = Vec::new();
-    for r in records.iter().filter(base) {
-        if !found.iter().any(|s| s.roughness == r.head.roughness) {
-            found.push(Sources { roughness: r.head.roughness, rmse: Vec::new(), floor: None });
-        }
-    }
-    for source in &mut found {
-        let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
-        let floors: Vec<f64> = here.iter().filter_map(|r| r.floor).collect();
-        source.floor = (!floors.is_empty()).then(|| Stats::of(&floors).median_ms);
-        for r in &here {
-            let name = r.head.method_and_fallback();
-            let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);
-            if known || r.rmse.is_none() {
-                continue;
-            }
-            let same = here.iter().filter(|o| o.head.method_and_fallback() == name && o.against == r.against);
-            let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
-            source.rmse.push((name, r.against, Stats::of(&values).median_ms));
-        }
-    }
-    found
 }
 
 #[cfg(test)]

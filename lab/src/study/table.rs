@@ -128,3 +128,33 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
     });
     rows.collect()
 }
+
+/// The title of the table beside our times.
+pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
+
+/// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
+pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let mut header = vec!["resolution".to_owned(), "roughness".to_owned()];
+    for c in &first.columns {
+        let name = c.method.to_uppercase();
+        header.extend([format!("{name} thesis ms"), format!("{name} here ms")]);
+    }
+    for c in first.columns.iter().filter(|c| c.published_ratio.is_some()) {
+        let name = c.method.to_uppercase();
+        header.extend([format!("{name}/SSCT thesis"), format!("{name}/SSCT here")]);
+    }
+    let mut cells = vec![header];
+    let ratio = |r: Option<f64>| r.map_or_else(|| "-".into(), |r| format!("{r:.2}"));
+    for row in rows {
+        let mut line = vec![format!("{} x {}", row.width, row.height), format!("{:.1}", row.roughness)];
+        for c in &row.columns {
+            line.extend([format!("{:.2}", c.published_ms), format!("{:.2}", c.measured_ms)]);
+        }
+        for c in row.columns.iter().filter(|c| c.published_ratio.is_some()) {
+            line.extend([ratio(c.published_ratio), ratio(c.measured_ratio)]);
+        }
+        cells.push(line);
+    }
+    cells
+}

@@ -1,7 +1,13 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
 //! sample in the journal as soon as it is there.
 
-use super::cell_list::PlannedCell;
+mod suite;
+
+pub use suite::{
+    Beside, FLOORS, MEASURED, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy, TimedFrame, chart, frames,
+    sample_cells,
+};
+
 use super::compare::SEED;
 use super::error::Variant;
 use super::interleave::{Round, Sample, interleave};
@@ -9,13 +15,13 @@ use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassTime;
-use crate::gpu::{FrameReport, Gpu};
 use crate::methods::Wants;
 use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fmt::Display;
 
 /// What is timed: every combination of sizes, roughness values and variants of methods.
@@ -38,63 +44,40 @@ pub struct TimeSpec<'a> {
     pub samples: usize,
     /// Whether each variant is timed against itself as well: twice in each turn, so that what it strays from itself is known.
     pub a_a: bool,
-    /// Which cells of [`TimeSpec::planned`] are measured, in their order; `None` for all.
-    pub only: Option<Vec<bool>>,
-}
-
-impl TimeSpec<'_> {
-    /// Frames that [`measure`] submits if the journal has none.
-    pub fn frames(&self) -> usize {
-        let series = if self.a_a { 2 } else { 1 };
-        series * self.variants.len() * self.groups().count() * (self.warmup + self.samples + 1)
-    }
-
-    /// All cells, whichever are measured. A cell is all variants at one size with one set of factors, which are timed in
-    /// turn.
-    pub fn planned(&self) -> Vec<PlannedCell> {
-        let planned = |group: Group| {
-            let result = |n| (group.prefix(n), json!(group.head(n)));
-            let [width, height] = group.extent;
-            let roughness = group.globals.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string());
-            PlannedCell {
-                name: format!("{}-{}-{width}x{height}-r{roughness}", self.scene.name, self.view.name),
-                setup: json!([group.settings, self.samples, self.a_a]),
-                results: (0..self.variants.len()).map(result).collect(),
-            }
-        };
-        self.all_groups().map(planned).collect()
-    }
 }
 
 /// The samples of one size with one of the global factors: where the journal keeps them.
 struct Group<'a> {
     spec: &'a TimeSpec<'a>,
     extent: [u32; 2],
-    globals: &'a Globals,
-    settings: Value,
+    globals: Globals,
     digest: String,
 }
 
 impl<'a> TimeSpec<'a> {
-    /// The groups that are measured, in the order in which they are measured.
-    fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
-        let is_wanted = |n: usize| self.only.as_ref().is_none_or(|only| only.get(n) == Some(&true));
-        self.all_groups().enumerate().filter(move |(n, _)| is_wanted(*n)).map(|(_, group)| group)
+    /// Frames that [`measure`] submits if the journal has none.
+    pub fn frames(&self) -> usize {
+        let series = if self.a_a { 2 } else { 1 };
+        series * self.variants.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
     }
 
-    fn all_groups(&'a self) -> impl Iterator<Item = Group<'a>> {
+    /// The groups in the order in which they are measured.
+    fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
         let scene = scene_digest(self.scene);
-        self.sizes.iter().flat_map(move |&extent| {
+        let of = move |extent| {
             let scene = scene.clone();
-            self.globals.iter().map(move |globals| {
-                let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
-                let variants: Vec<_> = self.variants.iter().map(recorded).collect();
-                // Not how many samples: more may be asked for later.
-                let settings = json!([scene, format!("{:?}", self.view), globals, variants, self.warmup]);
-                let digest = digest(self.gpu, &settings);
-                Group { spec: self, extent, globals, settings, digest }
-            })
-        })
+            self.globals.iter().map(move |globals| self.group(extent, *globals, &scene))
+        };
+        self.sizes.iter().copied().flat_map(of)
+    }
+
+    fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
+        let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+        let variants: Vec<_> = self.variants.iter().map(recorded).collect();
+        // Not how many samples: more may be asked for later.
+        let settings = json!([scene_digest, format!("{:?}", self.view), globals, variants, self.warmup]);
+        let digest = digest(self.gpu, &settings);
+        Group { spec: self, extent, globals, digest }
     }
 }
 
@@ -110,7 +93,13 @@ impl Group<'_> {
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
         let place = (self.spec.scene, self.spec.view);
-        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup.at(self.extent), self.globals)
+        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup.at(self.extent), &self.globals)
+    }
+
+    /// Whether the journal has every sample of every variant.
+    fn is_whole(&self, journal: &Journal) -> bool {
+        let spec = self.spec;
+        (0..spec.variants.len()).all(|n| is_whole(&self.prefix(n), spec.samples, spec.a_a, journal))
     }
 
     /// Runs what the journal lacks, the variants in turn; those that lack something are warmed up.
@@ -133,6 +122,55 @@ impl Group<'_> {
     }
 }
 
+/// Shots with the number of their groups and their size.
+type SizedShots = ((usize, [u32; 2]), Vec<Shot>);
+
+/// The stage and the shots that were made last, which groups that follow each other share.
+#[derive(Default)]
+struct Timer {
+    stage: Option<(String, Stage)>,
+    shots: Option<SizedShots>,
+}
+
+impl Timer {
+    /// Measures what the journal lacks of a group. Groups of one number have the same scene, view and variants.
+    fn time(
+        &mut self,
+        number: usize,
+        group: &Group,
+        journal: &mut Journal,
+        progress: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<()> {
+        let spec = group.spec;
+        let of = (number, group.extent);
+        let same = self.shots.take().filter(|(known, _)| *known == of);
+        if self.stage.as_ref().is_none_or(|(name, _)| *name != spec.scene.name) {
+            self.stage = Some((spec.scene.name.clone(), Stage::new(spec.gpu, spec.scene)?));
+        }
+        let Some((_, stage)) = &mut self.stage else { return Ok(()) };
+        let materials = group.globals.materials(spec.scene, spec.view);
+        // The last size's shots are gone by now: the device may not have room for both.
+        let shots = match same {
+            Some((_, mut shots)) => {
+                shots.iter_mut().try_for_each(|shot| shot.set_materials(stage, materials.clone()))?;
+                shots
+            }
+            None => {
+                let camera = spec.view.camera(spec.scene, group.extent);
+                let series = if spec.a_a { 2 } else { 1 };
+                let variants = (0..series).flat_map(|_| &spec.variants);
+                // What is timed is the image; a reflection of its own is for those who look at it.
+                let shot = |Variant { method, setup }: &Variant| {
+                    Shot::new(stage, method, &setup.at(group.extent), Wants::IMAGE, camera, materials.clone())
+                };
+                variants.map(shot).collect::<Result<_>>()?
+            }
+        };
+        let (_, shots) = self.shots.insert((of, shots));
+        group.measure(stage, shots, journal, progress)
+    }
+}
+
 /// Where the journal keeps a sample whose key begins with `prefix`.
 fn key(prefix: &str, sample: impl Display) -> String {
     format!("{prefix} {sample}")
@@ -140,7 +178,7 @@ fn key(prefix: &str, sample: impl Display) -> String {
 
 /// The record of the samples that a journal has of a method, `samples` at most; `None` if it has none. The keys of the
 /// samples begin with `prefix`.
-pub fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
+fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
     let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
         (0..samples).filter_map(|n| journal.get::<Sample>(&key(prefix, name(n)))).collect()
     };
@@ -182,7 +220,7 @@ fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
 }
 
 /// Whether a journal has every sample of a method, and the frame that counts its work.
-pub fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
+fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
     keys(prefix, samples, a_a).iter().all(|key| journal.has(key))
 }
 
@@ -195,36 +233,15 @@ fn again(sample: impl Display) -> String {
 const COUNTED: &str = "work";
 
 /// Measures what the journal lacks. `progress` is called after each frame; its error ends the study.
+///
+/// # Errors
+/// Errors of the device, of the journal and of `progress`.
 pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut() -> Result<()>) -> Result<()> {
-    let mut stage = None;
-    let mut shots: (Option<[u32; 2]>, Vec<Shot>) = (None, Vec::new());
+    let mut timer = Timer::default();
     for group in spec.groups() {
-        let is_there = |n| is_whole(&group.prefix(n), spec.samples, spec.a_a, journal);
-        if (0..spec.variants.len()).all(is_there) {
-            continue;
+        if !group.is_whole(journal) {
+            timer.time(0, &group, journal, progress)?;
         }
-        if stage.is_none() {
-            stage = Some(Stage::new(spec.gpu, spec.scene)?);
-        }
-        let Some(stage) = &mut stage else { continue };
-        let materials = group.globals.materials(spec.scene, spec.view);
-        if shots.0 == Some(group.extent) {
-            for shot in &mut shots.1 {
-                shot.set_materials(stage, materials.clone())?;
-            }
-        } else {
-            // The last size's first: the device may not have room for both.
-            shots = (None, Vec::new());
-            let camera = spec.view.camera(spec.scene, group.extent);
-            let series = if spec.a_a { 2 } else { 1 };
-            for Variant { method, setup } in (0..series).flat_map(|_| &spec.variants) {
-                let setup = setup.at(group.extent);
-                // What is timed is the image; a reflection of its own is for those who look at it.
-                shots.1.push(Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials.clone())?);
-            }
-            shots.0 = Some(group.extent);
-        }
-        group.measure(stage, &mut shots.1, journal, progress)?;
     }
     Ok(())
 }
@@ -234,36 +251,6 @@ pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
     let of = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
     spec.groups().flat_map(of).collect()
-}
-
-/// A timed frame of a method, with what it was of.
-pub struct TimedFrame {
-    /// The method.
-    pub method: &'static str,
-    /// Size, roughness and number, for labels.
-    pub label: String,
-    /// Its passes and the host's side.
-    pub report: FrameReport,
-}
-
-/// Every timed frame that the journal has, those of the second series of each method among them.
-pub fn frames(spec: &TimeSpec, journal: &Journal) -> Vec<TimedFrame> {
-    let mut frames = Vec::new();
-    for group in spec.groups() {
-        let [width, height] = group.extent;
-        let roughness =
-            group.globals.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
-        for (variant, Variant { method, .. }) in spec.variants.iter().enumerate() {
-            let keys = keys(&group.prefix(variant), spec.samples, spec.a_a);
-            for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
-                if let Some(Sample { report, .. }) = journal.get::<Sample>(key) {
-                    let label = format!("{width}x{height}, {roughness}, sample {n}");
-                    frames.push(TimedFrame { method: method.name, label, report });
-                }
-            }
-        }
-    }
-    frames
 }
 
 #[cfg(test)]
@@ -292,7 +279,6 @@ mod tests {
                 warmup: 0,
                 samples: 1,
                 a_a: false,
-                only: None,
             };
             let group = spec.groups().next().expect("one size");
             group.prefix(0)

@@ -1,9 +1,18 @@
 //! Films: variants of methods on every frame of a way of the camera, each beside what the world shows in that frame
 //! (docs/definitions.md, "Films").
 
+mod way;
+
+pub use way::Way;
+
+use super::columns::{Column, columns, figure, part, series, time};
+use super::engine::{Bench, Planned, Row, Study};
 use super::error::{Variant, display, world_of};
+use super::exhibit::{Chart, Clip, ClipGroup, Content, Drawing, ExtraFile, Line, Table};
 use super::gbuffer;
-use super::record::{Head, Of, Stats};
+use super::journal::scene_digest;
+use super::names::{cell_name, roughness};
+use super::record::{DEFINITIONS, Head, Of, Provenance, Stats};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
@@ -16,92 +25,23 @@ use crate::metrics::video::{Film, jod};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
-use crate::scene::{Camera, CameraPath, GBufferData, Material, Scene, View};
-use glam::{Quat, Vec3};
+use crate::scene::{Camera, GBufferData, Material, Scene, View};
+use glam::Vec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-
-/// How the camera moves through a film.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Way {
-    /// Along a path, from its beginning to its end.
-    Path(CameraPath),
-    /// From a view towards the point that it looks at, at the pace of a person who walks, or as much slower as to come
-    /// half of the way to that point.
-    Walk(View),
-    /// At rest in a view for a third of the film, then turned quickly to the right, and at rest again.
-    Turn(View),
-    /// At rest in a view.
-    Rest(View),
-}
-
-/// Metres a second.
-const WALK: f32 = 1.4;
-/// Degrees, and seconds that they take.
-const TURN: (f32, f32) = (45.0, 0.2);
-
-impl Way {
-    /// Its name in records.
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Path(path) => &path.name,
-            Self::Walk(_) => "walk",
-            Self::Turn(_) => "turn",
-            Self::Rest(_) => "rest",
-        }
-    }
-
-    /// Where it begins; of a path, a view of the path's name.
-    pub fn start(&self) -> View {
-        match self {
-            Self::Path(path) => {
-                let (eye, look_at) = path.at(0.0);
-                View { name: path.name.clone(), eye, look_at, ..View::default() }
-            }
-            Self::Walk(view) | Self::Turn(view) | Self::Rest(view) => view.clone(),
-        }
-    }
-
-    /// The view of a frame, of so many that are shown at so many a second.
-    pub fn view(&self, frame: u32, frames: u32, frames_per_second: f32) -> View {
-        let last = frames.saturating_sub(1).max(1) as f32;
-        let of_second = |n: u32| n as f32 / frames_per_second;
-        match self {
-            Self::Path(path) => {
-                let (eye, look_at) = path.at(frame as f32 / last);
-                View { eye, look_at, ..self.start() }
-            }
-            Self::Walk(view) => {
-                let ahead = view.look_at - view.eye;
-                let way = (WALK * last / frames_per_second).min(0.5 * ahead.length());
-                let step = ahead.normalize_or_zero() * (way * frame as f32 / last);
-                View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
-            }
-            Self::Turn(view) => {
-                let (degrees, seconds) = TURN;
-                let part = of_second(frame.saturating_sub(frames / 3)) / seconds;
-                let turned = Quat::from_rotation_y(degrees.to_radians() * part.min(1.0));
-                View { look_at: view.eye + turned * (view.look_at - view.eye), ..view.clone() }
-            }
-            Self::Rest(view) => view.clone(),
-        }
-    }
-}
+use serde_json::{Value, json};
 
 /// What is filmed.
-pub struct VideoSpec<'a> {
-    /// Device.
-    pub gpu: &'a Gpu,
+pub struct VideoStudy {
     /// Scene.
-    pub scene: &'a Scene,
+    pub scene: Scene,
     /// How the camera moves.
-    pub way: &'a Way,
-    /// Pixels.
-    pub extent: [u32; 2],
+    pub way: Way,
+    /// Sizes in pixels.
+    pub sizes: Vec<[u32; 2]>,
     /// Global factors.
-    pub globals: Globals,
+    pub globals: Vec<Globals>,
     /// What is compared.
-    pub variants: &'a [Variant],
+    pub variants: Vec<Variant>,
     /// Frames, ≥ 2.
     pub frames: u32,
     /// Frames that are shown in a second, above 0.
@@ -109,66 +49,197 @@ pub struct VideoSpec<'a> {
     /// Rays a pixel of the world reference, ≥ 2.
     pub rays: u32,
     /// The meshes that move, by name.
-    pub moving: &'a [String],
+    pub moving: Vec<String>,
     /// By how much from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
 }
 
-/// A frame of a film.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct VideoFrame {
-    /// Milliseconds of the method.
-    pub effect_ms: f64,
-    /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
-    pub rmse: f64,
-    /// Mean FLIP of the display image of the reflection colour.
-    pub flip: f64,
+/// One size with one set of factors.
+struct VideoSpec<'a> {
+    gpu: &'a Gpu,
+    study: &'a VideoStudy,
+    extent: [u32; 2],
+    globals: Globals,
 }
 
-/// The film of a variant beside the world's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct VideoRecord {
-    /// What it is of; the view is where the camera begins.
-    #[serde(flatten)]
-    pub head: Head,
-    /// How the camera moves.
-    pub way: String,
-    /// The meshes that move.
-    pub moving: Vec<String>,
-    /// By how much from one frame to the next, in metres.
-    pub step_m: [f32; 3],
-    /// Frames in a second.
-    pub frames_per_second: f32,
-    /// Rays a pixel of the world reference.
-    pub rays: u32,
-    /// Median of the method's time over the frames.
-    pub time_ms: f64,
-    /// Mean over the frames of [`VideoFrame::rmse`].
-    pub rmse: f64,
-    /// Mean over the frames of [`VideoFrame::flip`].
-    pub flip: f64,
-    /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before.
-    pub flicker: f64,
-    /// The world reference's own.
-    pub reference_flicker: f64,
-    /// Mean absolute difference of the variant's change and the reference's.
-    pub change_error: f64,
-    /// Quality of the finished images beside the world's, in JOD.
-    pub jod: f64,
-    /// Quality of the reflection colour alone beside the world's, in JOD.
-    pub jod_reflection: f64,
-    /// Mean over the frames of the world reference's standard error.
-    pub standard_error: f64,
-    /// Every frame in order.
-    pub frames: Vec<VideoFrame>,
+columns! {
+    /// A frame of a film.
+    #[derive(Copy)]
+    pub struct VideoFrame {
+        /// Milliseconds of the method.
+        pub effect_ms: f64 = time(""),
+        /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
+        pub rmse: f64 = figure(""),
+        /// Mean FLIP of the display image of the reflection colour.
+        pub flip: f64 = figure(""),
+    }
+}
+
+columns! {
+    /// The film of a variant beside the world's.
+    pub struct VideoRecord {
+        /// What it is of; the view is where the camera begins.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// How the camera moves.
+        pub way: String = figure("way"),
+        /// The meshes that move.
+        pub moving: Vec<String>,
+        /// By how much from one frame to the next, in metres.
+        pub step_m: [f32; 3],
+        /// Frames in a second.
+        pub frames_per_second: f32,
+        /// Rays a pixel of the world reference.
+        pub rays: u32,
+        /// Median of the method's time over the frames.
+        pub time_ms: f64 = time("ms").digits(1),
+        /// Mean over the frames of [`VideoFrame::rmse`].
+        pub rmse: f64 = figure("RMSE"),
+        /// Mean over the frames of [`VideoFrame::flip`].
+        pub flip: f64 = figure("FLIP"),
+        /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before.
+        pub flicker: f64 = figure(""),
+        /// The world reference's own.
+        pub reference_flicker: f64 = figure(""),
+        /// Mean absolute difference of the variant's change and the reference's.
+        pub change_error: f64 = figure(""),
+        /// Quality of the finished images beside the world's, in JOD.
+        pub jod: f64 = figure("JOD").digits(2),
+        /// Quality of the reflection colour alone beside the world's, in JOD.
+        pub jod_reflection: f64 = figure("JOD of reflections").digits(2),
+        /// Mean over the frames of the world reference's standard error.
+        pub standard_error: f64 = figure("standard error"),
+        /// Every frame in order.
+        pub frames: Vec<VideoFrame> = series(),
+    }
+}
+
+impl VideoRecord {
+    /// A change over the world's own; `None` where the world stands still.
+    fn over_reference(&self, change: f64) -> Option<f64> {
+        (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
+    }
+
+    /// The films of one place, way, size and roughness are beside each other.
+    fn group(&self) -> String {
+        let Head { scene, view, width, height, .. } = &self.head;
+        format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
+    }
+
+    /// The file of an animated picture of its measurement.
+    fn clip_file(&self, name: &str) -> String {
+        let Head { scene, view, width, height, .. } = &self.head;
+        let stem = cell_name(scene, &format!("{view}-{}", self.way), [*width, *height], self.head.roughness);
+        let word = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        let name = name.chars().map(word).collect::<String>().replace("---", "-");
+        format!("{CLIPS}/{stem}-{name}.webp")
+    }
+}
+
+/// Folder of the animated pictures.
+const CLIPS: &str = "clips";
+
+/// Name of the world among the films.
+const WORLD: &str = "world";
+
+const ABOUT: &str = "Each film is held against that of the world, frame by frame: FLIP and RMSE of the reflection colour as \
+    means over the frames; the mean absolute change of a pixel from where its surface was a frame before, over that of the \
+    world, and how far the change is off the world's, in the same unit; and the quality of the whole film in \
+    just-objectionable differences (JOD), by ColorVideoVDP: 10 is the world, and of two films that are 1 apart 75 % of \
+    people prefer the better.";
+
+impl Row for VideoRecord {
+    const KIND: &'static str = "video";
+    const TITLE: &'static str = "Films";
+    const FOLDERS: &'static [&'static str] = &[CLIPS];
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        let more = [
+            Column::derived("flicker over the world's", 2, |r: &Self| r.over_reference(r.flicker)),
+            Column::derived("error of changes over it", 2, |r: &Self| r.over_reference(r.change_error)),
+        ];
+        vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
+    }
+
+    /// FLIP from frame to frame.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
+        let line = |r: &Self| {
+            let points = r.frames.iter().enumerate().map(|(n, f)| (n as f64, f.flip));
+            Line { name: r.head.line_name(&heads, &r.head.variant()), points: points.collect() }
+        };
+        let axes = ["frame", "FLIP of the reflection colour"].map(str::to_owned);
+        vec![Chart::new("video", "FLIP from frame to frame", Drawing::Lines(axes, rows.iter().map(line).collect()))]
+    }
+
+    fn clips(rows: &[Self]) -> Vec<ClipGroup> {
+        let mut groups: Vec<ClipGroup> = Vec::new();
+        for r in rows {
+            if groups.last().is_none_or(|group| group.title != r.group()) {
+                let world = Clip { file: r.clip_file(WORLD), name: "the world".to_owned(), caption: String::new() };
+                groups.push(ClipGroup { title: r.group(), clips: vec![world] });
+            }
+            let caption = format!("{:.2} JOD, {:.1} ms", r.jod, r.time_ms);
+            let clip = Clip { file: r.clip_file(&r.head.variant()), name: r.head.variant(), caption };
+            groups.iter_mut().rev().take(1).for_each(|group| group.clips.push(clip.clone()));
+        }
+        groups
+    }
+}
+
+impl Study for VideoStudy {
+    type Cell = ([u32; 2], Globals);
+    type Row = VideoRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
+    }
+
+    fn definitions(&self) -> u32 {
+        self.variants.first().map_or(DEFINITIONS, |v| v.setup.effect().definitions.into())
+    }
+
+    fn cells(&self) -> Vec<Planned<Self::Cell>> {
+        let digest = scene_digest(&self.scene);
+        let Self { way, moving, frames, frames_per_second, rays, .. } = self;
+        let moves = json!([format!("{way:?}"), moving, self.step_m.to_array(), frames, frames_per_second, rays]);
+        let cell = |extent: [u32; 2], globals: Globals| {
+            let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();
+            Planned {
+                name: cell_name(&self.scene.name, way.name(), extent, globals.roughness),
+                setup: json!([digest, set, globals, moves]),
+                cell: (extent, globals),
+            }
+        };
+        self.sizes
+            .iter()
+            .flat_map(|size| self.globals.iter().map(move |g| (*size, *g)))
+            .map(|(s, g)| cell(s, g))
+            .collect()
+    }
+
+    fn measure(&mut self, &(extent, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<VideoRecord>> {
+        let spec = VideoSpec { gpu: bench.gpu, study: self, extent, globals };
+        let (records, films) = measure(&spec, bench.go_on)?;
+        let Some(first) = records.first() else { return Ok(records) };
+        let made = records.iter().map(|r| r.clip_file(&r.head.variant())).zip(films.variants);
+        for (path, film) in made.chain([(first.clip_file(WORLD), films.world)]) {
+            (bench.keep)(&ExtraFile { path, content: Content::Film(film, self.frames_per_second) })?;
+        }
+        Ok(records)
+    }
 }
 
 /// The films of a measurement: the finished images.
-pub struct Films {
+struct Films {
     /// The world's.
-    pub world: Film,
+    world: Film,
     /// The films of the variants, in their order.
-    pub variants: Vec<Film>,
+    variants: Vec<Film>,
 }
 
 /// What is known of a variant while its film is made.
@@ -208,32 +279,40 @@ impl Change {
 /// # Errors
 /// [`Error::Usage`] if there are too few frames or rays, or a variant is of other definitions; those of the device and of
 /// `go_on`.
-pub fn measure(spec: &VideoSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
-    if spec.frames < 2 || spec.rays < 2 {
+fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
+    if spec.study.frames < 2 || spec.study.rays < 2 {
         return Err(Error::Usage("a film needs at least two frames, and its reference two rays a pixel".into()));
     }
-    let start = spec.way.start();
-    let materials = spec.globals.materials(spec.scene, &start);
-    let mut stage = Stage::new(spec.gpu, spec.scene)?;
-    let first = start.camera(spec.scene, spec.extent);
-    let mut all =
-        spec.variants.iter().map(|v| filmed(spec, &mut stage, v, first, &materials)).collect::<Result<Vec<_>>>()?;
+    let start = spec.study.way.start();
+    let materials = spec.globals.materials(&spec.study.scene, &start);
+    let mut stage = Stage::new(spec.gpu, &spec.study.scene)?;
+    let first = start.camera(&spec.study.scene, spec.extent);
+    let mut all = spec
+        .study
+        .variants
+        .iter()
+        .map(|v| filmed(spec, &mut stage, v, first, &materials))
+        .collect::<Result<Vec<_>>>()?;
     for filmed in &all {
         // A film begins with what was there before it.
         stage.settle(&filmed.shot)?;
     }
     let mut world = Truth::default();
-    let mut moved = spec.scene.clone();
-    for frame in 0..spec.frames {
+    let mut moved = spec.study.scene.clone();
+    for frame in 0..spec.study.frames {
         if frame > 0 {
-            for name in spec.moving {
-                stage.scene_mut().place_meshes(name, frame as f32 * spec.step_m)?;
+            for name in &spec.study.moving {
+                stage.scene_mut().place_meshes(name, frame as f32 * spec.study.step_m)?;
             }
-            for mesh in moved.meshes.iter_mut().filter(|m| spec.moving.contains(&m.name)) {
-                mesh.translate(spec.step_m);
+            for mesh in moved.meshes.iter_mut().filter(|m| spec.study.moving.contains(&m.name)) {
+                mesh.translate(spec.study.step_m);
             }
         }
-        let camera = spec.way.view(frame, spec.frames, spec.frames_per_second).camera(spec.scene, spec.extent);
+        let camera = spec
+            .study
+            .way
+            .view(frame, spec.study.frames, spec.study.frames_per_second)
+            .camera(&spec.study.scene, spec.extent);
         let mut made = Vec::new();
         // They begin in turn, since the first of a frame may find colder caches.
         let count = all.len();
@@ -249,7 +328,7 @@ pub fn measure(spec: &VideoSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Resul
         }
     }
     let films = Films { world: world.images.clone(), variants: all.iter().map(|f| f.images.clone()).collect() };
-    let records = spec.variants.iter().zip(all).map(|(variant, filmed)| {
+    let records = spec.study.variants.iter().zip(all).map(|(variant, filmed)| {
         go_on()?;
         record(spec, &start, variant, filmed, &world)
     });
@@ -314,18 +393,18 @@ impl Truth {
         screen: GBufferData,
         scene: &Scene,
         materials: &[Material],
-        go_on: &mut dyn FnMut() -> Result<()>,
+        go_on: fn() -> Result<()>,
     ) -> Result<()> {
-        let (definitions, bounces) = world_of(spec.variants)?;
+        let (definitions, bounces) = world_of(&spec.study.variants)?;
         let world = World::new(scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
         // One seed for all frames: what is left of a pixel's noise in the difference of two is its change.
         let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
             .with_bounces(bounces);
         let mut state = reference.start();
-        for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
+        for begun in (0..spec.study.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;
-            reference.add(&mut state, RAYS_AT_ONCE.min(spec.rays - begun));
+            reference.add(&mut state, RAYS_AT_ONCE.min(spec.study.rays - begun));
         }
         let image = reference.image(&state);
         let before = std::mem::replace(&mut self.color, image.reflection);
@@ -335,7 +414,7 @@ impl Truth {
             self.change.add(self.pairs.len(), flicker::mean(&self.changes, |_, change| change), 0.0);
         }
         self.mask = screen.reflecting();
-        self.standard_error += state.overall_standard_error() / f64::from(spec.frames);
+        self.standard_error += state.overall_standard_error() / f64::from(spec.study.frames);
         for (film, colors) in [(&mut self.images, &image.composite), (&mut self.reflections, &self.color)] {
             (film.width, film.height) = (screen.width, screen.height);
             film.frames.push(bytes(colors));
@@ -381,55 +460,23 @@ fn record(spec: &VideoSpec, start: &View, of: &Variant, mut filmed: Filmed, worl
     filmed.frames.iter_mut().zip(&flip).for_each(|(frame, flip)| frame.flip = *flip);
     let mean = |of: fn(&VideoFrame) -> f64| filmed.frames.iter().map(of).sum::<f64>() / filmed.frames.len() as f64;
     let times: Vec<f64> = filmed.frames.iter().map(|f| f.effect_ms).collect();
-    let (setup, place) = (of.setup.at(spec.extent), (spec.scene, start));
+    let (setup, place) = (of.setup.at(spec.extent), (&spec.study.scene, start));
     Ok(VideoRecord {
         head: Head::new("video", spec.gpu, place, Of::Method(of.method), &setup, &spec.globals),
-        way: spec.way.name().to_owned(),
-        moving: spec.moving.to_vec(),
-        step_m: spec.step_m.to_array(),
-        frames_per_second: spec.frames_per_second,
-        rays: spec.rays,
+        way: spec.study.way.name().to_owned(),
+        moving: spec.study.moving.clone(),
+        step_m: spec.study.step_m.to_array(),
+        frames_per_second: spec.study.frames_per_second,
+        rays: spec.study.rays,
         time_ms: Stats::of(&times).median_ms,
         rmse: mean(|f| f.rmse),
         flip: mean(|f| f.flip),
         flicker: filmed.change.mean(filmed.change.flicker),
         reference_flicker: world.change.mean(world.change.flicker),
         change_error: filmed.change.mean(filmed.change.error),
-        jod: jod(&filmed.images, &world.images, spec.frames_per_second)?,
-        jod_reflection: jod(&filmed.reflections, &world.reflections, spec.frames_per_second)?,
+        jod: jod(&filmed.images, &world.images, spec.study.frames_per_second)?,
+        jod_reflection: jod(&filmed.reflections, &world.reflections, spec.study.frames_per_second)?,
         standard_error: world.standard_error,
         frames: filmed.frames,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn view() -> View {
-        View { eye: Vec3::new(1.0, 1.5, 0.0), look_at: Vec3::new(1.0, 1.5, 2.0), ..View::default() }
-    }
-
-    #[test]
-    fn who_walks_goes_ahead_and_no_farther_than_half_of_the_way() {
-        let far = View { look_at: Vec3::new(1.0, 1.5, 100.0), ..view() };
-        let last = |way: Way| way.view(59, 60, 30.0);
-        let walked = last(Way::Walk(far.clone())).eye - far.eye;
-        assert!((walked - Vec3::Z * WALK * 59.0 / 30.0).length() < 1e-4, "{walked}");
-        let near = last(Way::Walk(view()));
-        assert!((near.eye - Vec3::new(1.0, 1.5, 1.0)).length() < 1e-5 && near.look_at.z == 3.0, "{near:?}");
-        assert_eq!(Way::Walk(view()).view(0, 60, 30.0), view());
-    }
-
-    #[test]
-    fn who_turns_rests_turns_to_the_right_and_rests() {
-        let way = Way::Turn(view());
-        let ahead = |frame| (way.view(frame, 60, 30.0).look_at - view().eye).normalize();
-        assert_eq!(ahead(20), ahead(0));
-        // Three frames at 30 a second are half of the turn.
-        let half = ahead(23);
-        assert!((half.angle_between(Vec3::Z).to_degrees() - 22.5).abs() < 0.01 && half.x > 0.0, "{half}");
-        assert!((ahead(26).angle_between(Vec3::Z).to_degrees() - 45.0).abs() < 0.01);
-        assert_eq!(ahead(26), ahead(59));
-    }
 }

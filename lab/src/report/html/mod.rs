@@ -3,29 +3,29 @@
 //! to them.
 
 mod embed;
-mod errors;
 mod figures;
-mod films;
 mod gallery;
 mod library;
 mod sections;
+mod study;
 
 pub use embed::{PictureFolder, data_uri};
-pub use errors::ErrorPage;
 pub use figures::{Entry, FiguresPage, Group, Panel};
-pub use films::{Clip, ClipsPage, clips_page};
 pub use gallery::{Gallery, Picture, Strip};
 pub use library::{LibraryPage, TITLE as LIBRARY_TITLE};
+pub use study::{DevicePart, StudyPage};
 
-use super::error_report::ErrorPlot;
+use super::plot::DrawnChart;
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
 use crate::study::agreement::AgreementRecord;
 use crate::study::error::ErrorRecord;
+use crate::study::exhibit::Table;
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::Compared;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use std::path::PathBuf;
 
 /// Everything that the page shows.
 pub struct Page<'a> {
@@ -70,7 +70,7 @@ pub struct Errors<'a> {
     /// The measurements.
     pub records: &'a [ErrorRecord],
     /// Run time against error.
-    pub plots: Vec<ErrorPlot>,
+    pub plots: Vec<DrawnChart>,
     /// Methods, references and error maps by view and roughness.
     pub pictures: Vec<Gallery>,
 }
@@ -117,7 +117,11 @@ impl Page<'_> {
             p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
             (sections::passes(self.times.view_records))
             (drivers)
-            (sections::same(self.same))
+            @if self.same.is_empty() {
+                p { "Vulkan lists no other device here that can be used." }
+            } @else {
+                (study::explained(&AgreementRecord::table(self.same)))
+            }
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
             (gallery::compare_template())
@@ -129,45 +133,16 @@ impl Page<'_> {
     }
 }
 
-/// A page of tables, each with its title and a paragraph that says what it shows.
-pub fn tables_page(
-    title: &str,
-    device: Option<&DeviceInfo>,
-    command: &str,
-    parts: &[(&str, &str, &[Vec<String>])],
-) -> String {
-    let ids: Vec<_> = parts.iter().enumerate().map(|(n, (title, ..))| (format!("part-{n}"), *title)).collect();
+/// A page of tables.
+pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tables: &[Table]) -> String {
+    let ids: Vec<_> = tables.iter().map(|table| (table.id.to_owned(), table.title.as_str())).collect();
     let body = html! {
-        @for ((id, title), (_, text, cells)) in ids.iter().zip(parts) {
-            (heading((id, title)))
-            p { (text) }
-            (sections::grid(cells))
+        @for table in tables {
+            (heading((table.id, &table.title)))
+            (study::explained(table))
         }
     };
     frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
-}
-
-/// A page of plots, each under its title, with the table of their points behind a sentence.
-pub fn plots_page(
-    title: &str,
-    device: Option<&DeviceInfo>,
-    definitions: u32,
-    command: &str,
-    plots: &[(&str, &str)],
-    (rule, cells): (&str, &[Vec<String>]),
-) -> String {
-    let mut ids: Vec<_> = plots.iter().enumerate().map(|(n, (title, _))| (format!("plot-{n}"), *title)).collect();
-    ids.push(("table".to_owned(), "Every rung"));
-    let body = html! {
-        p { (rule) }
-        @for (id, (title, svg)) in ids.iter().zip(plots) {
-            (heading((&id.0, id.1)))
-            (sections::inline_svg(svg, &format!("{title}; the table below has the same points")))
-        }
-        (heading(("table", "Every rung")))
-        (sections::grid(cells))
-    };
-    frame(title, &page_header(title, device, definitions, command, &ids), &body)
 }
 
 /// What every page is: its head, its header, and its body.
@@ -251,36 +226,31 @@ pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     format!("{}{}{}", &page[..at], missing_cells(missing).into_string(), &page[at..])
 }
 
-/// The tables of a device of a merged run.
-pub struct DeviceTables {
+/// What a device made, as text.
+pub struct DeviceText {
     /// The name of the device.
     pub title: String,
-    /// The tables, as text.
+    /// What it made.
     pub text: String,
-    /// The folder with the device's files, relative to the page, if there are several devices.
-    pub folder: Option<String>,
+    /// The folder with the device's files, relative to the page.
+    pub folder: PathBuf,
 }
 
-/// A page with the tables of each device.
-pub fn merged_page(
+/// A page with what each of several devices made.
+pub fn devices_page(
     title: &str,
     definitions: u32,
     command: &str,
-    devices: &[DeviceTables],
+    devices: &[DeviceText],
     missing: &[String],
 ) -> String {
     let ids: Vec<_> =
         devices.iter().enumerate().map(|(n, d)| (format!("device-{}", n + 1), d.title.as_str())).collect();
     let body = html! {
         (missing_cells(missing))
-        @if devices.len() > 1 {
-            p { "Times of different devices are not compared: each device has its own tables." }
-        }
         @for ((id, title), device) in ids.iter().zip(devices) {
             (heading((id, title)))
-            @if let Some(folder) = &device.folder {
-                p { "The files of this device: " a href=(folder) { (folder) } }
-            }
+            p { "The files of this device: " a href=(device.folder.display()) { (device.folder.display()) } }
             div.scroll { pre { (device.text) } }
         }
     };

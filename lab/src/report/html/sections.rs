@@ -1,10 +1,11 @@
 //! The page's tables and plots.
 
+use super::study::{drawn_chart, explained};
 use super::{Errors, Times};
-use crate::report::error_report::{self, ErrorPlot};
-use crate::report::{agreement_report, tables};
-use crate::study::TimeRecord;
-use crate::study::agreement::AgreementRecord;
+use crate::study::engine::Row;
+use crate::study::error::{ErrorRecord, source_table};
+use crate::study::names::roughness;
+use crate::study::{TimeRecord, table};
 use maud::{Markup, PreEscaped, html};
 
 /// The thesis's table beside ours.
@@ -15,7 +16,7 @@ pub fn table_5_8(times: &Times) -> Markup {
             "without the scene passes. What carries over between machines is the ratio. The normal deviation is the "
             "roughness, as in the thesis."
         }
-        (grid(&tables::table_5_8_cells(times.table)))
+        (grid(&table::cells(times.table)))
         @if let Some((least, greatest)) = sum_over_frame(times.table_records) {
             p {
                 "Check of the timer: the sum of all passes' medians over the frame's own median is "
@@ -36,50 +37,11 @@ fn sum_over_frame(records: &[TimeRecord]) -> Option<(f64, f64)> {
 pub fn errors(errors: &Errors) -> Markup {
     html! {
         p { (errors.settings) }
-        (error_plots(&errors.plots))
-        h3 { "Where the error comes from" }
-        (error_sources(&error_report::source_cells(errors.records)))
-    }
-}
-
-/// Run time against error on one device.
-pub fn error_plots(plots: &[ErrorPlot]) -> Markup {
-    html! {
-        @for plot in plots {
-            h3 { "Against the " (plot.name) }
-            (inline_svg(&plot.svg, &format!("Run time against {}; the table below has the same points", plot.axis)))
-            (grid(&plot.cells))
-        }
-    }
-}
-
-/// What the error consists of, with the words that explain it.
-pub fn error_sources(cells: &[Vec<String>]) -> Markup {
-    html! {
-        p {
-            "RMSE of the reflection colour, median over the views. Against the screen reference, the row "
-            code { (crate::study::error::EXACT_HITS) }
-            " has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it comes "
-            "from its wrong hits. The row " code { (crate::study::error::SCREEN_REFERENCE) }
-            " against the world is what screen space itself costs: it traces the G-buffer exactly, and still "
-            "differs by that much from the triangles. The floor of the screen shows the screen's colour wherever the screen "
-            "shows what a ray meets, and the truth elsewhere: hits on the screen cannot be nearer to the world than that. "
-            "A ray ends in the right place if it ends within 2 % of its length and 2 cm of where it ends among the "
-            "triangles."
-        }
-        (grid(cells))
-    }
-}
-
-/// How other devices' images agree with this one's.
-pub fn same(records: &[AgreementRecord]) -> Markup {
-    html! {
-        @if records.is_empty() {
-            p { "Vulkan lists no other device here that can be used." }
-        } @else {
-            p { (agreement_report::ABOUT_METHODS) }
-            (grid(&agreement_report::cells(records)))
-        }
+        @for chart in &errors.plots { (drawn_chart(chart)) }
+        @for table in ErrorRecord::tables(errors.records, &serde_json::Value::Null) { h3 { (table.title) } (explained(&table)) }
+        @let sources = source_table(errors.records);
+        h3 { (sources.title) }
+        (explained(&sources))
     }
 }
 
@@ -138,8 +100,8 @@ pub fn passes(records: &[TimeRecord]) -> Markup {
 
 fn title(r: &TimeRecord) -> String {
     let h = &r.head;
-    let roughness = tables::roughness(h.roughness);
-    format!("{}, {}, {} × {}, roughness {roughness}, {}", h.scene, h.view, h.width, h.height, h.method)
+    let of = roughness(h.roughness);
+    format!("{}, {}, {} × {}, roughness {of}, {}", h.scene, h.view, h.width, h.height, h.method)
 }
 
 /// Median, minimum, p95 and fragment invocations of every pass.

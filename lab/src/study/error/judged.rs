@@ -11,7 +11,38 @@ use crate::metrics::image::{masked_relative_mse, masked_rmse};
 use crate::metrics::place::{self, RayEnd};
 use crate::metrics::world;
 use crate::reference::world::Escape;
+use crate::study::columns::{figure, measured_columns};
 use crate::study::record::{Head, Of};
+
+/// An image, and what it is held against.
+struct JudgedImage<'a> {
+    truth: &'a Truth,
+    reference: &'a Reference,
+    color: &'a [[f32; 3]],
+}
+
+measured_columns! {
+    /// What is wrong with an image. What has no meaning is null.
+    #[derive(Copy, Default)]
+    pub struct ImageError by of(image: &JudgedImage) {
+        /// Root mean square error of the linear reflection colour over reflecting pixels.
+        pub rmse: Option<f64> = figure("") => Some(masked_rmse(&image.reference.color, image.color, &image.truth.mask)),
+        /// Mean square error over the reference's mean square.
+        pub rel_mse: Option<f64> = figure("") =>
+            masked_relative_mse(&image.reference.color, image.color, &image.truth.mask),
+        /// Mean FLIP of the display image of the reflection colour.
+        pub flip: Option<f64> = figure("") => Some(image.flip()),
+        /// What the reference itself is expected to err by, as an RMSE.
+        pub standard_error: Option<f64> = figure("") => Some(image.reference.standard_error),
+    }
+}
+
+impl JudgedImage<'_> {
+    fn flip(&self) -> f64 {
+        let (width, height) = (self.truth.data.width, self.truth.data.height);
+        FlipMap::new(&self.reference.display, &display(self.color), width, height).mean()
+    }
+}
 
 /// Where a method's rays ended.
 pub(super) struct MethodHits {
@@ -39,10 +70,7 @@ impl Record {
                 time_ms,
                 against: Against::Screen,
                 hits: HitAgreement::default(),
-                rmse: None,
-                rel_mse: None,
-                flip: None,
-                standard_error: None,
+                image: ImageError::default(),
                 place_agreement: None,
                 floor: None,
                 prepared: None,
@@ -58,13 +86,9 @@ impl Record {
         reference: &Reference,
         color: &[[f32; 3]],
     ) -> ErrorRecord {
-        let (width, height) = (truth.data.width, truth.data.height);
         ErrorRecord {
             against,
-            rmse: Some(masked_rmse(&reference.color, color, &truth.mask)),
-            rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
-            flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
-            standard_error: Some(reference.standard_error),
+            image: ImageError::of(&JudgedImage { truth, reference, color }),
             floor: truth.floor.filter(|_| against == Against::World),
             ..self.record.clone()
         }

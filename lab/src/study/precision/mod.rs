@@ -2,12 +2,17 @@
 //! formats after another, and what methods make of each, against the oracle and the screen reference on the
 //! unrounded one.
 
+mod ladder;
 mod storage;
 
+pub use ladder::{Rung, roughness_values, rungs};
 pub use storage::{ColorFormat, DepthFormat, NormalFormat, Storage};
 
+use super::columns::{columns, figure, part};
+use super::engine::{Bench, Planned, Study};
 use super::gbuffer::{at_rest, hit_positions, reflection};
-use super::journal::{digest, scene_digest};
+use super::journal::scene_digest;
+use super::names::cell_name;
 use super::record::{Head, Of};
 use super::stage::Globals;
 use crate::error::Result;
@@ -25,33 +30,33 @@ use crate::reference::surface::{World, sky_color};
 use crate::scene::{Camera, GBufferData, Scene, Surface, View};
 use glam::Vec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Name in records of the oracle itself on the stored G-buffer: what storage alone costs, whatever the
 /// arithmetic behind it.
 pub const ORACLE: &str = "oracle";
 
-/// What a method makes of a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats: finer
-/// ones are rounded to them before it begins, and coarser ones by up to an eighth of their step.)
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PrecisionRecord {
-    /// What it is of; "precision".
-    #[serde(flatten)]
-    pub head: Head,
-    /// The formats.
-    pub storage: Storage,
-    /// Bytes of a pixel.
-    pub bytes_per_pixel: u32,
-    /// Reflecting pixels that rounding made sky.
-    pub lost: usize,
-    /// Hits against the oracle's on the unrounded G-buffer; null unless every reflector is a mirror.
-    #[serde(flatten)]
-    pub hits: HitAgreement,
-    /// Root mean square error of the linear reflection colour, against the screen reference on the unrounded G-buffer.
-    pub rmse: f64,
-    /// What the reference itself is expected to err by, as an RMSE.
-    pub standard_error: f64,
+columns! {
+    /// What a method makes of a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats: finer
+    /// ones are rounded to them before it begins, and coarser ones by up to an eighth of their step.)
+    pub struct PrecisionRecord {
+        /// What it is of; "precision".
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// The formats.
+        pub storage: Storage = figure(""),
+        /// Bytes of a pixel.
+        pub bytes_per_pixel: u32 = figure(""),
+        /// Reflecting pixels that rounding made sky.
+        pub lost: usize = figure(""),
+        /// Hits against the oracle's on the unrounded G-buffer; null unless every reflector is a mirror.
+        #[serde(flatten)]
+        pub hits: HitAgreement = part(),
+        /// Root mean square error of the linear reflection colour, against the screen reference on the unrounded G-buffer.
+        pub rmse: f64 = figure(""),
+        /// What the reference itself is expected to err by, as an RMSE.
+        pub standard_error: f64 = figure(""),
+    }
 }
 
 /// A G-buffer before any format rounds it.
@@ -187,17 +192,59 @@ fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
     (0..mask.len() as u32).into_par_iter().map(|i| hit(i).flatten()).collect()
 }
 
-impl PrecisionSpec<'_> {
-    /// Everything that the records depend on, but for the device and the program.
-    pub fn settings(&self) -> Value {
-        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
-        let (scene, view) = (scene_digest(self.scene), format!("{:?}", self.view));
-        json!([scene, view, self.globals, methods, self.rays])
+/// Methods on views of a scene, at several roughness values.
+pub struct PrecisionStudy {
+    /// Scene.
+    pub scene: Scene,
+    /// Views.
+    pub views: Vec<View>,
+    /// Global factors.
+    pub globals: Vec<Globals>,
+    /// Screen-space methods.
+    pub methods: Vec<&'static MethodInfo>,
+    /// How they are set up, and the size.
+    pub setup: Setup,
+    /// Rays a pixel of the screen reference.
+    pub rays: u32,
+}
+
+/// A cell is a view, by its place among those of the study, with a set of factors.
+impl Study for PrecisionStudy {
+    type Cell = (usize, Globals);
+    type Row = PrecisionRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
     }
 
-    /// Everything that the records depend on.
-    pub fn digest(&self) -> String {
-        digest(self.gpu, &self.settings())
+    fn definitions(&self) -> u32 {
+        self.setup.effect().definitions.into()
+    }
+
+    fn cells(&self) -> Vec<Planned<Self::Cell>> {
+        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
+        let digest = scene_digest(&self.scene);
+        let cell = |n: usize, globals: Globals| {
+            let view = &self.views[n];
+            Planned {
+                name: cell_name(&self.scene.name, &view.name, self.setup.extent, globals.roughness),
+                setup: json!([digest, format!("{view:?}"), globals, methods, self.rays]),
+                cell: (n, globals),
+            }
+        };
+        (0..self.views.len()).flat_map(|n| self.globals.iter().map(move |g| (n, *g))).map(|(n, g)| cell(n, g)).collect()
+    }
+
+    fn measure(&mut self, (view, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<PrecisionRecord>> {
+        measure(&PrecisionSpec {
+            gpu: bench.gpu,
+            scene: &self.scene,
+            view: &self.views[*view],
+            globals: *globals,
+            methods: &self.methods,
+            setup: self.setup.clone(),
+            rays: self.rays,
+        })
     }
 }
 
@@ -237,49 +284,4 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
         }
     }
     Ok(records)
-}
-
-/// What a rung comes to for a method over the views.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
-    /// The formats.
-    pub storage: Storage,
-    /// Mean share of wrong hits, mirrors.
-    pub wrong_hits: Option<f64>,
-    /// The greatest of a view.
-    pub wrong_hits_worst: Option<f64>,
-    /// Mean RMSE of each roughness, in the order of [`roughness_values`].
-    pub rmse: Vec<f64>,
-}
-
-/// The roughness values of some records, in the order of their first.
-pub fn roughness_values(records: &[PrecisionRecord]) -> Vec<Option<f32>> {
-    let mut values = Vec::new();
-    for record in records {
-        if !values.contains(&record.head.roughness) {
-            values.push(record.head.roughness);
-        }
-    }
-    values
-}
-
-/// A method's rungs, in the ladder's order.
-pub fn rungs(records: &[PrecisionRecord], method: &str) -> Vec<Rung> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let rung = |storage: Storage| {
-        let here = || records.iter().filter(move |r| r.head.method == method && r.storage == storage);
-        let wrong: Vec<f64> = here().filter_map(|r| r.hits.hit_agreement).map(|a| 1.0 - a).collect();
-        let rmse = |roughness: Option<f32>| {
-            let values: Vec<f64> = here().filter(|r| r.head.roughness == roughness).map(|r| r.rmse).collect();
-            (!values.is_empty()).then(|| mean(&values))
-        };
-        let rmse: Vec<f64> = roughness_values(records).into_iter().filter_map(rmse).collect();
-        (!rmse.is_empty()).then(|| Rung {
-            storage,
-            wrong_hits: (!wrong.is_empty()).then(|| mean(&wrong)),
-            wrong_hits_worst: wrong.iter().copied().reduce(f64::max),
-            rmse,
-        })
-    };
-    Storage::ladder().into_iter().filter_map(rung).collect()
 }

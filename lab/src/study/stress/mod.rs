@@ -5,8 +5,14 @@ pub mod captures;
 pub mod cases;
 pub mod lineup;
 pub mod motion;
+mod row;
+pub mod suite;
 pub mod trees;
 
+pub use row::StressRow;
+pub use suite::StressStudy;
+
+use super::columns::{columns, figure, time};
 use super::gbuffer::hit_positions;
 use super::record::{Provenance, RecordedSetup, recorded};
 use super::stage::Globals;
@@ -24,7 +30,6 @@ use cases::Case;
 use glam::Vec3;
 use lineup::{Made, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// The method that must pass every case; the published ones must only survive.
 pub const JUDGED: &str = "unified";
@@ -39,50 +44,51 @@ pub const AGREEMENT: f64 = 0.9999;
 /// Far above any method on any device; a loop without an end is further.
 const RUNAWAY_MS: (f64, f64) = (5_000.0, 0.02);
 
-/// What a method made of a case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StressRecord {
-    /// "stress".
-    pub kind: String,
-    /// Which program measured on what.
-    #[serde(flatten)]
-    pub program: Provenance,
-    /// What was tried.
-    pub case: String,
-    /// Method name.
-    pub method: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// All that was set.
-    pub setup: RecordedSetup,
-    /// Pixels of the image.
-    pub pixels: usize,
-    /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
-    pub nan: usize,
-    /// Pixels with an infinity in the reflection, or in the image where the lit colour is sound.
-    pub inf: usize,
-    /// Pixels with a negative number in the reflection, or in the image where the lit colour is sound.
-    pub negative: usize,
-    /// Pixels whose ray ran out of steps; null where the method doesn't say.
-    pub exhausted: Option<usize>,
-    /// Reflecting pixels whose hits were compared with the oracle's; null where nobody knows the truth
-    /// or the method has no hits.
-    pub compared: Option<usize>,
-    /// Share of them that agree.
-    pub hit_agreement: Option<f64>,
-    /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null but for [`JUDGED`].
-    pub ties: Option<usize>,
-    /// The method's time.
-    pub time_ms: f64,
-    /// Whether it must pass: [`JUDGED`] everywhere, and where captures are tried whatever follows rays in them. The
-    /// published methods need only survive.
-    #[serde(default)]
-    pub judged: bool,
-    /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], and a
-    /// bounded time.
-    pub pass: bool,
+columns! {
+    /// What a method made of a case.
+    pub struct StressRecord {
+        /// "stress".
+        pub kind: String,
+        /// Which program measured on what.
+        #[serde(flatten)]
+        pub program: Provenance,
+        /// What was tried.
+        pub case: String = figure(""),
+        /// Method name.
+        pub method: String = figure(""),
+        /// Pixels.
+        pub width: u32 = figure(""),
+        /// Pixels.
+        pub height: u32 = figure(""),
+        /// All that was set.
+        pub setup: RecordedSetup,
+        /// Pixels of the image.
+        pub pixels: usize = figure(""),
+        /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
+        pub nan: usize = figure(""),
+        /// Pixels with an infinity in the reflection, or in the image where the lit colour is sound.
+        pub inf: usize = figure(""),
+        /// Pixels with a negative number in the reflection, or in the image where the lit colour is sound.
+        pub negative: usize = figure(""),
+        /// Pixels whose ray ran out of steps; null where the method doesn't say.
+        pub exhausted: Option<usize> = figure(""),
+        /// Reflecting pixels whose hits were compared with the oracle's; null where nobody knows the truth
+        /// or the method has no hits.
+        pub compared: Option<usize> = figure(""),
+        /// Share of them that agree.
+        pub hit_agreement: Option<f64> = figure(""),
+        /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null but for [`JUDGED`].
+        pub ties: Option<usize> = figure(""),
+        /// The method's time.
+        pub time_ms: f64 = time(""),
+        /// Whether it must pass: [`JUDGED`] everywhere, and where captures are tried whatever follows rays in them. The
+        /// published methods need only survive.
+        #[serde(default)]
+        pub judged: bool = figure(""),
+        /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], and a
+        /// bounded time.
+        pub pass: bool = figure(""),
+    }
 }
 
 /// Pixels by what is wrong with them.

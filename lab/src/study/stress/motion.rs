@@ -5,17 +5,23 @@ use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::math::DefinitionsVersion;
-use crate::methods::{EffectParams, MethodInfo};
+use crate::methods::{EffectParams, MethodInfo, Setup};
 use crate::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
+use crate::metrics::percentile;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
+use crate::study::columns::{AsDatum, Datum, columns, figure};
+use crate::study::engine::{Bench, Planned, Row, Study};
+use crate::study::exhibit::{Table, pivot};
+use crate::study::journal::scene_digest;
 use crate::study::record::{Provenance, RecordedSetup, cell, recorded};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// How the camera moves from one frame to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,45 +63,51 @@ impl Motion {
     }
 }
 
-/// How a method's reflection changed over some frames.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MotionRecord {
-    /// "motion".
-    pub kind: String,
-    /// Which program measured on what.
-    #[serde(flatten)]
-    pub program: Provenance,
-    /// Scene.
-    pub scene: String,
-    /// View that the camera starts from.
-    pub view: String,
-    /// How it moves.
-    pub motion: Motion,
-    /// Method.
-    pub method: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Global roughness.
-    pub roughness: f32,
-    /// All that was set.
-    pub setup: RecordedSetup,
-    /// Pairs of a pixel and the same surface a frame before.
-    pub pairs: usize,
-    /// Mean absolute difference of the linear reflection colour over the pairs and channels.
-    pub flicker: f64,
-    /// The screen reference's own.
-    pub reference_flicker: f64,
-    /// The first over the second; null where the reference stands still. A method that shows nothing
-    /// has 0, so it says nothing alone.
-    pub ratio: Option<f64>,
-    /// Mean absolute difference of the method's change and the reference's, over the reference's own
-    /// flicker: 0 for the reference, 1 for a method that shows nothing.
-    pub deviation: Option<f64>,
-    /// The method's change beside that of the world reference, if that was asked for.
-    #[serde(default)]
-    pub world: Option<WorldMotion>,
+columns! {
+    /// How a method's reflection changed over some frames.
+    pub struct MotionRecord {
+        /// "motion".
+        pub kind: String,
+        /// Which program measured on what.
+        #[serde(flatten)]
+        pub program: Provenance,
+        /// Scene.
+        pub scene: String = figure(""),
+        /// View that the camera starts from.
+        pub view: String = figure(""),
+        /// How it moves.
+        pub motion: Motion = figure(""),
+        /// Method.
+        pub method: String = figure(""),
+        /// Pixels.
+        pub width: u32 = figure(""),
+        /// Pixels.
+        pub height: u32 = figure(""),
+        /// Global roughness.
+        pub roughness: f32 = figure(""),
+        /// All that was set.
+        pub setup: RecordedSetup,
+        /// Pairs of a pixel and the same surface a frame before.
+        pub pairs: usize = figure(""),
+        /// Mean absolute difference of the linear reflection colour over the pairs and channels.
+        pub flicker: f64 = figure(""),
+        /// The screen reference's own.
+        pub reference_flicker: f64 = figure(""),
+        /// The first over the second; null where the reference stands still. A method that shows nothing
+        /// has 0, so it says nothing alone.
+        pub ratio: Option<f64> = figure(""),
+        /// Mean absolute difference of the method's change and the reference's, over the reference's own
+        /// flicker: 0 for the reference, 1 for a method that shows nothing.
+        pub deviation: Option<f64> = figure(""),
+        /// The method's change beside that of the world reference, if that was asked for.
+        pub world: Option<WorldMotion>,
+    }
+}
+
+impl AsDatum for Motion {
+    fn datum(&self) -> Datum {
+        Datum::Text(self.name().to_owned())
+    }
 }
 
 /// A method's change beside that of the world reference.
@@ -107,6 +119,45 @@ pub struct WorldMotion {
     pub ratio: Option<f64>,
     /// [`MotionRecord::deviation`], taken against the world reference.
     pub deviation: Option<f64>,
+}
+
+const ABOUT: &str = "Mean absolute change of the reflection from frame to frame, each pixel beside the same \
+    surface a frame before, over the reference's own on the same frames: the median over the views. Columns name \
+    the camera's motion and the roughness; 1 is as still as the truth. Behind it, how far the change itself is off the \
+    reference's, in the same unit: 0 is the truth, 1 shows nothing.";
+
+impl Row for MotionRecord {
+    const KIND: &'static str = "motion";
+    const TITLE: &'static str = "Stability in motion";
+
+    fn program(&self) -> &Provenance {
+        &self.program
+    }
+
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        let screen = medians(rows, |r| r.ratio.zip(r.deviation));
+        let mut tables = vec![Table::new("motion", "Flicker over the screen reference's own", ABOUT, screen)];
+        if rows.iter().any(|r| r.world.is_some()) {
+            let world = medians(rows, |r| r.world.and_then(|w| w.ratio.zip(w.deviation)));
+            tables.push(Table::new("motion-world", "Flicker over the world reference's own", ABOUT, world));
+        }
+        tables
+    }
+}
+
+/// Methods × motions and roughness: the median over the views of the flicker over the reference's own, and how far it is
+/// off the reference's (0 for the truth, 1 for a method that shows nothing).
+fn medians(records: &[MotionRecord], of: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        percentile(&values, 0.5)
+    };
+    let motion = |r: &MotionRecord| format!("{} {}", r.motion.name(), r.roughness);
+    pivot("method", records, [&MotionRecord::variant, &motion], |here| {
+        let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.iter().filter_map(|r| of(r)).unzip();
+        let both = median(ratios).zip(median(deviations));
+        both.map(|(ratio, deviation)| format!("{ratio:.2} off {deviation:.2}"))
+    })
 }
 
 impl MotionRecord {
@@ -135,6 +186,85 @@ pub struct MotionSpec<'a> {
     pub rays: u32,
     /// Whether the change is held against the world reference's own, too.
     pub against_world: bool,
+}
+
+impl MotionSpec<'_> {
+    /// The name of its cell with a motion, in a scene.
+    pub fn name(&self, scene: &Scene, motion: Motion) -> String {
+        let [width, height] = self.extent;
+        let Self { roughness, frames, rays, .. } = self;
+        let motion = motion.name();
+        format!("{} {} {width}x{height} {roughness} {motion} {frames} frames {rays} rays", scene.name, self.view.name)
+    }
+}
+
+/// Methods on views of a scene, at several roughness values and with every motion of the camera.
+pub struct MotionStudy {
+    /// Scene.
+    pub scene: Scene,
+    /// Views that the camera starts from.
+    pub views: Vec<View>,
+    /// Methods.
+    pub methods: Vec<&'static MethodInfo>,
+    /// Their parameters, and the size.
+    pub setup: Setup,
+    /// Roughness values of everything.
+    pub roughness: Vec<f32>,
+    /// Frames of each motion, ≥ 2.
+    pub frames: u32,
+    /// Rays a pixel of the references.
+    pub rays: u32,
+    /// The methods on the scene, once they are made.
+    pub lineup: Option<SceneLineup>,
+}
+
+/// A view, by its place among those of the study, with a roughness and a motion.
+pub type MotionCell = (usize, f32, Motion);
+
+impl MotionStudy {
+    fn spec(&self, &(view, roughness, _): &MotionCell) -> MotionSpec<'_> {
+        let (extent, frames, rays) = (self.setup.extent, self.frames, self.rays);
+        MotionSpec { view: &self.views[view], extent, roughness, frames, rays, against_world: true }
+    }
+}
+
+impl Study for MotionStudy {
+    type Cell = MotionCell;
+    type Row = MotionRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
+    }
+
+    fn definitions(&self) -> u32 {
+        self.setup.effect().definitions.into()
+    }
+
+    fn cells(&self) -> Vec<Planned<MotionCell>> {
+        let (digest, mut cells) = (scene_digest(&self.scene), Vec::new());
+        let set: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
+        for (n, view) in self.views.iter().enumerate() {
+            for &roughness in &self.roughness {
+                cells.extend(MOTIONS.map(|motion| {
+                    let cell = (n, roughness, motion);
+                    let name = self.spec(&cell).name(&self.scene, motion);
+                    Planned { setup: json!([name, digest, set, format!("{view:?}")]), name, cell }
+                }));
+            }
+        }
+        cells
+    }
+
+    fn measure(&mut self, cell: &MotionCell, bench: &mut Bench) -> Result<Vec<MotionRecord>> {
+        let made = match self.lineup.take() {
+            Some(made) => made,
+            None => SceneLineup::new(bench.gpu, self.scene.clone(), &self.setup, &self.methods)?,
+        };
+        let mut lineup = made;
+        let rows = run(bench.gpu, &self.spec(cell), cell.2, &mut lineup);
+        self.lineup = Some(lineup);
+        rows
+    }
 }
 
 /// Moves the camera past methods, and past the references.

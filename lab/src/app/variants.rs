@@ -1,10 +1,7 @@
-//! The options of `ssct error`, and those that it shares with `ssct video`. What they mean together is decided in `error`
-//! and in `resolve`.
+//! The flags that say which variants of methods are compared, which `ssct error` and `ssct video` share.
 
-use super::cli::{CommonOptions, RunOptions, ShardOptions, size};
 use super::parameters::{TypedVariant, typed_variant};
 use clap::Args;
-use std::path::PathBuf;
 
 /// Which variants of which methods are compared.
 #[derive(Debug, Args)]
@@ -41,41 +38,4 @@ pub struct VariantOptions {
     /// that is reflected as often as with the most bounces. Any other method is run once, as the options set it up.
     #[arg(long, requires = "bounces", conflicts_with_all = ["captures_sweep", "fallback_sweep"])]
     pub bounces_sweep: bool,
-}
-
-/// Options of `ssct error`.
-#[derive(Debug, Args)]
-pub struct ErrorOptions {
-    #[command(flatten)]
-    pub common: CommonOptions,
-    #[command(flatten)]
-    pub variants: VariantOptions,
-    /// Widths and heights in pixels; by default 480x270
-    ///
-    /// With --quick, the default is 320x180.
-    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
-    pub size: Vec<[u32; 2]>,
-    /// Two views, two roughness values, no sweep
-    #[arg(long, conflicts_with_all = ["captures_sweep", "fallback_sweep", "bounces_sweep"])]
-    pub quick: bool,
-    /// Compare methods only as the options set them up
-    ///
-    /// Without it, both presets and the values of their parameters are compared.
-    #[arg(long, conflicts_with_all = ["variant", "captures_sweep", "fallback_sweep", "bounces_sweep"])]
-    pub no_sweep: bool,
-    /// Frames that are timed for each variant
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    pub samples: usize,
-    /// Rays a pixel of the references
-    ///
-    /// The screen reference and the world reference trace as many.
-    #[arg(long, value_name = "N", default_value_t = 64)]
-    pub rays: u32,
-    #[command(flatten)]
-    pub shard: ShardOptions,
-    /// Folder for records, plots and pictures
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    #[command(flatten)]
-    pub run: RunOptions,
 }

@@ -1,0 +1,87 @@
+//! Runs a study from its flags: folder, journal, signals, progress, shard, files and what is printed.
+
+use super::cli::{DeviceOptions, RunOptions};
+use super::run::{Run, command_line, go_on};
+use super::{progress, resolve};
+use crate::error::Result;
+use crate::report::results::{self, Results};
+use crate::study::cell_list::CellList;
+use crate::study::engine::{self, Bench, Row, Study};
+use crate::study::exhibit::ExtraFile;
+use crate::study::journal::Journal;
+use clap::Args;
+use std::io::Write;
+
+/// The flags of a study.
+pub trait StudyOptions: Args {
+    /// The study.
+    type Study: Study;
+
+    /// What the flags ask for.
+    ///
+    /// # Errors
+    /// Errors of flags that make no sense, and of files that they name.
+    fn study(&self) -> Result<Self::Study>;
+
+    /// The device.
+    fn device(&self) -> &DeviceOptions;
+
+    /// Writes what the flags ask for beside the study's own files.
+    ///
+    /// # Errors
+    /// Errors of writing files.
+    fn write_more(&self, _list: &CellList, _journal: &Journal) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// The flags of a study, and those that every study has.
+#[derive(Debug, Args)]
+pub struct Measured<O: Args> {
+    /// What is measured.
+    #[command(flatten)]
+    pub options: O,
+    /// Which part of it, and where the results go.
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
+/// Measures what the journal lacks, writes and prints.
+pub fn run<O: StudyOptions>(Measured { options, run: to }: &Measured<O>) -> anyhow::Result<()> {
+    let mut study = options.study()?;
+    let gpu = resolve::gpu(options.device())?;
+    let list = engine::list(&study, &gpu, command_line(), to.shard);
+    let mut run = Run::begin(to.output.as_deref(), to.resume)?;
+    run.list(&list)?;
+    let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
+    let keep = &mut |file: &ExtraFile| to.output.as_ref().map_or(Ok(()), |folder| results::keep(folder, file));
+    let advance = &mut |steps: usize| bar.inc(steps as u64);
+    let outcome =
+        engine::measure(&mut study, &list, &mut Bench { gpu: &gpu, journal: &mut run.journal, go_on, advance, keep });
+    bar.finish_and_clear();
+    drop(study);
+    // What was measured is written even after an error, and that error is reported before one of writing.
+    let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
+    let wrote = write(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
+    gpu.check_validation()?;
+    passed(&rows)
+}
+
+fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]) -> anyhow::Result<()> {
+    let missing = engine::missing::<R>(list, journal);
+    let results = Results { rows, list, missing: &missing };
+    if let Some(folder) = &to.output {
+        results.write(folder)?;
+    }
+    let shown = if to.json { results.json() } else { results.text() };
+    std::io::stdout().lock().write_all(shown.as_bytes())?;
+    Ok(())
+}
+
+/// Fails if rows have to pass and do not.
+pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
+    R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
+}

@@ -1,0 +1,24 @@
+//! Films as animated pictures, which play on and on.
+
+use crate::metrics::video::Film;
+use webp_animation::{Encoder, EncoderOptions, EncodingConfig};
+
+/// Quality of the animated pictures, of 100.
+const QUALITY: f32 = 85.0;
+
+/// A film as an animated picture (WebP).
+///
+/// # Errors
+/// What the encoder says, of images too large for the format.
+pub fn animated(film: &Film, frames_per_second: f32) -> Result<Vec<u8>, String> {
+    let said = |e: webp_animation::Error| format!("{e:?}");
+    let config = EncodingConfig::new_lossy(QUALITY);
+    let options = EncoderOptions { encoding_config: Some(config), ..EncoderOptions::default() };
+    let mut encoder = Encoder::new_with_options((film.width, film.height), options).map_err(said)?;
+    let at = |n: usize| (1000.0 * n as f32 / frames_per_second).round() as i32;
+    for (n, frame) in film.frames.iter().enumerate() {
+        let rgba: Vec<u8> = frame.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
+        encoder.add_frame(&rgba, at(n)).map_err(said)?;
+    }
+    Ok(encoder.finalize(at(film.frames.len())).map_err(said)?.to_vec())
+}

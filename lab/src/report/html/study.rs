@@ -1,0 +1,160 @@
+//! The page of a study: charts, tables and clips of each device, tables of figures over all devices, and what lies beside
+//! the page.
+
+use super::sections::{grid, inline_svg};
+use super::{frame, heading, missing_cells, page_header};
+use crate::gpu::DeviceInfo;
+use crate::report::devices::device_name;
+use crate::report::plot::DrawnChart;
+use crate::study::exhibit::{ClipGroup, Table};
+use maud::{Markup, PreEscaped, html};
+
+/// Everything that the page shows.
+pub struct StudyPage<'a> {
+    /// Its title.
+    pub title: &'a str,
+    /// The version of the definitions.
+    pub definitions: u32,
+    /// The command of the whole study.
+    pub command: &'a str,
+    /// What was measured, device by device.
+    pub devices: &'a [DevicePart],
+    /// Tables of figures alone, over all devices.
+    pub common: &'a [Table],
+    /// The columns of the tables with what they mean.
+    pub meanings: &'a [(String, &'static str)],
+    /// Folders of files beside the page.
+    pub folders: &'a [&'static str],
+    /// The kind of study, by which its files are named.
+    pub kind: &'a str,
+    /// The cells that the study has and the page lacks.
+    pub missing: &'a [String],
+}
+
+/// What one device measured.
+pub struct DevicePart {
+    /// The device.
+    pub device: DeviceInfo,
+    /// The folder with its files, relative to the page, if that is another one.
+    pub folder: Option<String>,
+    /// Its charts.
+    pub charts: Vec<DrawnChart>,
+    /// Its tables.
+    pub tables: Vec<Table>,
+    /// Its clips.
+    pub clips: Vec<ClipGroup>,
+}
+
+impl StudyPage<'_> {
+    /// The whole page.
+    pub fn render(&self) -> String {
+        let alone = (self.devices.len() == 1).then(|| &self.devices[0].device);
+        let title = |part: &DevicePart| if alone.is_some() { "Results".to_owned() } else { device_name(&part.device) };
+        let titles: Vec<String> = self.devices.iter().map(title).collect();
+        let device_ids = titles.iter().enumerate().map(|(n, title)| (format!("device-{}", n + 1), title.as_str()));
+        let common = self.common.iter().map(|table| (table.id.to_owned(), table.title.as_str()));
+        let mut parts: Vec<_> = device_ids.chain(common).collect();
+        parts.push(("records".to_owned(), "Raw records"));
+        let body = html! {
+            (missing_cells(self.missing))
+            @if self.devices.len() > 1 {
+                p { "Times of different devices are not compared: each device has its own charts and tables." }
+            }
+            @for ((id, title), part) in parts.iter().zip(self.devices) {
+                (heading((id, title)))
+                (device(part))
+            }
+            @for table in self.common {
+                (heading((table.id, &table.title)))
+                (explained(table))
+            }
+            (heading(("records", "Raw records")))
+            (self.records())
+            @if self.devices.iter().any(|part| !part.clips.is_empty()) { script { (PreEscaped(TOGETHER)) } }
+        };
+        frame(self.title, &page_header(self.title, alone, self.definitions, self.command, &parts), &body)
+    }
+
+    fn records(&self) -> Markup {
+        let file = |ending: &str| format!("{}.{ending}", self.kind);
+        let of = |ending: &str, what: &'static str| (file(ending), what);
+        let apart = self.devices.len() > 1;
+        let all = [of("json", "every record"), of("csv", "a row for each record"), of("md", "the tables, as Markdown")];
+        html! {
+            ul {
+                @for (file, what) in all.iter().filter(|(file, _)| !apart || file.ends_with(".json")) {
+                    li { a href=(file) { (file) } ": " (what) }
+                }
+                @for folder in self.folders.iter().filter(|_| !apart) { li { a href=(folder) { (folder) } } }
+            }
+            @if !self.meanings.is_empty() {
+                details {
+                    summary { "What the columns mean" }
+                    dl { @for (title, about) in self.meanings { dt { (title) } dd { (about) } } }
+                }
+            }
+        }
+    }
+}
+
+fn device(part: &DevicePart) -> Markup {
+    html! {
+        @if let Some(folder) = &part.folder { p { "The files of this device: " a href=(folder) { (folder) } } }
+        @for group in part.clips.iter().filter(|group| !group.clips.is_empty()) { (clips(group)) }
+        @for chart in &part.charts { (drawn_chart(chart)) }
+        @for table in &part.tables {
+            @if !table.title.is_empty() { h3 { (table.title) } }
+            (explained(table))
+        }
+    }
+}
+
+/// A chart under its title, with its points as a table where it has them.
+pub fn drawn_chart(DrawnChart { chart, svg }: &DrawnChart) -> Markup {
+    html! {
+        h3 { (chart.title) }
+        (inline_svg(svg, &format!("{}; a table has the same values", chart.title)))
+        @if !chart.cells.is_empty() { (grid(&chart.cells)) }
+    }
+}
+
+/// A table below what it says.
+pub fn explained(table: &Table) -> Markup {
+    html! {
+        @if !table.about.is_empty() { p { (table.about) } }
+        (grid(&table.cells))
+    }
+}
+
+fn clips(group: &ClipGroup) -> Markup {
+    html! {
+        section {
+            h3 { (group.title) }
+            button.together type="button" { "Begin together" }
+            div.strip {
+                @for clip in &group.clips {
+                    figure {
+                        img src=(clip.file) alt={ "Film of " (clip.name) ": " (group.title) } loading="lazy";
+                        figcaption { b { (clip.name) } @if !clip.caption.is_empty() { ": " (clip.caption) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Pictures that are loaded anew begin anew; those of a group together, once all of them are there.
+const TOGETHER: &str = r#"
+for (const button of document.querySelectorAll("button.together")) {
+  button.addEventListener("click", async () => {
+    const images = [...button.parentElement.querySelectorAll("img")];
+    const blobs = await Promise.all(images.map(async (image) => {
+      image.dataset.file ??= image.getAttribute("src");
+      try { return await (await fetch(image.dataset.file)).blob(); } catch { return null; }
+    }));
+    images.forEach((image, n) => {
+      image.src = blobs[n] ? URL.createObjectURL(blobs[n]) : image.dataset.file + "?" + Date.now();
+    });
+  });
+}
+"#;

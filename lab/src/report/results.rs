@@ -1,0 +1,174 @@
+//! The files, tables and page of a study, from its rows and their columns. With one device they lie in the folder of the
+//! run; with several, those of each device lie in a folder of their own, so that no table, chart or comparison has times
+//! of two of them, and one page shows all of them (docs/many-machines.md, "Merging").
+
+use super::devices::{by_device, device_name};
+use super::html::{DevicePart, StudyPage};
+use super::images::{Rgb, write_exr};
+use super::plot::{self, DrawnChart};
+use super::{clips, files, tables};
+use crate::error::{Error, Result};
+use crate::gpu::{DeviceInfo, Pixels};
+use crate::study::cell_list::CellList;
+use crate::study::columns::Columns;
+use crate::study::engine::Row;
+use crate::study::exhibit::{Content, ExtraFile, Sheet, Table};
+use std::path::{Path, PathBuf};
+
+/// Folder of the devices' folders.
+const DEVICES: &str = "devices";
+
+/// The folder of a device, counted from 0, in that of the run.
+pub fn device_folder(device: usize) -> PathBuf {
+    Path::new(DEVICES).join((device + 1).to_string())
+}
+
+/// The rows of a run.
+pub struct Results<'a, R> {
+    /// The rows.
+    pub rows: &'a [R],
+    /// The cells of the run, with its settings and the command of the whole study.
+    pub list: &'a CellList,
+    /// The names of the cells that the study has and the rows lack.
+    pub missing: &'a [String],
+}
+
+impl<R: Row> Results<'_, R> {
+    /// The records as a JSON array.
+    pub fn json(&self) -> String {
+        files::json(self.rows)
+    }
+
+    /// The tables for a terminal, device by device.
+    pub fn text(&self) -> String {
+        let of = |(device, rows): &(DeviceInfo, Vec<R>)| format!("{}\n{}", device_name(device), self.tables_text(rows));
+        let own: String = by_device(self.rows, |r| &r.program().device).iter().map(of).collect();
+        let common = tables::text(&R::common_tables(self.rows));
+        if common.is_empty() { own } else { format!("{own}\n{common}") }
+    }
+
+    fn tables_text(&self, rows: &[R]) -> String {
+        tables::text(&R::tables(rows, &self.list.settings))
+    }
+
+    /// Writes every file into a folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the file that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let apart = by_device(self.rows, |r| &r.program().device);
+        let mut parts = Vec::new();
+        for (n, (device, rows)) in apart.iter().enumerate() {
+            let own = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.to_owned() };
+            let mut part = self.part(&own, device, rows)?;
+            self.write_part(&own, rows, &part)?;
+            if apart.len() > 1 {
+                files::write(&own.join(PAGE), self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
+                let place = device_folder(n).to_string_lossy().replace('\\', "/");
+                let clips = part.clips.iter_mut().flat_map(|group| &mut group.clips);
+                clips.for_each(|clip| clip.file = format!("{place}/{}", clip.file));
+                part.folder = Some(place);
+            }
+            parts.push(part);
+        }
+        if apart.len() != 1 {
+            files::write(&folder.join(format!("{}.json", R::KIND)), self.json().as_bytes())?;
+            files::write(&folder.join(format!("{}.txt", R::KIND)), self.text().as_bytes())?;
+        }
+        files::write(&folder.join(PAGE), self.page(self.rows, &parts).as_bytes())
+    }
+
+    fn part(&self, folder: &Path, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
+        let failed = |e: String| Error::io("draw the charts of", folder, std::io::Error::other(e));
+        let mut clips = R::clips(rows);
+        // An interrupted run may lack the pictures of what it measured.
+        clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_file()));
+        let charts = plot::drawn(rows).map_err(failed)?;
+        let tables = R::tables(rows, &self.list.settings);
+        Ok(DevicePart { device: device.clone(), folder: None, charts, tables, clips })
+    }
+
+    /// The files of one device, but for the page.
+    fn write_part(&self, folder: &Path, rows: &[R], part: &DevicePart) -> Result<()> {
+        let write = |name: &str, text: &str| files::write(&folder.join(name), text.as_bytes());
+        for (stem, rows) in R::files(rows) {
+            write(&format!("{stem}.json"), &files::json(&rows))?;
+        }
+        for sheet in sheets(rows).into_iter().chain(R::sheets(rows)) {
+            write(&sheet.file, &files::csv(&sheet.cells))?;
+        }
+        for DrawnChart { chart, svg } in &part.charts {
+            write(&format!("{}.svg", chart.stem), svg)?;
+        }
+        let all: Vec<Table> = part.tables.iter().cloned().chain(R::common_tables(rows)).collect();
+        let device = rows.first().map(|r| device_name(&r.program().device)).unwrap_or_default();
+        write(&format!("{}.txt", R::KIND), &format!("{device}\n{}", tables::text(&all)))?;
+        write(&format!("{}.md", R::KIND), &tables::markdown(&all))
+    }
+
+    fn page(&self, rows: &[R], parts: &[DevicePart]) -> String {
+        let page = StudyPage {
+            title: R::TITLE,
+            definitions: self.list.definitions,
+            command: &self.list.command,
+            devices: parts,
+            common: &R::common_tables(rows),
+            meanings: &meanings::<R>(),
+            folders: R::FOLDERS,
+            kind: R::KIND,
+            missing: self.missing,
+        };
+        page.render()
+    }
+}
+
+/// The page's file.
+pub const PAGE: &str = "index.html";
+
+/// The CSV files that follow from columns: a row for each row, and one for each item of their series.
+fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
+    let all = R::columns();
+    let named: Vec<_> = all.columns.iter().filter(|c| !c.name.is_empty()).collect();
+    let header = || named.iter().map(|c| c.name.clone());
+    let of = |row: &R| named.iter().map(|c| c.written(row)).collect::<Vec<_>>();
+    let cells = std::iter::once(header().collect()).chain(rows.iter().map(of)).collect();
+    let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
+    if let Some(series) = &all.series {
+        let number = series.name.trim_end_matches('s').to_owned();
+        let mut cells: Vec<Vec<String>> = vec![header().chain([number]).chain(series.names.iter().cloned()).collect()];
+        for row in rows {
+            let items = (series.items)(row).into_iter().enumerate();
+            cells.extend(items.map(|(n, item)| of(row).into_iter().chain([n.to_string()]).chain(item).collect()));
+        }
+        sheets.push(Sheet { file: format!("{}-{}.csv", R::KIND, series.name), cells });
+    }
+    sheets
+}
+
+/// What the columns mean that tables have and that their row says something of.
+fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
+    let all = R::columns().columns.into_iter();
+    let said = all.filter(|c| !c.title.is_empty() && !c.about.is_empty());
+    said.map(|c| (c.title, c.about.trim())).collect()
+}
+
+/// Writes a file of a measurement into the folder of its run.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be written, and for a film that is too large for its format.
+pub fn keep(folder: &Path, file: &ExtraFile) -> Result<()> {
+    let path = folder.join(&file.path);
+    match &file.content {
+        Content::Picture([width, height], bytes) => {
+            Rgb { width: *width, height: *height, bytes: bytes.clone() }.write_png(&path)
+        }
+        Content::Map([width, height], values, name) => {
+            let pixels = Pixels { width: *width, height: *height, channels: 1, values: values.clone() };
+            write_exr(&path, &pixels, &[name])
+        }
+        Content::Film(film, frames_per_second) => {
+            let encoded = clips::animated(film, *frames_per_second);
+            files::write(&path, &encoded.map_err(|e| Error::io("encode", &path, std::io::Error::other(e)))?)
+        }
+    }
+}

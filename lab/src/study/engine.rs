@@ -1,0 +1,240 @@
+//! The engine of studies: what every study has, once. A study says which cells it has and how one is measured; from that
+//! follow the list of cells, the journal and its keys, shards, what is left to measure, and the rows of whatever a journal
+//! holds. Tables, files and pages of the rows are made by `report::results`, and `app::measure` runs it from flags.
+
+use super::cell_list::{CellList, CellListHead, ListedResult, PlannedCell};
+use super::columns::Columns;
+use super::exhibit::{Chart, ClipGroup, ExtraFile, Sheet, Table};
+use super::journal::{Journal, digest, scene_digest};
+use super::record::{DEFINITIONS, Provenance};
+use super::shard::Shard;
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::scene::Scene;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// A study: cells that are measured one after the other.
+pub trait Study {
+    /// What one measurement is of.
+    type Cell;
+    /// What a measurement finds.
+    type Row: Row;
+
+    /// Every cell, in the order of its rows.
+    fn cells(&self) -> Vec<Planned<Self::Cell>>;
+
+    /// The scenes, whose digests tell studies apart.
+    fn scenes(&self) -> Vec<&Scene>;
+
+    /// The version of docs/definitions.md that the figures follow.
+    fn definitions(&self) -> u32 {
+        DEFINITIONS
+    }
+
+    /// Settings that tables depend on and that no cell has.
+    fn settings(&self) -> Value {
+        Value::Null
+    }
+
+    /// The keys of the cell's results in the journal, each with the fields of its row that the journal does not have.
+    fn results(&self, gpu: &Gpu, cell: &Planned<Self::Cell>) -> Vec<(String, Value)> {
+        vec![(cell.key::<Self::Row>(gpu), Value::Null)]
+    }
+
+    /// Steps of the progress bar that a cell takes. A cell of one step need not count it.
+    fn steps(&self, _cell: &Self::Cell) -> usize {
+        1
+    }
+
+    /// Measures a cell.
+    ///
+    /// # Errors
+    /// Errors of the device, and those of [`Bench::go_on`], which end the study.
+    fn measure(&mut self, cell: &Self::Cell, bench: &mut Bench) -> Result<Vec<Self::Row>>;
+}
+
+/// A cell, before the study is divided.
+pub struct Planned<C> {
+    /// The name, for people.
+    pub name: String,
+    /// Everything that the result depends on but the device and the program.
+    pub setup: Value,
+    /// The cell.
+    pub cell: C,
+}
+
+impl<C> Planned<C> {
+    /// Where the journal keeps the result of a device.
+    pub fn key<R: Row>(&self, gpu: &Gpu) -> String {
+        format!("{} {} {}", R::KIND, self.name, digest(gpu, &self.setup))
+    }
+}
+
+/// What a study finds: a record of JSON, whose fields are columns.
+pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
+    /// The kind of study, which is the name of its files and, without further kinds, that of its records.
+    const KIND: &'static str;
+    /// The title of its page.
+    const TITLE: &'static str;
+    /// Folders of files that measurements make beside rows.
+    const FOLDERS: &'static [&'static str] = &[];
+    /// Whether measurements keep samples in the journal, from which [`Row::read`] makes rows, and return no rows.
+    const IS_SAMPLED: bool = false;
+
+    /// Which program measured it, on which device.
+    fn program(&self) -> &Provenance;
+
+    /// Tables of rows that one device measured.
+    fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
+        vec![Table::of_rows("table", rows)]
+    }
+
+    /// Tables of figures alone, over the rows of all devices.
+    fn common_tables(_rows: &[Self]) -> Vec<Table> {
+        Vec::new()
+    }
+
+    /// Charts of rows that one device measured.
+    fn charts(_rows: &[Self]) -> Vec<Chart> {
+        Vec::new()
+    }
+
+    /// Animated pictures that measurements made.
+    fn clips(_rows: &[Self]) -> Vec<ClipGroup> {
+        Vec::new()
+    }
+
+    /// CSV files beside that of the rows and that of their series.
+    fn sheets(_rows: &[Self]) -> Vec<Sheet> {
+        Vec::new()
+    }
+
+    /// The files of records, without their ending, with the rows of each.
+    fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
+        vec![(Self::KIND, rows.to_vec())]
+    }
+
+    /// Says what is wrong if rows have to pass and do not.
+    fn failure(_rows: &[Self]) -> Option<String> {
+        None
+    }
+
+    /// Whether a journal has all of a result.
+    fn is_whole(_list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
+        journal.has(&of.key)
+    }
+
+    /// The rows of a result, as far as a journal has it.
+    fn read(_list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
+        journal.get(&of.key).unwrap_or_default()
+    }
+}
+
+/// What a study measures with.
+pub struct Bench<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// What was measured until now.
+    pub journal: &'a mut Journal,
+    /// Fails once a signal asked to stop. It is called between two steps of a measurement.
+    pub go_on: fn() -> Result<()>,
+    /// Moves the progress bar on by some steps.
+    pub advance: &'a mut dyn FnMut(usize),
+    /// Keeps a file that a measurement makes beside its rows.
+    pub keep: &'a mut dyn FnMut(&ExtraFile) -> Result<()>,
+}
+
+impl Bench<'_> {
+    /// One step further, unless a signal asked to stop.
+    ///
+    /// # Errors
+    /// Errors of [`Bench::go_on`].
+    pub fn step(&mut self) -> Result<()> {
+        (self.advance)(1);
+        (self.go_on)()
+    }
+}
+
+/// What was made last, which is kept as long as the same is asked for.
+pub struct Last<K, T>(Option<(K, T)>);
+
+impl<K, T> Default for Last<K, T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, T> Last<K, T> {
+    /// What was made last, if it was made for this key; otherwise it is dropped first, for its memory, and a new one is
+    /// made.
+    ///
+    /// # Errors
+    /// Errors of `make`.
+    pub fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
+        let kept = self.0.take().filter(|(of, _)| *of == key);
+        let (key, made) = match kept {
+            Some(same) => same,
+            None => (key, make()?),
+        };
+        Ok(&mut self.0.insert((key, made)).1)
+    }
+}
+
+/// The list of a study's cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
+pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard>) -> CellList {
+    let planned = |cell: Planned<S::Cell>| {
+        let results = study.results(gpu, &cell);
+        PlannedCell { name: cell.name, setup: cell.setup, results }
+    };
+    let head = CellListHead {
+        kind: S::Row::KIND,
+        definitions: study.definitions(),
+        command,
+        shard,
+        settings: study.settings(),
+        scenes: study.scenes().into_iter().map(|scene| (scene.name.clone(), scene_digest(scene))).collect(),
+    };
+    CellList::new(head, gpu.info(), study.cells().into_iter().map(planned).collect())
+}
+
+/// Steps of the progress bar over the cells that a run owns.
+pub fn steps<S: Study>(study: &S, list: &CellList) -> usize {
+    list.own(&study.cells()).map(|planned| study.steps(&planned.cell)).sum()
+}
+
+/// Measures every cell of a list that the run owns and that the journal lacks.
+///
+/// # Errors
+/// Errors of a measurement, of the journal, and of [`Bench::go_on`].
+pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> Result<()> {
+    for (planned, listed) in study.cells().iter().zip(&list.cells).filter(|(_, listed)| listed.own) {
+        let steps = study.steps(&planned.cell);
+        if listed.results.iter().all(|of| S::Row::is_whole(list, of, bench.journal)) {
+            (bench.advance)(steps);
+            continue;
+        }
+        let rows = study.measure(&planned.cell, bench)?;
+        if let Some(of) = listed.results.first().filter(|_| !(S::Row::IS_SAMPLED && rows.is_empty())) {
+            bench.journal.put(of.key.clone(), &rows)?;
+        }
+        if steps == 1 {
+            bench.step()?;
+        }
+    }
+    Ok(())
+}
+
+/// The rows of everything that a journal has of a run, in the order of the list.
+pub fn rows<R: Row>(list: &CellList, journal: &Journal) -> Vec<R> {
+    let results = list.cells.iter().filter(|cell| cell.own).flat_map(|cell| &cell.results);
+    results.flat_map(|of| R::read(list, of, journal)).collect()
+}
+
+/// The names of the cells that a run owns and has not measured.
+pub fn missing<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
+    let own = list.cells.iter().filter(|cell| cell.own);
+    let lacks = own.filter(|cell| !cell.results.iter().all(|of| R::is_whole(list, of, journal)));
+    lacks.map(|cell| cell.name.clone()).collect()
+}

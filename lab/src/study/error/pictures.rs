@@ -1,0 +1,34 @@
+//! The pictures of a cell: reflection colours, and for methods each error map as numbers and as a picture in FLIP's colours.
+
+use super::{MeasuredCell, display};
+use crate::study::exhibit::{Content, ExtraFile};
+use crate::study::names::safe_word;
+
+/// The folder of the cells' pictures.
+pub const IMAGES: &str = "images";
+
+/// Name of a cell's picture; its error maps have "-rmse" or "-flip" before the extension.
+pub fn picture_file(cell: &str, name: &str) -> String {
+    format!("{cell}-{}.png", safe_word(name))
+}
+
+/// Name of the FLIP map of a cell's picture.
+pub fn flip_file(cell: &str, name: &str) -> String {
+    format!("{cell}-{}-flip.png", safe_word(name))
+}
+
+/// The files of a cell, by its name.
+pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
+    let of = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
+    let mut files = Vec::new();
+    for strip in &cell.strips {
+        files.push(of(picture_file(name, &strip.name), Content::Picture(cell.extent, display(&strip.color))));
+        let Some(error) = &strip.error else { continue };
+        let stem = format!("{name}-{}", safe_word(&strip.name));
+        for (of_what, values) in [("rmse", &error.rmse), ("flip", &error.flip.errors)] {
+            files.push(of(format!("{stem}-{of_what}.exr"), Content::Map(cell.extent, values.clone(), of_what)));
+            files.push(of(format!("{stem}-{of_what}.png"), Content::heat(cell.extent, values)));
+        }
+    }
+    files
+}

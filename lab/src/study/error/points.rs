@@ -1,0 +1,120 @@
+//! What the rows of the error study come to over its cells: a point for each variant, and the parts of the error.
+
+use super::{Against, ErrorRecord, ImageError};
+use crate::metrics::pareto;
+use crate::study::columns::{Column, Columns};
+use crate::study::exhibit::pivot;
+use crate::study::names::roughness;
+use crate::study::record::Stats;
+use std::collections::BTreeMap;
+
+/// Name of the floor in tables.
+pub const FLOOR: &str = "floor of the screen";
+
+/// A variant over all cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Its name.
+    pub name: String,
+    /// Median over the cells of its median time.
+    pub time_ms: f64,
+    /// Mean over the cells of its error: the share of wrong hits against the oracle, else the RMSE.
+    pub error: f64,
+    /// Mean over the cells of its place agreement; `None` where no cell has one.
+    pub place_agreement: Option<f64>,
+    /// Medians over the cells of what it made of the scene before the first frame: bytes on the device, and
+    /// milliseconds. `None` where no record says it.
+    pub prepared: Option<(f64, f64)>,
+    /// Means over the cells of [`more_columns`].
+    pub more: Vec<Option<f64>>,
+    /// Whether no other variant beats it.
+    pub on_front: bool,
+}
+
+/// The columns of an image's errors that tables show beside the error itself: those with a header.
+pub fn more_columns() -> Vec<Column<ImageError>> {
+    ImageError::columns().columns.into_iter().filter(|c| !c.title.is_empty()).collect()
+}
+
+/// The mean; `None` of nothing.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Mean over the cells of the screen's floor; `None` where no cell has one.
+pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
+    // Every method of a cell has the same.
+    mean(&records.iter().filter_map(|r| r.floor).collect::<Vec<_>>())
+}
+
+/// The error of a record in the plot of its reference.
+fn error(record: &ErrorRecord) -> Option<f64> {
+    match record.against {
+        Against::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
+        Against::Screen | Against::World => record.image.rmse,
+    }
+}
+
+/// The values of a variant over the cells: times, errors, places, bytes, milliseconds, and those of [`more_columns`].
+type Found = (String, [Vec<f64>; 5], Vec<Vec<f64>>);
+
+/// One point a variant against a reference, over some records, in order of time. A variant with an
+/// error that is not finite is left out.
+pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
+    let columns = more_columns();
+    let mut all: Vec<Found> = Vec::new();
+    for r in records.iter().filter(|r| r.against == against) {
+        let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
+        let name = r.head.variant();
+        let known = all.iter().position(|(n, ..)| *n == name).unwrap_or(all.len());
+        if known == all.len() {
+            all.push((name, Default::default(), vec![Vec::new(); columns.len()]));
+        }
+        let [times, errors, places, bytes, prepared_ms] = &mut all[known].1;
+        times.push(time);
+        errors.push(error);
+        places.extend(r.place_agreement);
+        bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
+        prepared_ms.extend(r.prepared.as_ref().map(|p| p.time_ms));
+        for (values, column) in all[known].2.iter_mut().zip(&columns) {
+            values.extend(column.number(&r.image));
+        }
+    }
+    let mut points: Vec<Point> = all
+        .into_iter()
+        .map(|(name, [times, errors, places, bytes, prepared_ms], more)| Point {
+            name,
+            time_ms: Stats::of(&times).median_ms,
+            error: mean(&errors).unwrap_or(f64::NAN),
+            place_agreement: mean(&places),
+            prepared: (!bytes.is_empty()).then(|| (Stats::of(&bytes).median_ms, Stats::of(&prepared_ms).median_ms)),
+            more: more.iter().map(|values| mean(values)).collect(),
+            on_front: false,
+        })
+        .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
+        .collect();
+    for index in pareto::front(&points.iter().map(|p| (p.time_ms, p.error)).collect::<Vec<_>>()) {
+        points[index].on_front = true;
+    }
+    points.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
+    points
+}
+
+/// What the error consists of: a row a method and reference, and one for the floor; a column a roughness; medians over the
+/// views. A method is shown by its base variant, the first in the records.
+pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
+    let mut bases = BTreeMap::new();
+    for r in records {
+        bases.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
+    }
+    let base = || records.iter().filter(|r| bases.get(&r.head.method_and_fallback()) == Some(&r.head.variant()));
+    let column = |r: &ErrorRecord| format!("r {}", roughness(r.head.roughness));
+    let of = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
+    let errors = base().filter_map(|r| Some((of(r), column(r), r.image.rmse?)));
+    let floors = base().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
+    let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
+    pivot("what, against", &all, [&|v| v.0.clone(), &|v| v.1.clone()], |here| {
+        let values: Vec<f64> = here.iter().map(|v| v.2).collect();
+        Some(format!("{:.4}", Stats::of(&values).median_ms))
+    })
+}

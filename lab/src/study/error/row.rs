@@ -1,0 +1,207 @@
+//! The rows of the error study, and what they come to: run time against error for each reference, and the parts of the
+//! error by roughness.
+
+use super::ImageError;
+use super::points::{self, FLOOR, Point};
+use crate::methods::Prepared;
+use crate::metrics::{HitAgreement, pareto};
+use crate::study::columns::{AsDatum, Datum, columns, figure, part, time, times};
+use crate::study::engine::Row;
+use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table};
+use crate::study::names::cell_name;
+use crate::study::record::{Head, Provenance};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// What a figure is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Against {
+    /// Hits against the oracle, in the record's version; mirrors only.
+    Oracle,
+    /// The image against the screen reference of that version, in which a miss is black; not for what
+    /// shows the environment there.
+    Screen,
+    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment; by version 1 of
+    /// the definitions, black for what does not show it ([`Variant::escape`]).
+    World,
+}
+
+impl Against {
+    /// The name in tables and files.
+    pub fn name(self) -> &'static str {
+        REFERENCES.iter().find(|r| r.0 == self).map_or("", |r| r.1)
+    }
+}
+
+impl AsDatum for Against {
+    fn datum(&self) -> Datum {
+        Datum::Text(self.name().to_owned())
+    }
+}
+
+columns! {
+    /// One figure of run time against error. What has no meaning is null.
+    pub struct ErrorRecord {
+        /// What it is of.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// Median of the method's total; null for what is no method.
+        pub time_ms: Option<f64> = time(""),
+        /// The reference.
+        pub against: Against = figure(""),
+        /// Hits against the oracle's, or (without distances) against the world's.
+        #[serde(flatten)]
+        pub hits: HitAgreement = part(),
+        /// What is wrong with the image.
+        #[serde(flatten)]
+        pub image: ImageError = part(),
+        /// Against the world: the share of mirror rays that the method ends where they end among the triangles.
+        pub place_agreement: Option<f64> = figure(""),
+        /// Against the world: the RMSE of the floor of the screen's picture, the same for all methods.
+        pub floor: Option<f64> = figure(""),
+        /// What the method made of the scene before the first frame; null for what is no method.
+        pub prepared: Option<Prepared> = times(),
+    }
+}
+
+/// The three references with what their charts show.
+const REFERENCES: [(Against, &str, &str); 3] = [
+    (Against::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
+    (Against::Screen, "screen", "RMSE against the screen reference"),
+    (Against::World, "world", WORLD_AXIS),
+];
+
+/// What an error against the world is called.
+const WORLD_AXIS: &str = "RMSE against the world reference";
+
+/// The horizontal axis of run time against error.
+const TIME_AXIS: &str = "milliseconds, median";
+
+const ABOUT: &str = "The error is the mean over the cells, the time the median. No other point is better in both than a point \
+    on the front (marked by *, and red in the charts).";
+
+const ABOUT_SOURCES: &str = "RMSE of the reflection colour, median over the views. Against the screen reference, the row \
+    exact-hits+cone has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it \
+    comes from its wrong hits. The row screen-reference against the world is what screen space itself costs: it traces the \
+    G-buffer exactly, and still differs by that much from the triangles. The floor of the screen shows the screen's colour \
+    wherever the screen shows what a ray meets, and the truth elsewhere: hits on the screen cannot be nearer to the world \
+    than that. A ray ends in the right place if it ends within 2 % of its length and 2 cm of where it ends among the \
+    triangles.";
+
+impl Row for ErrorRecord {
+    const KIND: &'static str = "error";
+    const TITLE: &'static str = "Run time against error";
+    const FOLDERS: &'static [&'static str] = &[super::pictures::IMAGES];
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    /// The points of every reference with the front.
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        let cells = rows.iter().map(cell_of).collect::<BTreeSet<_>>().len();
+        let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
+        let table = |(against, id, axis): (Against, &'static str, &str)| {
+            let points = points::points(rows, against);
+            let title = format!("{axis}, mean over the cells; * is on the Pareto front");
+            let cells = point_cells(&points, floor(rows, against));
+            (!points.is_empty()).then(|| Table::new(id, &title, &about, cells))
+        };
+        REFERENCES.into_iter().filter_map(table).collect()
+    }
+
+    fn common_tables(rows: &[Self]) -> Vec<Table> {
+        if rows.is_empty() { Vec::new() } else { vec![source_table(&one_of_each(rows))] }
+    }
+
+    /// One chart for each reference that the rows have, and one of bytes where they differ.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let chart = |(against, name, axis): (Against, &str, &str)| {
+            let points = points::points(rows, against);
+            let named = |p: &Point| NamedPoint { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
+            let axes = [TIME_AXIS, axis].map(str::to_owned);
+            let drawing = Drawing::Points(axes, points.iter().map(named).collect());
+            let title = format!("Run time against {axis}");
+            (!points.is_empty()).then(|| Chart::new(format!("error-{name}"), title, drawing))
+        };
+        let bytes = bytes_against_error(&points::points(rows, Against::World));
+        REFERENCES.into_iter().filter_map(chart).chain(bytes).collect()
+    }
+}
+
+/// What is prepared against the error, where there is more than one size of it: one size alone is a column of the table.
+fn bytes_against_error(points: &[Point]) -> Option<Chart> {
+    let cost = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
+    let points: Vec<&Point> = points.iter().filter(|p| cost(p) > 0.0).collect();
+    if points.iter().all(|p| cost(p) == cost(points[0])) {
+        return None;
+    }
+    let front = pareto::front(&points.iter().map(|p| (cost(p), p.error)).collect::<Vec<_>>());
+    let named = |(i, p): (usize, &&Point)| NamedPoint {
+        name: p.name.clone(),
+        at: [cost(p), p.error],
+        on_front: front.contains(&i),
+    };
+    let axes = ["MiB on the device, prepared", WORLD_AXIS].map(str::to_owned);
+    let drawing = Drawing::Points(axes, points.iter().enumerate().map(named).collect());
+    Some(Chart::new("error-world-bytes", format!("Prepared bytes against {WORLD_AXIS}"), drawing))
+}
+
+/// The name of a record's cell.
+fn cell_of(r: &ErrorRecord) -> String {
+    cell_name(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
+}
+
+/// Keeps the first record of each figure that several devices measured: an error is the same on all devices.
+fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
+    let mut seen = BTreeSet::new();
+    let of = |r: &&ErrorRecord| {
+        let set = serde_json::to_string(&r.head.setup).unwrap_or_default();
+        seen.insert(format!("{} {} {:?} {:?} {set}", cell_of(r), r.head.method, r.head.preset, r.against))
+    };
+    records.iter().filter(of).cloned().collect()
+}
+
+/// What is beside errors against the world.
+fn floor(records: &[ErrorRecord], against: Against) -> Option<f64> {
+    points::floor(records).filter(|_| against == Against::World)
+}
+
+/// Bytes of a MiB.
+const MIB: f64 = (1 << 20) as f64;
+
+/// One row a point, and below them the floor. Places, and what was prepared, are columns where a point has any.
+fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
+    let has_places = points.iter().any(|p| p.place_agreement.is_some());
+    let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
+    let row = |[name, time, error, front, place, bytes, prepared]: [String; 7], more: Vec<String>| {
+        let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
+        first.chain([bytes, prepared].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
+    };
+    let columns = points::more_columns();
+    let point = |p: &Point| {
+        let front = if p.on_front { "*" } else { "" };
+        let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
+        let (bytes, prepared) = p.prepared.unwrap_or_default();
+        let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
+        let prepared = [format!("{:.1}", bytes / MIB), format!("{prepared:.0}")];
+        let [bytes, prepared] = prepared;
+        let more = columns.iter().zip(&p.more).map(|(column, mean)| column.shown_number(*mean)).collect();
+        row([p.name.clone(), time, error, front.to_owned(), place, bytes, prepared], more)
+    };
+    let names = ["variant", "median ms", "error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
+    let dash = || "-".to_owned();
+    let no_more = || columns.iter().map(|_| dash()).collect();
+    let last = floor.map(|error| {
+        row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()], no_more())
+    });
+    let header = row(names.map(str::to_owned), columns.iter().map(|c| c.title.clone()).collect());
+    std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
+}
+
+/// What the error consists of, with the words that explain it.
+pub fn source_table(records: &[ErrorRecord]) -> Table {
+    Table::new("sources", "Where the error comes from", ABOUT_SOURCES, points::source_cells(records))
+}

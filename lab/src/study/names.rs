@@ -1,0 +1,96 @@
+//! How cells, roughness values and devices are called, on pages and in the names of files.
+
+use crate::gpu::DeviceInfo;
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
+
+/// The name of a cell, with which its files begin.
+pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], of_roughness: Option<f32>) -> String {
+    let [scene, view] = [scene, view].map(safe_word);
+    format!("{scene}-{view}-{width}x{height}-r{}", roughness(of_roughness))
+}
+
+/// The name of a global roughness: materials that keep theirs have their own.
+pub fn roughness(value: Option<f32>) -> String {
+    value.map_or_else(|| "own".into(), |r| format!("{r}"))
+}
+
+/// A name as a part of a file's name, whatever a user or a file calls a scene, a view or a variant: without separators of
+/// folders and other characters that file systems, shells' patterns or addresses of pages give a meaning, and short. A
+/// name that had to be changed ends in a digest of what it was, so that different names stay different.
+pub fn safe_word(name: &str) -> Cow<'_, str> {
+    const MOST_BYTES: usize = 64;
+    let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|%#"#.contains(c);
+    if !name.is_empty() && name.len() <= MOST_BYTES && !name.starts_with('.') && name.chars().all(is_safe) {
+        return name.into();
+    }
+    let mut word = String::new();
+    for c in name.chars() {
+        if word.len() + c.len_utf8() > MOST_BYTES {
+            break;
+        }
+        word.push(if is_safe(c) && !(c == '.' && word.is_empty()) { c } else { '_' });
+    }
+    let digest = Sha256::digest(name.as_bytes());
+    word.push('-');
+    word.extend(digest.iter().take(4).map(|byte| format!("{byte:02x}")));
+    word.into()
+}
+
+/// Returns the shortest name that tells a device from the others in a table: its own name, with the driver and its version
+/// if another device has the same name, and with the version of Vulkan if that one has the same driver, too.
+pub fn name_among(device: &DeviceInfo, others: &[&DeviceInfo]) -> String {
+    let (name, driver) = (&device.name, &device.driver);
+    let mut namesakes = others.iter().filter(|other| **other != device && other.name == *name).peekable();
+    if namesakes.peek().is_none() {
+        name.clone()
+    } else if namesakes.all(|other| other.driver != *driver) {
+        format!("{name} ({driver})")
+    } else {
+        format!("{name} ({driver}, Vulkan {}, {})", device.api, device.kind)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn names_become_words_of_file_names_and_stay_different() {
+        for plain in ["exit sign", "Küche (Süd)", "front 2", "r0.4", "a-b_c"] {
+            assert_eq!(safe_word(plain), plain);
+        }
+        let long = "x".repeat(400);
+        let wide = "\u{30ab}".repeat(100);
+        let odd = [
+            "", ".", "..", "a/b", "a\\b", "a_b/", "../../x", "a\0b", "a\nb", "a:b", "50 %", "#1", ".hidden", &long,
+            &wide,
+        ];
+        let words: BTreeSet<String> = odd.iter().map(|name| safe_word(name).into_owned()).collect();
+        assert_eq!(words.len(), odd.len(), "{words:?}");
+        for word in &words {
+            let path = Path::new(word);
+            assert!(path.components().count() == 1 && path.file_name().is_some_and(|f| f == word.as_str()), "{word:?}");
+            assert!(word.len() < 80 && !word.starts_with('.') && !word.contains(char::is_control), "{word:?}");
+        }
+    }
+
+    #[test]
+    fn two_drivers_of_one_name_are_told_apart() {
+        let device = |name: &str, driver: &str, api: &str| {
+            let kind = "CPU".to_owned();
+            DeviceInfo { name: name.to_owned(), driver: driver.to_owned(), api: api.to_owned(), kind }
+        };
+        let old = device("llvmpipe", "Mesa 22.3", "1.3.230");
+        let new = device("llvmpipe", "Mesa 25.0", "1.4.305");
+        let other = device("SwiftShader", "5.0", "1.3.0");
+        let all = [&old, &new, &other, &old];
+        let names = [&old, &new, &other].map(|d| name_among(d, &all));
+        assert_eq!(names, ["llvmpipe (Mesa 22.3)", "llvmpipe (Mesa 25.0)", "SwiftShader"]);
+        assert_eq!(name_among(&old, &[&old, &other]), "llvmpipe");
+        let same_driver = device("llvmpipe", "Mesa 22.3", "1.2.0");
+        assert_eq!(name_among(&old, &[&old, &same_driver]), "llvmpipe (Mesa 22.3, Vulkan 1.3.230, CPU)");
+    }
+}

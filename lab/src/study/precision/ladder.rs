@@ -1,0 +1,140 @@
+//! The ladder of formats over the views: for each method its rungs, a table of them, and charts of bytes against error.
+
+use super::{PrecisionRecord, Storage};
+use crate::metrics::pareto;
+use crate::study::columns::{AsDatum, Datum};
+use crate::study::engine::Row;
+use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table, distinct};
+use crate::study::names::roughness as roughness_name;
+use crate::study::record::Provenance;
+use serde_json::Value;
+
+/// What a rung comes to for a method over the views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// The formats.
+    pub storage: Storage,
+    /// Mean share of wrong hits, mirrors.
+    pub wrong_hits: Option<f64>,
+    /// The greatest of a view.
+    pub wrong_hits_worst: Option<f64>,
+    /// Mean RMSE of each roughness, in the order of [`roughness_values`].
+    pub rmse: Vec<f64>,
+}
+
+/// The roughness values of some records, in the order of their first.
+pub fn roughness_values(records: &[PrecisionRecord]) -> Vec<Option<f32>> {
+    distinct(records.iter().map(|r| r.head.roughness))
+}
+
+/// A method's rungs, in the ladder's order.
+pub fn rungs(records: &[PrecisionRecord], method: &str) -> Vec<Rung> {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let rung = |storage: Storage| {
+        let here = || records.iter().filter(move |r| r.head.method == method && r.storage == storage);
+        let wrong: Vec<f64> = here().filter_map(|r| r.hits.hit_agreement).map(|a| 1.0 - a).collect();
+        let rmse = |roughness: Option<f32>| {
+            let values: Vec<f64> = here().filter(|r| r.head.roughness == roughness).map(|r| r.rmse).collect();
+            (!values.is_empty()).then(|| mean(&values))
+        };
+        let rmse: Vec<f64> = roughness_values(records).into_iter().filter_map(rmse).collect();
+        (!rmse.is_empty()).then(|| Rung {
+            storage,
+            wrong_hits: (!wrong.is_empty()).then(|| mean(&wrong)),
+            wrong_hits_worst: wrong.iter().copied().reduce(f64::max),
+            rmse,
+        })
+    };
+    Storage::ladder().into_iter().filter_map(rung).collect()
+}
+
+impl AsDatum for Storage {
+    fn datum(&self) -> Datum {
+        Datum::Text(self.name())
+    }
+}
+
+impl Row for PrecisionRecord {
+    const KIND: &'static str = "precision";
+    const TITLE: &'static str = "Precision ladder";
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        vec![Table { id: "table", about: ABOUT.to_owned(), cells: cells(rows), ..Table::default() }]
+    }
+
+    /// For each method: wrong hits, and the RMSE of each roughness.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let mut charts = Vec::new();
+        let mut add = |stem: String, title: String, points: Vec<(Storage, f64)>| {
+            if points.len() > 1 {
+                let axes = ["bytes per pixel".to_owned(), title.clone()];
+                charts.push(Chart::new(stem, title, Drawing::Points(axes, named(&points))));
+            }
+        };
+        for method in methods(rows) {
+            let rungs = rungs(rows, method);
+            let wrong = rungs.iter().filter_map(|r| Some((r.storage, r.wrong_hits?)));
+            let title = format!("{method}: share of wrong hits against the oracle (roughness 0)");
+            add(format!("precision-hits-{method}"), title, wrong.collect());
+            for (n, roughness) in roughness_values(rows).into_iter().enumerate() {
+                let roughness = roughness_name(roughness);
+                let rmse = rungs.iter().filter_map(|r| Some((r.storage, r.rmse.get(n).copied()?)));
+                let title = format!("{method}: RMSE of the reflection colour, roughness {roughness}");
+                add(format!("precision-rmse-{method}-r{roughness}"), title, rmse.collect());
+            }
+        }
+        charts
+    }
+}
+
+const ABOUT: &str = "The G-buffer is traced in f64 through the pixels' centres, stored in each set of formats, and handed \
+    to the methods with what was read again. Hits are held against oracle 1 on the unrounded G-buffer, colours against the \
+    screen reference there; oracle is the oracle itself on what was stored: what storage costs, whatever the arithmetic. \
+    Bytes are depth, normal, lit colour and 4 of reflectivity and roughness. Means over the views.";
+
+fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
+    let costs: Vec<_> = points.iter().map(|(s, e)| (f64::from(s.bytes_per_pixel()), *e)).collect();
+    let on_front = pareto::front(&costs);
+    points
+        .iter()
+        .zip(&costs)
+        .enumerate()
+        .map(|(n, ((storage, _), (x, y)))| NamedPoint {
+            name: storage.name(),
+            at: [*x, *y],
+            on_front: on_front.contains(&n),
+        })
+        .collect()
+}
+
+fn methods(records: &[PrecisionRecord]) -> Vec<&str> {
+    distinct(records.iter().map(|r| r.head.method.as_str()))
+}
+
+/// One row a rung; for each method its wrong hits (mean and worst view) and its RMSE by roughness.
+fn cells(records: &[PrecisionRecord]) -> Vec<Vec<String>> {
+    let methods: Vec<(&str, Vec<Rung>)> = methods(records).into_iter().map(|m| (m, rungs(records, m))).collect();
+    let roughness = roughness_values(records);
+    let mut header = vec!["storage".to_owned(), "bytes".to_owned()];
+    for (method, rungs) in &methods {
+        header.extend([format!("{method} wrong %"), "worst %".to_owned()]);
+        let columns = rungs.iter().map(|r| r.rmse.len()).max().unwrap_or(0);
+        header.extend(roughness.iter().take(columns).map(|r| format!("RMSE r {}", roughness_name(*r))));
+    }
+    let mut rows = vec![header];
+    for storage in Storage::ladder() {
+        let mut row = vec![storage.name(), storage.bytes_per_pixel().to_string()];
+        for (_, rungs) in &methods {
+            let Some(rung) = rungs.iter().find(|r| r.storage == storage) else { continue };
+            let percent = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{:.3}", 100.0 * v));
+            row.extend([percent(rung.wrong_hits), percent(rung.wrong_hits_worst)]);
+            row.extend(rung.rmse.iter().map(|e| format!("{e:.5}")));
+        }
+        rows.push(row);
+    }
+    rows
+}

@@ -1,0 +1,173 @@
+//! Rows of the stress study, and their tables: method × failure, what is violated, motions, and every case.
+
+use super::motion::MotionRecord;
+use super::{AGREEMENT, COMPARED_PIXELS, JUDGED, StressRecord};
+use crate::study::columns::{Column, ColumnSet, Columns};
+use crate::study::engine::Row;
+use crate::study::exhibit::{Table, distinct, pivot};
+use crate::study::record::Provenance;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// A row of the stress study: a case, or a motion of the camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum StressRow {
+    /// A case.
+    Case(Box<StressRecord>),
+    /// A motion.
+    Motion(Box<MotionRecord>),
+}
+
+impl StressRow {
+    fn case(&self) -> Option<&StressRecord> {
+        if let Self::Case(record) = self { Some(record) } else { None }
+    }
+
+    fn motion(&self) -> Option<&MotionRecord> {
+        if let Self::Motion(record) = self { Some(record) } else { None }
+    }
+}
+
+fn cases_of(rows: &[StressRow]) -> Vec<StressRecord> {
+    rows.iter().filter_map(StressRow::case).cloned().collect()
+}
+
+/// The columns of the cases, which are empty for motions.
+impl Columns for StressRow {
+    fn columns() -> ColumnSet<Self> {
+        let of_case = StressRecord::columns();
+        let column = |column: Column<StressRecord>| {
+            let (name, own) = (column.name.clone(), column);
+            Column::named(&name, move |row: &Self| row.case().map(|case| own.written(case)))
+        };
+        let columns = of_case.columns.into_iter().map(column).collect();
+        let times = of_case.times.into_iter().chain(MotionRecord::columns().times).collect();
+        ColumnSet { columns, times, series: None }
+    }
+}
+
+const CASES: &str = "What each method made of it: the share of the compared hits that are the oracle's, before it \
+    the shares of the image's pixels that are NaN, infinite (inf), negative (neg) or of exhausted rays (exh). Where no hits \
+    are compared and no such pixel is, it is sound.";
+
+const VIOLATIONS: &str = "Cases that are not passed and must be. A frame that takes seconds counts as runaway, and does not \
+    pass either.";
+
+impl Row for StressRow {
+    const KIND: &'static str = "stress";
+    const TITLE: &'static str = "Numerical stress";
+
+    fn program(&self) -> &Provenance {
+        match self {
+            Self::Case(record) => &record.program,
+            Self::Motion(record) => &record.program,
+        }
+    }
+
+    fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
+        let rule = format!(
+            "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
+             are compared with oracle 1 where rays are defined, in {COMPARED_PIXELS} reflecting pixels drawn at random where \
+             there are more. {JUDGED} passes a case with no such pixel and {} % of the hits \
+             (disagreements that vanish when the ray's direction, its first depth or where it crosses the sides of pixels \
+             changes by up to 16 units in the last place of an f32 are ties; each corner that it then passes is a choice of \
+             its own); so do the methods that follow rays in captures, where captures stand in hard places; the published \
+             methods need only survive, and their counts are findings.",
+            100.0 * AGREEMENT
+        );
+        let records = cases_of(rows);
+        let violated = Table::new("violations", "Violations", VIOLATIONS, failures(&records));
+        let motions: Vec<MotionRecord> = rows.iter().filter_map(Self::motion).cloned().collect();
+        let motions = if motions.is_empty() { Vec::new() } else { MotionRecord::tables(&motions, settings) };
+        let every = Table::new("cases", "Every case", CASES, cases(&records));
+        let mut all = vec![Table::new("methods", "Method × failure", &rule, methods(&records)), violated];
+        all.extend(motions);
+        all.push(Table { is_large: true, ..every });
+        all
+    }
+
+    fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
+        let (cases, motions) = rows.iter().cloned().partition(|row| row.case().is_some());
+        vec![("stress", cases), ("motion", motions)]
+    }
+
+    fn failure(rows: &[Self]) -> Option<String> {
+        let violated: Vec<_> = rows.iter().filter_map(Self::case).filter(|r| r.judged && !r.pass).collect();
+        let first = violated.first()?;
+        let (count, method, case) = (violated.len(), &first.method, &first.case);
+        Some(format!("{count} case(s) are not passed and must be, the first by {method}: {case}"))
+    }
+}
+
+/// A table of method × failure: the number of cases with such pixels, and the pixels over all of them.
+fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
+    let header = ["method", "cases", "pass", "NaN", "infinite", "negative", "exhausted", "agreement %", "least %"];
+    let mut rows = vec![header.map(str::to_owned).to_vec()];
+    for name in distinct(records.iter().map(|r| &r.method)) {
+        let here: Vec<&StressRecord> = records.iter().filter(|r| r.method == *name).collect();
+        let counted = |of: fn(&StressRecord) -> usize| {
+            let cases = here.iter().filter(|r| of(r) > 0).count();
+            if cases == 0 { "0".into() } else { format!("{} px in {cases}", here.iter().map(|r| of(r)).sum::<usize>()) }
+        };
+        let exhausted =
+            if here.iter().any(|r| r.exhausted.is_some()) { counted(|r| r.exhausted.unwrap_or(0)) } else { "-".into() };
+        let agreements: Vec<(usize, f64)> = here.iter().filter_map(|r| r.compared.zip(r.hit_agreement)).collect();
+        let (pixels, agreeing) = agreements.iter().fold((0, 0.0), |(n, a), (k, h)| (n + k, a + *k as f64 * h));
+        let percent = |v: f64| format!("{:.3}", 100.0 * v);
+        let least = agreements.iter().map(|(_, h)| *h).reduce(f64::min);
+        rows.push(vec![
+            name.clone(),
+            here.len().to_string(),
+            here.iter().filter(|r| r.pass).count().to_string(),
+            counted(|r| r.nan),
+            counted(|r| r.inf),
+            counted(|r| r.negative),
+            exhausted,
+            if pixels > 0 { percent(agreeing / pixels as f64) } else { "-".into() },
+            least.map_or("-".into(), percent),
+        ]);
+    }
+    rows
+}
+
+/// What must pass and does not, a row each.
+fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
+    let header = ["method", "case", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
+    let mut rows = vec![header.map(str::to_owned).to_vec()];
+    for r in records.iter().filter(|r| r.judged && !r.pass) {
+        let or_dash = |v: Option<usize>| v.map_or("-".into(), |v| v.to_string());
+        rows.push(vec![
+            r.method.clone(),
+            r.case.clone(),
+            format!("{}x{}", r.width, r.height),
+            r.nan.to_string(),
+            r.inf.to_string(),
+            r.negative.to_string(),
+            or_dash(r.exhausted),
+            r.hit_agreement.map_or("-".into(), |h| format!("{:.3}", 100.0 * h)),
+            or_dash(r.ties),
+            format!("{:.1}", r.time_ms),
+        ]);
+    }
+    rows
+}
+
+/// Cases × methods: what was wrong in each.
+fn cases(records: &[StressRecord]) -> Vec<Vec<String>> {
+    let (case, method) = (|r: &StressRecord| r.case.clone(), |r: &StressRecord| r.method.clone());
+    pivot("case", records, [&case, &method], |here| here.first().map(|r| summary(r)))
+}
+
+/// What was wrong with one record, in a few words.
+fn summary(r: &StressRecord) -> String {
+    let share = |n: usize| format!("{:.2} %", 100.0 * n as f64 / r.pixels.max(1) as f64);
+    let mut words: Vec<String> =
+        [("NaN", r.nan), ("inf", r.inf), ("neg", r.negative), ("exh", r.exhausted.unwrap_or(0))]
+            .into_iter()
+            .filter(|(_, n)| *n > 0)
+            .map(|(what, n)| format!("{what} {}", share(n)))
+            .collect();
+    words.extend(r.hit_agreement.map(|h| format!("{:.2} %", 100.0 * h)));
+    if words.is_empty() { "sound".into() } else { words.join(", ") }
+}

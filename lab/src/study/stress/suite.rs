@@ -1,0 +1,167 @@
+//! The suite of stress: hard G-buffers, hard places of the camera and of captures, and motions of the camera.
+
+use super::captures::{self, CaptureCase};
+use super::cases::{Case, cases};
+use super::lineup::{SceneLineup, ScreenLineup};
+use super::motion::{self, MOTIONS, Motion, MotionSpec};
+use super::row::StressRow;
+use super::{Place, StressRecord, moved, places, run, run_place};
+use crate::error::Result;
+use crate::methods::{MethodInfo, Setup};
+use crate::scene::{Scene, library};
+use crate::study::engine::{Bench, Last, Planned, Study};
+use crate::study::journal::scene_digest;
+use serde_json::{Value, json};
+
+/// Pixels of the cases with a scene.
+const SCENE_SIZE: [u32; 2] = [321, 181];
+
+/// Pixels of the cases with captures, which are drawn anew in each.
+const CAPTURE_SIZE: [u32; 2] = [161, 91];
+
+/// Roughness values of the camera's motions.
+const MOTION_ROUGHNESS: [f32; 2] = [0.0, 0.1];
+
+/// The suite.
+pub struct StressStudy {
+    is_quick: bool,
+    methods: Vec<&'static MethodInfo>,
+    scenes: Vec<Scene>,
+    cases: Vec<Case>,
+    /// Places with the number of their scene.
+    places: Vec<(usize, Place)>,
+    /// Captures with the number of their scene.
+    captures: Vec<(usize, CaptureCase)>,
+    /// Motions in the first scene: the number of the view, and the roughness.
+    motions: Vec<(usize, f32, Motion)>,
+    /// The methods that were made last, for G-buffers and for scenes.
+    screen: Last<[u32; 2], ScreenLineup>,
+    scene: Last<String, SceneLineup>,
+}
+
+/// A cell of the suite, by its number among its kind.
+#[derive(Debug, Clone, Copy)]
+pub enum StressCell {
+    /// A G-buffer.
+    Case(usize),
+    /// A place of the camera.
+    Place(usize),
+    /// Places of captures.
+    Captures(usize),
+    /// A motion of the camera.
+    Motion(usize),
+}
+
+impl StressStudy {
+    /// The suite for some methods: small images and one scene if `is_quick`, and only cases whose name contains some words,
+    /// if they are given.
+    pub fn new(methods: Vec<&'static MethodInfo>, is_quick: bool, words: Option<&str>) -> Self {
+        let names = if is_quick { &library::names()[..1] } else { library::names() };
+        let scenes: Vec<_> = names.iter().filter_map(|n| library::scene(n)).collect();
+        let chosen = |name: &str| words.is_none_or(|part| name.contains(part));
+        let of_each = || scenes.iter().enumerate();
+        let places = of_each().flat_map(|(n, s)| places(s).into_iter().map(move |p| (n, p)));
+        let captures = of_each().flat_map(|(n, s)| captures::cases(s).into_iter().map(move |c| (n, c)));
+        let views = scenes.first().filter(|_| words.is_none()).map_or(0, |s| if is_quick { 1 } else { s.views.len() });
+        let motions = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
+        Self {
+            is_quick,
+            methods,
+            cases: cases(is_quick).into_iter().filter(|c| chosen(&c.name)).collect(),
+            places: places.filter(|(_, p)| chosen(&p.name)).collect(),
+            captures: captures.filter(|(_, c)| chosen(&c.name)).collect(),
+            motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|m| (view, roughness, m))).collect(),
+            screen: Last::default(),
+            scene: Last::default(),
+            scenes,
+        }
+    }
+
+    /// The motions' way past a view.
+    fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
+        let (view, roughness, _) = self.motions[n];
+        let (extent, frames, rays) = if self.is_quick { ([160, 90], 3, 16) } else { ([320, 180], 6, 64) };
+        MotionSpec { view: &self.scenes[0].views[view], extent, roughness, frames, rays, against_world: false }
+    }
+
+    fn name(&self, cell: StressCell) -> String {
+        match cell {
+            StressCell::Case(n) => self.cases[n].name.clone(),
+            StressCell::Place(n) => self.places[n].1.name.clone(),
+            StressCell::Captures(n) => self.captures[n].1.name.clone(),
+            StressCell::Motion(n) => self.motion_spec(n).name(&self.scenes[0], self.motions[n].2),
+        }
+    }
+}
+
+fn of_cases(records: Vec<StressRecord>) -> Vec<StressRow> {
+    records.into_iter().map(|record| StressRow::Case(Box::new(record))).collect()
+}
+
+impl Study for StressStudy {
+    type Cell = StressCell;
+    type Row = StressRow;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        self.scenes.iter().collect()
+    }
+
+    fn settings(&self) -> Value {
+        json!({ "quick": self.is_quick })
+    }
+
+    /// The program's version and the digests of the scenes stand for everything that a case consists of.
+    fn cells(&self) -> Vec<Planned<StressCell>> {
+        let setup = Setup::on_screen(SCENE_SIZE);
+        let set: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
+        let digests: Vec<String> = self.scenes.iter().map(scene_digest).collect();
+        let cases = (0..self.cases.len()).map(StressCell::Case);
+        let cells = cases
+            .chain((0..self.places.len()).map(StressCell::Place))
+            .chain((0..self.captures.len()).map(StressCell::Captures))
+            .chain((0..self.motions.len()).map(StressCell::Motion));
+        let planned = |cell| {
+            let name = self.name(cell);
+            Planned { setup: json!([name, set, digests]), name, cell }
+        };
+        cells.map(planned).collect()
+    }
+
+    fn measure(&mut self, cell: &StressCell, bench: &mut Bench) -> Result<Vec<StressRow>> {
+        let (gpu, mut scene_lineup) = (bench.gpu, std::mem::take(&mut self.scene));
+        if let StressCell::Case(n) = *cell {
+            let Self { cases, methods, screen, .. } = self;
+            let extent = cases[n].extent();
+            let lineup = screen.of(extent, || ScreenLineup::new(gpu, extent, methods))?;
+            return Ok(of_cases(run(gpu, &cases[n], lineup)?));
+        }
+        // Scenes need the memory.
+        self.screen = Last::default();
+        let rows = match *cell {
+            StressCell::Case(_) => Vec::new(),
+            StressCell::Place(n) => {
+                let (of, place) = &self.places[n];
+                let scene = &self.scenes[*of];
+                let make =
+                    || SceneLineup::with_hits(gpu, moved(scene, place), &Setup::on_screen(SCENE_SIZE), &self.methods);
+                let lineup = scene_lineup.of(format!("place {of} {}", place.offset), make)?;
+                of_cases(run_place(gpu, place, lineup)?)
+            }
+            StressCell::Captures(n) => {
+                let (of, case) = &self.captures[n];
+                let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
+                let make = || case.lineup(gpu, &self.scenes[*of], CAPTURE_SIZE, &follow);
+                of_cases(captures::run(gpu, case, scene_lineup.of(format!("captures {of} {:?}", case.key()), make)?)?)
+            }
+            StressCell::Motion(n) => {
+                let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);
+                let make = || SceneLineup::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
+                let lineup = scene_lineup.of(format!("motion {:?}", spec.extent), make)?;
+                let records = motion::run(gpu, &spec, self.motions[n].2, lineup)?;
+                records.into_iter().map(|record| StressRow::Motion(Box::new(record))).collect()
+            }
+        };
+        self.scene = scene_lineup;
+        Ok(rows)
+    }
+}

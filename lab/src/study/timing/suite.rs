@@ -1,0 +1,378 @@
+//! The cells and rows of the time study, their table, bars and raw samples.
+
+use super::{TimeSpec, Timer, is_whole, keys, record_of};
+use crate::error::Result;
+use crate::gpu::{FrameReport, Gpu};
+use crate::scene::{Scene, View};
+use crate::study::Globals;
+use crate::study::captions::{self, ReferenceTime};
+use crate::study::cell_list::{CellList, ListedResult};
+use crate::study::columns::{Column, ColumnSet, Columns, part};
+use crate::study::engine::{Bench, Planned, Row, Study};
+use crate::study::error::Variant;
+use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
+use crate::study::interleave::Sample;
+use crate::study::journal::{Journal, scene_digest};
+use crate::study::names::{cell_name, roughness};
+use crate::study::record::{DEFINITIONS, Head, Provenance, TimeRecord};
+use crate::study::table as table_5_8;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+/// Methods on a view, at several sizes and with several sets of factors.
+pub struct TimeJob {
+    /// Scene.
+    pub scene: Rc<Scene>,
+    /// View of the scene.
+    pub view: View,
+    /// Methods with their parameters, timed in turn.
+    pub variants: Vec<Variant>,
+    /// Sizes in pixels.
+    pub sizes: Vec<[u32; 2]>,
+    /// Global factors.
+    pub globals: Vec<Globals>,
+    /// Whether the world reference on the CPU is timed, too.
+    pub has_reference: bool,
+}
+
+/// The thesis's figures that times are laid beside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Beside {
+    /// None.
+    Nothing,
+    /// Table 5.8.
+    Table,
+    /// The captions of its figures.
+    Captions,
+}
+
+/// Settings that the tables of a run depend on, beside its cells.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct TimeSettings {
+    /// What the times are laid beside.
+    pub beside: Beside,
+    /// Frames that count.
+    pub samples: usize,
+    /// Whether methods are timed against themselves.
+    pub a_a: bool,
+}
+
+impl TimeSettings {
+    fn of(list: &CellList) -> Self {
+        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false };
+        Self::deserialize(&list.settings).unwrap_or(none)
+    }
+}
+
+/// The time study.
+pub struct TimeStudy {
+    jobs: Vec<TimeJob>,
+    digests: Vec<String>,
+    settings: TimeSettings,
+    warmup: usize,
+    reference_rays: u32,
+    timer: Timer,
+}
+
+/// A size with a set of factors of a job, by its number: all variants, or the reference.
+pub struct TimeCell {
+    job: usize,
+    extent: [u32; 2],
+    globals: Globals,
+    is_reference: bool,
+}
+
+impl TimeStudy {
+    /// A study that times nothing yet.
+    pub fn new(jobs: Vec<TimeJob>, settings: TimeSettings, warmup: usize, reference_rays: u32) -> Self {
+        let digests = jobs.iter().map(|job| scene_digest(&job.scene)).collect();
+        Self { jobs, digests, settings, warmup, reference_rays, timer: Timer::default() }
+    }
+}
+
+impl TimeJob {
+    fn spec<'a>(&'a self, gpu: &'a Gpu, warmup: usize, settings: &TimeSettings) -> TimeSpec<'a> {
+        TimeSpec {
+            gpu,
+            scene: &self.scene,
+            view: &self.view,
+            variants: self.variants.clone(),
+            sizes: self.sizes.clone(),
+            globals: self.globals.clone(),
+            warmup,
+            samples: settings.samples,
+            a_a: settings.a_a,
+        }
+    }
+
+    fn place(&self, extent: [u32; 2], globals: &Globals) -> String {
+        cell_name(&self.scene.name, &self.view.name, extent, globals.roughness)
+    }
+}
+
+impl Study for TimeStudy {
+    type Cell = TimeCell;
+    type Row = TimeRow;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        let mut scenes: Vec<&Scene> = self.jobs.iter().map(|job| &*job.scene).collect();
+        scenes.sort_by(|a, b| a.name.cmp(&b.name));
+        scenes.dedup_by(|a, b| a.name == b.name);
+        scenes
+    }
+
+    fn definitions(&self) -> u32 {
+        let setup = self.jobs.first().and_then(|job| job.variants.first()).map(|v| &v.setup);
+        setup.map_or(DEFINITIONS, |setup| setup.effect().definitions.into())
+    }
+
+    fn settings(&self) -> Value {
+        json!(self.settings)
+    }
+
+    fn cells(&self) -> Vec<Planned<TimeCell>> {
+        let (mut cells, mut references) = (Vec::new(), Vec::new());
+        for (n, job) in self.jobs.iter().enumerate() {
+            let view = format!("{:?}", job.view);
+            for &extent in &job.sizes {
+                for &globals in &job.globals {
+                    let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+                    let variants: Vec<_> = job.variants.iter().map(recorded).collect();
+                    let TimeSettings { samples, a_a, .. } = self.settings;
+                    let setup = json!([self.digests[n], view, globals, variants, self.warmup, samples, a_a]);
+                    let of = |is_reference| TimeCell { job: n, extent, globals, is_reference };
+                    cells.push(Planned { name: job.place(extent, &globals), setup, cell: of(false) });
+                    if job.has_reference {
+                        let setup = json!([self.digests[n], view, globals, extent, self.reference_rays]);
+                        let name = format!("{}-reference", job.place(extent, &globals));
+                        references.push(Planned { name, setup, cell: of(true) });
+                    }
+                }
+            }
+        }
+        cells.extend(references);
+        cells
+    }
+
+    fn results(&self, gpu: &Gpu, planned: &Planned<TimeCell>) -> Vec<(String, Value)> {
+        let cell = &planned.cell;
+        if cell.is_reference {
+            return vec![(planned.key::<TimeRow>(gpu), Value::Null)];
+        }
+        let spec = self.jobs[cell.job].spec(gpu, self.warmup, &self.settings);
+        let group = spec.group(cell.extent, cell.globals, &self.digests[cell.job]);
+        (0..spec.variants.len()).map(|n| (group.prefix(n), json!(group.head(n)))).collect()
+    }
+
+    fn steps(&self, cell: &TimeCell) -> usize {
+        let TimeSettings { samples, a_a, .. } = self.settings;
+        let series = if a_a { 2 } else { 1 };
+        if cell.is_reference { 1 } else { series * self.jobs[cell.job].variants.len() * (self.warmup + samples + 1) }
+    }
+
+    fn measure(&mut self, cell: &TimeCell, bench: &mut Bench) -> Result<Vec<TimeRow>> {
+        let job = &self.jobs[cell.job];
+        if cell.is_reference {
+            let Self { reference_rays: rays, .. } = self;
+            let time = captions::time_reference(bench.gpu, &job.scene, &job.view, cell.extent, &cell.globals, *rays);
+            return Ok(vec![TimeRow::Reference(Box::new(time))]);
+        }
+        let spec = job.spec(bench.gpu, self.warmup, &self.settings);
+        let group = spec.group(cell.extent, cell.globals, &self.digests[cell.job]);
+        let Bench { journal, go_on, advance, .. } = bench;
+        let progress = &mut || {
+            advance(1);
+            go_on()
+        };
+        self.timer.time(cell.job, &group, journal, progress)?;
+        Ok(Vec::new())
+    }
+}
+
+/// A row of the time study: times of a method on the device, or of the reference on the CPU.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum TimeRow {
+    /// The world reference.
+    Reference(Box<ReferenceTime>),
+    /// A method.
+    Method(Box<TimeRecord>),
+}
+
+impl TimeRow {
+    fn head(&self) -> &Head {
+        match self {
+            Self::Reference(time) => &time.head,
+            Self::Method(record) => &record.head,
+        }
+    }
+}
+
+/// The records of methods among some rows.
+fn methods(rows: &[TimeRow]) -> Vec<TimeRecord> {
+    let of = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
+    rows.iter().filter_map(of).collect()
+}
+
+impl Columns for TimeRow {
+    fn columns() -> ColumnSet<Self> {
+        let mut all = ColumnSet { times: TimeRecord::columns().times, ..ColumnSet::default() };
+        part().add(("head", ""), Self::head, &mut all);
+        let total = |row: &Self| match row {
+            Self::Reference(time) => time.wall_ms,
+            Self::Method(record) => record.total.median_ms,
+        };
+        all.columns.push(Column::named("total.median_ms", total));
+        all
+    }
+}
+
+impl Row for TimeRow {
+    const KIND: &'static str = "time";
+    const TITLE: &'static str = "Times";
+    const IS_SAMPLED: bool = true;
+
+    fn program(&self) -> &Provenance {
+        &self.head().program
+    }
+
+    fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
+        let records = methods(rows);
+        let beside = TimeSettings::deserialize(settings).map_or(Beside::Nothing, |settings| settings.beside);
+        let first = match beside {
+            Beside::Nothing => None,
+            Beside::Table => {
+                let cells = table_5_8::cells(&table_5_8::compare(&records));
+                Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), cells, ..Table::default() })
+            }
+            Beside::Captions => {
+                let of = |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
+                Some(captions::table(&records, &rows.iter().filter_map(of).collect::<Vec<_>>()))
+            }
+        };
+        let every = Table { id: "table", cells: cells(&records), ..Table::default() };
+        first.into_iter().chain([every]).collect()
+    }
+
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        vec![chart(&methods(rows))]
+    }
+
+    fn sheets(rows: &[Self]) -> Vec<Sheet> {
+        vec![Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&methods(rows)) }]
+    }
+
+    fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
+        let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
+        if of.of.is_null() { journal.has(&of.key) } else { is_whole(&of.key, samples, a_a, journal) }
+    }
+
+    fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
+        let Ok(head) = Head::deserialize(&of.of) else { return journal.get(&of.key).unwrap_or_default() };
+        let record = record_of(head, &of.key, TimeSettings::of(list).samples, journal);
+        record.map(|record| Self::Method(Box::new(record))).into_iter().collect()
+    }
+}
+
+/// The file of raw samples.
+pub const SAMPLES: &str = "time-samples.csv";
+/// The columns of a sample that say what it is of, before everything that was set.
+pub const PLACE: [&str; 3] = ["scene", "view", "method"];
+/// The columns of a sample that say what was measured, after everything that was set.
+pub const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
+/// The columns of noise floors, of the pass and of the total; empty where they were not measured.
+pub const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
+
+/// Raw samples of time records: one row a sample and pass, one column for everything that was set of any of the
+/// methods; what a method does not have is empty.
+pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+    let settings: BTreeSet<&String> = records.iter().flat_map(|r| r.head.setup.keys()).collect();
+    let columns = settings.iter().map(|name| name.as_str());
+    let mut cells: Vec<Vec<String>> =
+        vec![PLACE.into_iter().chain(columns).chain(MEASURED).map(str::to_owned).collect()];
+    for r in records {
+        let place = [&r.head.scene, &r.head.view, &r.head.method].map(Clone::clone);
+        let set: Vec<String> = settings.iter().map(|name| r.head.setting(name)).collect();
+        for (n, sample) in r.samples.iter().enumerate() {
+            for (pass, ms) in r.passes.iter().zip(sample) {
+                let floor = |floor: Option<f64>| floor.map(|f| format!("{f:.6}")).unwrap_or_default();
+                let (counted, ms) = (pass.counted.to_string(), format!("{ms:.6}"));
+                let floors = [floor(pass.noise_floor), floor(r.noise_floor)];
+                let measured = [n.to_string(), pass.name.clone(), counted, ms].into_iter().chain(floors);
+                cells.push(place.iter().chain(&set).cloned().chain(measured).collect());
+            }
+        }
+    }
+    cells
+}
+
+/// Medians of each stage of each record, and the totals.
+fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+    let stages = distinct(records.iter().flat_map(|r| r.stages()).map(|(name, _)| name));
+    let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
+    header.extend(stages.iter().cloned());
+    header.extend(["total ms", "min", "p95", "n", "frame ms"].map(str::to_owned));
+    let has_floor = records.iter().any(|r| r.noise_floor.is_some());
+    header.extend(has_floor.then(|| "floor".to_owned()));
+    let mut rows = vec![header];
+    for r in records {
+        let mut row = vec![
+            format!("{} {}", r.head.scene, r.head.view),
+            format!("{}x{}", r.head.width, r.head.height),
+            roughness(r.head.roughness),
+            r.head.method.clone(),
+        ];
+        let found = r.stages();
+        row.extend(stages.iter().map(|s| match found.iter().find(|(n, _)| n == s) {
+            Some((_, ms)) => format!("{ms:.3}"),
+            None => "-".into(),
+        }));
+        row.extend([r.total.median_ms, r.total.min_ms, r.total.p95_ms].map(|ms| format!("{ms:.3}")));
+        row.extend([r.total.samples.to_string(), format!("{:.3}", r.frame.median_ms)]);
+        let floor = r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0));
+        row.extend(has_floor.then_some(floor));
+        rows.push(row);
+    }
+    rows
+}
+
+/// A bar a record: the median of each stage of the effect.
+pub fn chart(records: &[TimeRecord]) -> Chart {
+    let bar = |r: &TimeRecord| {
+        let Head { method, scene, view, width, height, .. } = &r.head;
+        let rough = roughness(r.head.roughness);
+        let label = format!("{method}: {scene} {view}, {width} × {height}, roughness {rough}");
+        StageBar { label, stages: r.stages() }
+    };
+    Chart::new("time", "Where the time goes", Drawing::Bars(records.iter().map(bar).collect()))
+}
+
+/// A timed frame of a method, with what it was of.
+pub struct TimedFrame {
+    /// The method.
+    pub method: String,
+    /// Size, roughness and number, for labels.
+    pub label: String,
+    /// Its passes and the host's side.
+    pub report: FrameReport,
+}
+
+/// Every timed frame that the journal has of a run, those of the second series of each method among them.
+pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
+    let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
+    let mut frames = Vec::new();
+    for of in list.cells.iter().flat_map(|cell| &cell.results) {
+        let Ok(head) = Head::deserialize(&of.of) else { continue };
+        let rough = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
+        let keys = keys(&of.key, samples, a_a);
+        for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
+            if let Some(Sample { report, .. }) = journal.get::<Sample>(key) {
+                let label = format!("{}x{}, {rough}, sample {n}", head.width, head.height);
+                frames.push(TimedFrame { method: head.method.clone(), label, report });
+            }
+        }
+    }
+    frames
+}
