@@ -38,6 +38,17 @@ fn every_method_survives_and_the_judged_one_passes() {
         assert_eq!(r["exhausted"], 0, "{r}");
         assert_ne!(r["setup"]["captures"], "none", "{r}");
     }
+    // Slivers, one plane, a closed box, holes: mirror rays end where the world ends them.
+    for words in ["one alone", "slivers", "all in one plane", "closed box", "holes", "a millimetre apart"] {
+        for method in ["unified", "traced"] {
+            let here: Vec<_> = records
+                .iter()
+                .filter(|r| r["method"] == method && is_case(r, "triangles ") && is_case(r, words))
+                .collect();
+            assert!(here.len() >= 6 && here.iter().all(|r| r["judged"] == true), "{method}: {words}");
+            assert!(here.iter().any(|r| r["compared"].as_u64() > Some(1000)), "{method}: {words}");
+        }
+    }
     let page = folder.text("index.html");
     assert!(page.contains("Method × failure") && page.contains("rays through the corners of cells"));
 }

@@ -14,7 +14,6 @@ use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::scene::bvh::WorldRay;
 use ssct_lab::scene::{GBufferData, Material, Scene, library};
-use ssct_lab::study::stress::trees;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
@@ -169,15 +168,4 @@ fn a_g_buffer_alone_has_no_triangles() {
         let said = made.err().expect("refused").to_string();
         assert!(said.contains(method.name) && said.contains("G-buffer alone"), "{said}");
     }
-}
-
-#[test]
-fn hard_trees_are_walked_as_the_world_is() {
-    let gpu = gpu();
-    for case in trees::cases(20_000) {
-        for r in trees::run(&gpu, &case, EXTENT, &trees::methods()).unwrap() {
-            assert!(r.pass, "{} {}: {r:?}", r.case, r.method);
-        }
-    }
-    check_validation(&gpu).unwrap();
 }

@@ -72,8 +72,9 @@ impl Row for StressRow {
              there are more. {JUDGED} passes a case with no such pixel and {} % of the hits \
              (disagreements that vanish when the ray's direction, its first depth or where it crosses the sides of pixels \
              changes by up to 16 units in the last place of an f32 are ties; each corner that it then passes is a choice of \
-             its own); so do the methods that follow rays in captures, where captures stand in hard places; the published \
-             methods need only survive, and their counts are findings.",
+             its own); so do the methods that follow rays in captures, where captures stand in hard places, and those that \
+             follow rays among triangles, whose mirror rays are held against the world's; the published methods need \
+             only survive, and their counts are findings.",
             100.0 * AGREEMENT
         );
         let records = cases_of(rows);

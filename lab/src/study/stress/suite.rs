@@ -1,10 +1,11 @@
-//! The suite of stress: hard G-buffers, hard places of the camera and of captures, and motions of the camera.
+//! The suite of stress: hard G-buffers, hard places of the camera and of captures, hard triangles, and motions of the camera.
 
 use super::captures::{self, CaptureCase};
 use super::cases::{Case, cases};
 use super::lineup::{SceneLineup, ScreenLineup};
 use super::motion::{self, MOTIONS, Motion, MotionSpec};
 use super::row::StressRow;
+use super::trees::{self, TreeCase};
 use super::{Place, StressRecord, moved, places, run, run_place};
 use crate::error::Result;
 use crate::methods::{MethodInfo, Setup};
@@ -19,6 +20,12 @@ const SCENE_SIZE: [u32; 2] = [321, 181];
 /// Pixels of the cases with captures, which are drawn anew in each.
 const CAPTURE_SIZE: [u32; 2] = [161, 91];
 
+/// Pixels of the cases with triangles.
+const TREE_SIZE: [u32; 2] = [161, 91];
+
+/// Triangles of the largest case, in a quick suite and in a whole one.
+const MOST_TRIANGLES: [usize; 2] = [20_000, 1_000_000];
+
 /// Roughness values of the camera's motions.
 const MOTION_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
@@ -32,6 +39,8 @@ pub struct StressStudy {
     places: Vec<(usize, Place)>,
     /// Captures with the number of their scene.
     captures: Vec<(usize, CaptureCase)>,
+    /// Scenes of triangles.
+    trees: Vec<TreeCase>,
     /// Motions in the first scene: the number of the view, and the roughness.
     motions: Vec<(usize, f32, Motion)>,
     /// The methods that were made last, for G-buffers and for scenes.
@@ -48,6 +57,8 @@ pub enum StressCell {
     Place(usize),
     /// Places of captures.
     Captures(usize),
+    /// A scene of triangles.
+    Tree(usize),
     /// A motion of the camera.
     Motion(usize),
 }
@@ -63,6 +74,7 @@ impl StressStudy {
         let places = of_each().flat_map(|(n, s)| places(s).into_iter().map(move |p| (n, p)));
         let captures = of_each().flat_map(|(n, s)| captures::cases(s).into_iter().map(move |c| (n, c)));
         let views = scenes.first().filter(|_| words.is_none()).map_or(0, |s| if is_quick { 1 } else { s.views.len() });
+        let most = MOST_TRIANGLES[usize::from(!is_quick)];
         let motions = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
         Self {
             is_quick,
@@ -70,6 +82,7 @@ impl StressStudy {
             cases: cases(is_quick).into_iter().filter(|c| chosen(&c.name)).collect(),
             places: places.filter(|(_, p)| chosen(&p.name)).collect(),
             captures: captures.filter(|(_, c)| chosen(&c.name)).collect(),
+            trees: trees::cases(most).into_iter().filter(|c| chosen(&c.name)).collect(),
             motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|m| (view, roughness, m))).collect(),
             screen: Last::default(),
             scene: Last::default(),
@@ -89,6 +102,7 @@ impl StressStudy {
             StressCell::Case(n) => self.cases[n].name.clone(),
             StressCell::Place(n) => self.places[n].1.name.clone(),
             StressCell::Captures(n) => self.captures[n].1.name.clone(),
+            StressCell::Tree(n) => self.trees[n].name.clone(),
             StressCell::Motion(n) => self.motion_spec(n).name(&self.scenes[0], self.motions[n].2),
         }
     }
@@ -119,6 +133,7 @@ impl Study for StressStudy {
         let cells = cases
             .chain((0..self.places.len()).map(StressCell::Place))
             .chain((0..self.captures.len()).map(StressCell::Captures))
+            .chain((0..self.trees.len()).map(StressCell::Tree))
             .chain((0..self.motions.len()).map(StressCell::Motion));
         let planned = |cell| {
             let name = self.name(cell);
@@ -152,6 +167,10 @@ impl Study for StressStudy {
                 let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
                 let make = || case.lineup(gpu, &self.scenes[*of], CAPTURE_SIZE, &follow);
                 of_cases(captures::run(gpu, case, scene_lineup.of(format!("captures {of} {:?}", case.key()), make)?)?)
+            }
+            StressCell::Tree(n) => {
+                let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_triangles).collect();
+                of_cases(trees::run(gpu, &self.trees[n], TREE_SIZE, &follow)?)
             }
             StressCell::Motion(n) => {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);

@@ -9,7 +9,7 @@ use crate::gpu::Gpu;
 use crate::math::constants::ROUNDING;
 use crate::math::random::Stream;
 use crate::methods::unified::{First, UnifiedParams};
-use crate::methods::{METHODS, MethodInfo, Setup};
+use crate::methods::{MethodInfo, Setup};
 use crate::metrics::place::RayEnd;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::ray::RaySetup;
@@ -26,13 +26,13 @@ const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
 /// Share of the mirror rays that must end where the world ends them, ties apart: where the triangles are asked, and where a
 /// hit on the screen needs no more than the triangle of its pixel to confirm it, whatever else the ray may pass.
-const RIGHT_ENDS: [f64; 2] = [0.999, 0.985];
+const RIGHT_ENDS: [f64; 2] = [0.999, 0.98];
 
 /// How far a place may lie from the world's, as a share of the ray's length: so little that of two planes a millimetre apart the
 /// right one must be met.
 const PLACE_SHARE: f64 = 1e-4;
 
-/// The same where a ray meets slivers: the weights of a sliver's corners are differences of products that are 10^5 times as large
+/// How far it may lie from there where a ray meets slivers: the weights of a sliver's corners are differences of products that are 10^5 times as large
 /// as its area, and lose as many of their digits.
 const PLACE_SHARE_ON_SLIVERS: f64 = 1e-3;
 
@@ -46,11 +46,6 @@ pub struct TreeCase {
     make: Box<dyn Fn() -> Scene>,
     /// How far a place may lie from the world's, as a share of the ray's length.
     place_share: f64,
-}
-
-/// What must pass: the methods that follow rays among triangles.
-pub fn methods() -> Vec<&'static MethodInfo> {
-    METHODS.iter().filter(|m| m.takes_triangles).collect()
 }
 
 /// Every case; `most` is the number of triangles of the largest.
@@ -249,7 +244,7 @@ fn holes() -> Material {
 
 /// A mask of 4×4 texels, every other of which is a hole.
 fn mask() -> Texture {
-    let texel = |i: u32| [if (i % 4 + i / 4) % 2 == 0 { 255 } else { 0 }; 4];
+    let texel = |i: u32| [if (i % 4 + i / 4).is_multiple_of(2) { 255 } else { 0 }; 4];
     let rgba = (0..16).flat_map(texel).collect();
     Texture { name: "mask".into(), width: 4, height: 4, rgba, encoding: Encoding::Linear }
 }
@@ -344,6 +339,7 @@ fn near_planes(distance: f32) -> Scene {
     });
     let (low, wide) = (Vec3::new(-2.0 * distance, -0.5 * distance, 2.0 * distance), 4.0 * distance);
     let wall = quad(low, wide * Vec3::X, wide * Vec3::Y, 1);
-    let eye = Vec3::new(0.0, 0.3 * distance, -0.6 * distance);
+    // Off the middle, so that no pixel's centre lies on the border of two squares, where either may be seen.
+    let eye = Vec3::new(0.013 * distance, 0.3 * distance, -0.6 * distance);
     scene("near-planes", squares.chain(wall), eye, Vec3::new(0.0, 0.0, 0.8 * distance), 10.0 * distance)
 }
