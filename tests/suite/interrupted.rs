@@ -112,7 +112,8 @@ fn times_survive_a_kill_and_a_signal() {
     let second = journal(&out);
     assert!(second.len() < 2 * samples + 2 && second[..first.len()] == first, "nothing is lost");
     let counted: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
-    assert_eq!(counted, second.len() as u64, "what was measured is written");
+    // The frame whose work is counted comes first, of either method.
+    assert_eq!(counted + 2, second.len() as u64, "what was measured is written");
 
     assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(&out);
@@ -164,7 +165,7 @@ fn a_lost_device_leaves_what_was_measured() {
     let first = journal(folder.path());
     let counted: u64 =
         records(folder.path().join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
-    assert!(first.len() > 10 && counted == first.len() as u64, "{counted} of {}", first.len());
+    assert!(first.len() > 10 && counted + 2 == first.len() as u64, "{counted} of {}", first.len());
     let (status, said) = faulty("allocation:60");
     assert_eq!(status, Some(1), "{said}");
     assert!(said.starts_with("ssct: Vulkan: "), "{said}");
