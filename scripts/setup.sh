@@ -32,7 +32,7 @@ setup: this script knows Debian and Ubuntu. On this system, install by hand:
   - the Vulkan SDK (its shaderc is found through the variable VULKAN_SDK), or git, cmake and python3,
     with which the shaderc crate builds its own copy on the first `cargo build` (some 10 minutes);
   - a C++ compiler.
-For example:
+For example (these lines follow the systems' lists of packages, and were not tried):
   Fedora   sudo dnf install vulkan-loader-devel mesa-vulkan-drivers vulkan-validation-layers libshaderc-devel gcc-c++ pkgconf git cmake python3
   Arch     sudo pacman -S vulkan-icd-loader vulkan-headers vulkan-swrast vulkan-validation-layers shaderc gcc pkgconf git cmake python
   macOS    brew install molten-vk vulkan-loader vulkan-headers vulkan-validationlayers shaderc cmake pkgconf

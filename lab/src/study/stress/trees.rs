@@ -106,7 +106,9 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             lineup.set_materials(&materials)?;
             let Some(data) = lineup.draw(camera)? else { continue };
             let made = lineup.made()?;
-            let truth = (roughness == 0.0).then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
+            // Where a device does not number triangles, rays begin at the points that depth gives, which are not so exact.
+            let is_compared = roughness == 0.0 && gpu.numbers_triangles();
+            let truth = is_compared.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
             let name = format!("{}, {asked}, roughness {roughness}", case.name);
             let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
             records.extend(lineup.methods().zip(&made).map(|(m, made)| {
