@@ -10,8 +10,11 @@
 #[allow(dead_code)]
 #[path = "src/gpu/glsl.rs"]
 mod glsl;
+#[path = "src/gpu/interface.rs"]
+mod interface;
 
-use glsl::{Block, Bound, Constant, Interface, Named};
+use glsl::Named;
+use interface::{Block, Bound, Constant, Interface};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -64,7 +67,7 @@ fn run() -> Result<(), String> {
             let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
             let binary = modules.join(format!("{}.spv", program.name));
             std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
-            let interface = glsl::interface(&words, &file)?;
+            let interface = Interface::of(&words, &file)?;
             programs.push_str(&declared_program(&program, &file, &interface));
             let _ = writeln!(all, "    {}::SHADER,", program.name);
             for (block_name, block) in interface.blocks {

@@ -11,6 +11,9 @@
 
 #![allow(clippy::expect_used)]
 
+mod masked;
+
+use masked::masked;
 use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
@@ -42,20 +45,6 @@ fn times(report: &FrameReport) -> [f64; 3] {
     };
     let is_fixed = |name: &str| ["classify", "composite", "color"].contains(&name.split('/').next().unwrap_or(name));
     [of(&|_| true), of(&|name| name == "pyramid"), of(&is_fixed)]
-}
-
-/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
-fn masked(data: &GBufferData, share: f64) -> GBufferData {
-    let mut masked = data.clone();
-    let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
-    let [left, top] = [(data.width - w) / 2, (data.height - h) / 2];
-    for (i, reflectivity) in masked.reflectivity.iter_mut().enumerate() {
-        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
-        if !((left..left + w).contains(&x) && (top..top + h).contains(&y)) {
-            *reflectivity = 0.0;
-        }
-    }
-    masked
 }
 
 /// The cells that mirror rays visit: the mean over the rays, and the mean over blocks of 4 × 2 pixels of the

@@ -15,6 +15,8 @@ mod counts;
 #[path = "../edited.rs"]
 mod edited;
 mod judged;
+#[path = "../masked.rs"]
+mod masked;
 mod times;
 
 use edited::Shaders;

@@ -13,6 +13,7 @@
 
 use super::edited::Edits;
 use super::judged::TRUE_MINIMA;
+use super::masked::masked;
 use super::{Bench, Change, SAME, globals, method, scene};
 use glam::{Vec2, Vec3, Vec4};
 use ssct::gpu::FrameReport;
@@ -23,7 +24,7 @@ use ssct::methods::ssr::SsrParams;
 use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::GBufferImages;
-use ssct_lab::scene::{GBufferData, Mesh, Scene, Vertex, View};
+use ssct_lab::scene::{Mesh, Scene, Vertex, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// Turns that count; one before them does not.
@@ -153,20 +154,6 @@ fn triangles(bench: &Bench) {
             print("triangles", name, (&plain.name, &view.name), &["1", "16"], &turns);
         }
     }
-}
-
-/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
-fn masked(data: &GBufferData, share: f64) -> GBufferData {
-    let mut masked = data.clone();
-    let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
-    let [left, top] = [(data.width - w) / 2, (data.height - h) / 2];
-    for (i, reflectivity) in masked.reflectivity.iter_mut().enumerate() {
-        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
-        if !((left..left + w).contains(&x) && (top..top + h).contains(&y)) {
-            *reflectivity = 0.0;
-        }
-    }
-    masked
 }
 
 /// Screen-space methods where less and less of the image reflects.

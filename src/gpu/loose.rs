@@ -3,7 +3,7 @@
 
 use super::device::Gpu;
 use super::frame::{Frame, Resource, Target};
-use super::glsl::Interface;
+use super::interface::Interface;
 use super::memory::Buffer;
 use super::pipeline::{SharedPipeline, Stages};
 use super::program::Program;

@@ -10,6 +10,8 @@ pub mod frame;
 #[cfg(feature = "reload")]
 pub mod glsl;
 pub mod image;
+#[cfg(feature = "reload")]
+pub mod interface;
 mod limits;
 #[cfg(feature = "reload")]
 pub mod loose;

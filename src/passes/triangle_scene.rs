@@ -120,7 +120,16 @@ macro_rules! with_triangles {
         }
     }};
 }
-pub(super) use with_triangles;
+/// The specialization constants of a program among a scene's triangles: those of how a [`TriangleReading`] says that the
+/// triangles are read, and its other fields.
+macro_rules! with_reading {
+    ($constants:ident of $reading:expr, $($field:ident $(: $value:expr)?),* $(,)?) => {{
+        let $crate::passes::triangle_scene::TriangleReading { geometry_texels, image_texels, asks, lights, .. } = $reading;
+        $crate::gpu::programs::$constants { geometry_texels, image_texels, asks, lights, $($field $(: $value)?),* }
+    }};
+}
+
+pub(super) use {with_reading, with_triangles};
 
 impl TriangleGeometry {
     /// Uploads a tree with its records.

@@ -2,7 +2,7 @@
 //! over as many rays as there are (docs/definitions.md, "Triangles").
 
 use super::lost::Beyond;
-use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
+use super::triangle_scene::{AmongTriangles, TriangleReading, with_reading, with_triangles};
 use super::{Canvas, GBuffer, Hits, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -62,22 +62,12 @@ impl TriangleTracePass {
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
-        let TriangleReading { geometry_texels, image_texels, asks, lights, .. } = reading;
         let TriangleWants { composite, reflection, hits, projection } = wanted;
         let orthographic = projection.is_orthographic();
-
-        let of_mirrors = programs::TriangleMirrorsConstants {
-            composite,
-            reflection,
-            hits,
-            geometry_texels,
-            image_texels,
-            asks,
-            lights,
-            orthographic,
-        };
-        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels, asks, lights, orthographic };
-        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels, asks, lights, orthographic };
+        let of_mirrors =
+            with_reading! { TriangleMirrorsConstants of reading, composite, reflection, hits, orthographic };
+        let of_narrow = with_reading! { TriangleNarrowConstants of reading, orthographic };
+        let of_wide = with_reading! { TriangleWideConstants of reading, orthographic };
         Ok(Self {
             mirrors: ComputePipeline::with(gpu, &of_mirrors)?,
             narrow: ComputePipeline::with(gpu, &of_narrow)?,

@@ -4,18 +4,16 @@
 
 use super::lost::Beyond;
 use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
-use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
+use super::triangle_scene::{AmongTriangles, with_reading, with_triangles};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
     Cells, CellsCompute, CellsComputeConstants, CellsConstants, ResolveNarrow, ResolveNarrowCompute,
     ResolveNarrowComputeConstants, ResolveNarrowConstants, ResolveWide, ResolveWideCompute,
-    ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowAmongTriangles,
-    TraceNarrowAmongTrianglesConstants, TraceNarrowCompute, TraceNarrowComputeConstants, TraceNarrowConfirmed,
-    TraceNarrowConfirmedCompute, TraceNarrowConfirmedComputeConstants, TraceNarrowConfirmedConstants,
-    TraceNarrowConstants, TraceWide, TraceWideAmongTriangles, TraceWideAmongTrianglesConstants, TraceWideCompute,
-    TraceWideComputeConstants, TraceWideConfirmed, TraceWideConfirmedCompute, TraceWideConfirmedComputeConstants,
-    TraceWideConfirmedConstants, TraceWideConstants,
+    ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowAmongTriangles, TraceNarrowCompute,
+    TraceNarrowComputeConstants, TraceNarrowConfirmed, TraceNarrowConfirmedCompute, TraceNarrowConstants, TraceWide,
+    TraceWideAmongTriangles, TraceWideCompute, TraceWideComputeConstants, TraceWideConfirmed,
+    TraceWideConfirmedCompute, TraceWideConstants,
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
@@ -105,45 +103,23 @@ impl UnifiedGlossPass {
                     |_| TraceNarrowConstants { strip, oracle, followed, sky, orthographic },
                     |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky, orthographic },
                 )?),
-                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
-                    let fragment = |_| TraceNarrowConfirmedConstants {
-                        strip,
-                        oracle,
-                        followed,
-                        sky,
-                        geometry_texels,
-                        image_texels,
-                        asks,
-                        lights,
-                        orthographic,
+                Some(reading) if screen => {
+                    let fragment = |_| {
+                        with_reading! { TraceNarrowConfirmedConstants of reading,
+                            strip, oracle, followed, sky, orthographic,
+                        }
                     };
-                    let compute = |whole| TraceNarrowConfirmedComputeConstants {
-                        strip,
-                        oracle,
-                        whole,
-                        followed,
-                        sky,
-                        geometry_texels,
-                        image_texels,
-                        asks,
-                        lights,
-                        orthographic,
+                    let compute = |whole| {
+                        with_reading! { TraceNarrowConfirmedComputeConstants of reading,
+                            strip, oracle, whole, followed, sky, orthographic,
+                        }
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
                     NarrowTraces::Confirmed(pipeline)
                 }
-                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
-                    NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
-                        TraceNarrowAmongTrianglesConstants {
-                            whole,
-                            geometry_texels,
-                            image_texels,
-                            asks,
-                            lights,
-                            orthographic,
-                        }
-                    })?)
-                }
+                Some(reading) => NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
+                    with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, orthographic }
+                })?),
             },
             resolve_narrow: TiledPipeline::new(
                 gpu,
@@ -160,43 +136,25 @@ impl UnifiedGlossPass {
                     |_| TraceWideConstants { strip, oracle, followed, sky, orthographic },
                     |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky, orthographic },
                 )?),
-                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
-                    let fragment = |_| TraceWideConfirmedConstants {
-                        strip,
-                        oracle,
-                        followed,
-                        sky,
-                        geometry_texels,
-                        image_texels,
-                        asks,
-                        lights,
-                        orthographic,
+                Some(reading) if screen => {
+                    let fragment = |_| {
+                        with_reading! { TraceWideConfirmedConstants of reading,
+                            strip, oracle, followed, sky, orthographic,
+                        }
                     };
-                    let compute = |whole| TraceWideConfirmedComputeConstants {
-                        strip,
-                        oracle,
-                        whole,
-                        followed,
-                        sky,
-                        geometry_texels,
-                        image_texels,
-                        asks,
-                        lights,
-                        orthographic,
+                    let compute = |whole| {
+                        with_reading! { TraceWideConfirmedComputeConstants of reading,
+                            strip, oracle, whole, followed, sky, orthographic,
+                        }
                     };
                     let formats = || [PLACE, LIT_COLOR];
                     WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
                 }
-                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
-                    WideTraces::Triangles(TiledCompute::new(gpu, halves, |whole| TraceWideAmongTrianglesConstants {
-                        whole,
-                        geometry_texels,
-                        image_texels,
-                        asks,
-                        lights,
-                        orthographic,
-                    })?)
-                }
+                Some(reading) => WideTraces::Triangles(TiledCompute::new(gpu, halves, |whole| {
+                    with_reading! { TraceWideAmongTrianglesConstants of reading,
+                        whole, orthographic,
+                    }
+                })?),
             },
             cells: TiledPipeline::new(
                 gpu,

@@ -4,12 +4,11 @@
 
 use super::lost::Beyond;
 use super::tiles::{Over, TileStage, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
-use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
+use super::triangle_scene::{AmongTriangles, with_reading, with_triangles};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::programs::{
-    Mirror, MirrorAmongTriangles, MirrorAmongTrianglesConstants, MirrorCompute, MirrorComputeConstants,
-    MirrorConfirmed, MirrorConfirmedCompute, MirrorConfirmedComputeConstants, MirrorConfirmedConstants,
+    Mirror, MirrorAmongTriangles, MirrorCompute, MirrorComputeConstants, MirrorConfirmed, MirrorConfirmedCompute,
     MirrorConstants,
 };
 use crate::gpu::shader::UnifiedBlock;
@@ -82,49 +81,24 @@ impl UnifiedTracePass {
                 };
                 (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
-            Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if setup.screen => {
-                let fragment = |whole| MirrorConfirmedConstants {
-                    strip,
-                    oracle,
-                    hits,
-                    whole,
-                    followed,
-                    composite,
-                    sky,
-                    geometry_texels,
-                    image_texels,
-                    asks,
-                    lights,
-                    orthographic,
+            Some(reading) if setup.screen => {
+                let fragment = |whole| {
+                    with_reading! { MirrorConfirmedConstants of reading,
+                        strip, oracle, hits, whole, followed, composite, sky, orthographic,
+                    }
                 };
-                let compute = |whole| MirrorConfirmedComputeConstants {
-                    strip,
-                    oracle,
-                    hits,
-                    whole,
-                    followed,
-                    composite,
-                    sky,
-                    beside,
-                    geometry_texels,
-                    image_texels,
-                    asks,
-                    lights,
-                    orthographic,
+                let compute = |whole| {
+                    with_reading! { MirrorConfirmedComputeConstants of reading,
+                        strip, oracle, hits, whole, followed, composite, sky, beside, orthographic,
+                    }
                 };
                 (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
-            Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
-                let constants = |whole| MirrorAmongTrianglesConstants {
-                    hits,
-                    whole,
-                    composite,
-                    beside,
-                    geometry_texels,
-                    image_texels,
-                    asks,
-                    lights,
-                    orthographic,
+            Some(reading) => {
+                let constants = |whole| {
+                    with_reading! { MirrorAmongTrianglesConstants of reading,
+                        hits, whole, composite, beside, orthographic,
+                    }
                 };
                 (TileStage::Compute, Mirrors::Triangles(TiledCompute::new(gpu, over, constants)?))
             }

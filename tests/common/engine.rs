@@ -138,6 +138,13 @@ impl Engine {
         self.submit(commands).unwrap();
         Ok(recorded)
     }
+
+    /// The composite of a G-buffer that a renderer of a convention hands over.
+    pub fn shown(&mut self, reflections: &mut Reflections, data: &GBufferData, convention: Convention) -> Pixels {
+        let theirs = Theirs::new(self, data, convention);
+        let recorded = self.frame(reflections, &theirs.input()).unwrap();
+        self.read(&recorded.composite.unwrap())
+    }
 }
 
 impl Drop for Engine {

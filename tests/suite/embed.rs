@@ -57,11 +57,7 @@ fn every_convention_shows_the_same() {
     let data = view_of_rooms(&gpu, [97, 61]);
     let context = engine.context();
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
-    let mut show = |convention| {
-        let theirs = Theirs::new(&mut engine, &data, convention);
-        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
-        engine.read(&recorded.composite.unwrap())
-    };
+    let mut show = |convention| engine.shown(&mut reflections, &data, convention);
     let native = show(NATIVE);
     // Turned view spaces and clip spaces change nothing.
     for (right_handed, clip_y) in [(true, ClipY::Up), (false, ClipY::Down), (true, ClipY::Down)] {

@@ -307,11 +307,7 @@ fn every_convention_of_an_orthographic_renderer_shows_the_same() {
     let data = seen(&gpu, &scene, camera, &Globals { roughness: Some(0.0), ..Globals::default() }, [97, 61]);
     let context = engine.context();
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
-    let mut show = |convention| {
-        let theirs = Theirs::new(&mut engine, &data, convention);
-        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
-        engine.read(&recorded.composite.unwrap())
-    };
+    let mut show = |convention| engine.shown(&mut reflections, &data, convention);
     let native = show(NATIVE);
     let direct = gbuffer::reflect(&gpu, &data, None, &unified::INFO, &Setup::new([97, 61])).unwrap();
     assert!(rmse(&native, &direct.composite) < 1e-4, "{}", rmse(&native, &direct.composite));

@@ -159,7 +159,7 @@ impl PassShader<'_> {
 
 /// Id and bits of the specialization constants that the manifest gives.
 pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
-    let given = |c: &crate::gpu::glsl::Constant| {
+    let given = |c: &crate::gpu::interface::Constant| {
         let (given, _) = pass.values.get(&c.name)?;
         let number = given.numbers(state, 1).first().copied()?;
         Some((

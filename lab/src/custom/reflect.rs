@@ -10,7 +10,7 @@ mod code;
 
 pub use blocks::{BlockField, BlockLayout};
 
-use crate::gpu::glsl::Constant;
+use crate::gpu::interface::Constant;
 use code::{SpirvCode, decoration, op};
 use std::collections::BTreeMap;
 

@@ -5,7 +5,7 @@ use super::loose_uniforms::{self, Hoisted};
 use super::manifest::{Pass, PassStage};
 use super::reflect::{ShaderInterface, VariableKind, reflect};
 use crate::error::{Error, Result};
-use crate::gpu::glsl::{Bound, Interface, Push};
+use crate::gpu::interface::{Bound, Interface, Push};
 use crate::gpu::loose;
 use crate::gpu::shader::Shader;
 use crate::scene::{bounded, source_text};

@@ -21,7 +21,7 @@ use crate::gpu::timing::PassTime;
 use crate::methods::Wants;
 use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Display;
 
 /// What is timed: every combination of sizes, roughness values and variants of methods.
@@ -57,8 +57,8 @@ struct Group<'a> {
 impl<'a> TimeSpec<'a> {
     /// Frames that [`measure`] submits if the journal has none.
     pub fn frames(&self) -> usize {
-        let series = if self.a_a { 2 } else { 1 };
-        series * self.variants.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
+        let of_a_group = frames_of_a_group(self.variants.len(), self.warmup, self.samples, self.a_a);
+        self.sizes.len() * self.globals.len() * of_a_group
     }
 
     /// The groups in the order in which they are measured.
@@ -72,8 +72,7 @@ impl<'a> TimeSpec<'a> {
     }
 
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
-        let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
-        let variants: Vec<_> = self.variants.iter().map(recorded).collect();
+        let variants = recorded(&self.variants, extent);
         // Not how many samples: more may be asked for later.
         let settings = json!([scene_digest, format!("{:?}", self.view), globals, variants, self.warmup]);
         let digest = digest(self.gpu, &settings);
@@ -169,6 +168,18 @@ impl Timer {
         let (_, shots) = self.shots.insert((of, shots));
         group.measure(stage, shots, journal, progress)
     }
+}
+
+/// Frames of some variants at one size with one set of factors, the one whose work is counted among them.
+fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) -> usize {
+    let series = if a_a { 2 } else { 1 };
+    series * variants * (warmup + samples + 1)
+}
+
+/// The names of the methods of some variants, and everything that is set for them at a size.
+fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
+    let of = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+    json!(variants.iter().map(of).collect::<Vec<_>>())
 }
 
 /// Where the journal keeps a sample whose key begins with `prefix`.

@@ -4,6 +4,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::glsl;
+use crate::gpu::interface::Interface;
 use crate::gpu::programs::ALL;
 use crate::gpu::shader::Shader;
 use std::collections::HashMap;
@@ -116,7 +117,7 @@ impl ShaderWatch {
 /// Checks that bindings and blocks equal those that the program was built with.
 fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
     let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
-    let (built, now) = (glsl::interface(&built, shader.name)?, glsl::interface(words, shader.name)?);
+    let (built, now) = (Interface::of(&built, shader.name)?, Interface::of(words, shader.name)?);
     if built == now {
         return Ok(());
     }

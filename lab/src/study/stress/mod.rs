@@ -72,21 +72,22 @@ columns! {
         pub negative: usize = figure(""),
         /// Pixels whose ray ran out of steps; null where the method doesn't say.
         pub exhausted: Option<usize> = figure(""),
-        /// Reflecting pixels whose hits were compared with the oracle's; null where nobody knows the truth
-        /// or the method has no hits.
+        /// Reflecting pixels whose hits were compared with the oracle's, or in scenes of hard triangles with the world's; null
+        /// where nobody knows the truth or the method has no hits.
         pub compared: Option<usize> = figure(""),
         /// Share of them that agree.
         pub hit_agreement: Option<f64> = figure(""),
-        /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null but for [`JUDGED`].
+        /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null for methods that are
+        /// not judged.
         pub ties: Option<usize> = figure(""),
         /// The method's time.
         pub time_ms: f64 = time(""),
-        /// Whether it must pass: [`JUDGED`] everywhere, and where captures are tried whatever follows rays in them. The
-        /// published methods need only survive.
+        /// Whether it must pass: [`JUDGED`] everywhere, and where captures or triangles are tried whatever follows rays in
+        /// them. The published methods need only survive.
         #[serde(default)]
         pub judged: bool = figure(""),
-        /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], and a
-        /// bounded time.
+        /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], or among hard triangles
+        /// of what [`trees`] asks for, and a bounded time.
         pub pass: bool = figure(""),
     }
 }
@@ -141,7 +142,8 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         let setup = Setup::on_screen(case.extent());
         let judged = Judged { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
-        records.push(made.judge(gpu, &judged, method, &data, truth.as_ref()));
+        let compared = truth.as_ref().and_then(|truth| truth.compare(&made, method));
+        records.push(made.judge(gpu, &judged, method, &data, compared));
     }
     Ok(records)
 }
@@ -167,9 +169,10 @@ impl<'a> Truth<'a> {
         Self { hierarchy, pixels, hits }
     }
 
-    /// Pixels that agree, and those that disagree by rounding alone, if that is asked for: each takes hundreds
-    /// of rays to find out.
-    fn compare(&self, hits: &[Option<[f64; 2]>], ties: bool) -> (usize, Option<usize>) {
+    /// Compares what a method made, if it has hits. Ties are counted of the method that is judged alone: each takes
+    /// hundreds of rays to find out.
+    fn compare(&self, made: &Made, method: &MethodInfo) -> Option<Compared> {
+        let hits = hit_positions(made.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let width = self.hierarchy.rays().gbuffer.width;
@@ -177,7 +180,29 @@ impl<'a> Truth<'a> {
             let pixel = self.pixels[**n];
             is_tie(&self.hierarchy, [pixel % width, pixel / width], hits[pixel as usize])
         };
-        (self.pixels.len() - wrong.len(), ties.then(|| wrong.par_iter().filter(tie).count()))
+        let ties = (method.name == JUDGED).then(|| wrong.par_iter().filter(tie).count());
+        Some(Compared { rays: self.pixels.len(), wrong: wrong.len(), ties, least: AGREEMENT })
+    }
+}
+
+/// Rays of a frame whose ends were compared with the truth.
+struct Compared {
+    rays: usize,
+    wrong: usize,
+    /// Wrong ones that rounding alone makes so; `None` if nobody counted them.
+    ties: Option<usize>,
+    /// The share of the rays that must be right, ties among them.
+    least: f64,
+}
+
+impl Compared {
+    /// The share of the rays that are right; `None` for no ray.
+    fn agreement(&self) -> Option<f64> {
+        (self.rays > 0).then(|| (self.rays - self.wrong) as f64 / self.rays as f64)
+    }
+
+    fn passes(&self) -> bool {
+        (self.rays - self.wrong + self.ties.unwrap_or(0)) as f64 >= self.least * self.rays as f64
     }
 }
 
@@ -197,7 +222,7 @@ impl Made {
         &Judged { case, setup, globals, must_pass }: &Judged,
         method: &MethodInfo,
         data: &GBufferData,
-        truth: Option<&Truth>,
+        compared: Option<Compared>,
     ) -> StressRecord {
         let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
         let wrong = Wrong::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
@@ -205,13 +230,8 @@ impl Made {
             let out = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
             h.texels().filter(out).count()
         });
-        let compared = self.hits.as_ref().zip(truth).map(|(hits, truth)| {
-            let (agree, ties) = truth.compare(&hit_positions(hits), method.name == JUDGED);
-            (truth.pixels.len(), agree, ties)
-        });
         let pixels = data.depth.len();
         let time_ms = self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
-        let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties.unwrap_or(0)) as f64 >= AGREEMENT * n as f64);
         StressRecord {
             kind: "stress".to_owned(),
             program: Provenance::on(gpu),
@@ -225,14 +245,14 @@ impl Made {
             inf: wrong.inf,
             negative: wrong.negative,
             exhausted,
-            compared: compared.map(|(n, ..)| n),
-            hit_agreement: compared.and_then(|(n, agree, _)| (n > 0).then(|| agree as f64 / n as f64)),
-            ties: compared.and_then(|(.., ties)| ties),
+            compared: compared.as_ref().map(|c| c.rays),
+            hit_agreement: compared.as_ref().and_then(Compared::agreement),
+            ties: compared.as_ref().and_then(|c| c.ties),
             time_ms,
             judged: must_pass || method.name == JUDGED,
             pass: wrong == Wrong::default()
                 && exhausted.is_none_or(|n| n == 0)
-                && agrees
+                && compared.is_none_or(|c| c.passes())
                 && time_ms <= RUNAWAY_MS.0 + RUNAWAY_MS.1 * pixels as f64,
         }
     }
@@ -306,7 +326,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         records.extend(lineup.methods().zip(&made).map(|(m, made)| {
             // The screen's oracle knows nothing of hits in captures.
             let truth = truth.as_ref().filter(|_| m.is_screen_space());
-            made.judge(gpu, &judged, m, &data, truth)
+            made.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(made, m)))
         }));
     }
     Ok(records)

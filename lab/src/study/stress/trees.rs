@@ -3,7 +3,7 @@
 //! pixel, end every ray, and end it where the world does.
 
 use super::lineup::{Made, SceneLineup};
-use super::{Judged, StressRecord};
+use super::{Compared, Judged, StressRecord};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::math::constants::ROUNDING;
@@ -73,7 +73,7 @@ pub fn cases(most: usize) -> Vec<TreeCase> {
 }
 
 impl TreeCase {
-    /// The line-up of methods on the case's scene, who ask the triangles or the screen first.
+    /// The line-up of methods on the case's scene, which ask the triangles or the screen first.
     ///
     /// # Errors
     /// Errors of the device.
@@ -107,20 +107,24 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             let Some(data) = lineup.draw(camera)? else { continue };
             let made = lineup.made()?;
             // Where a device does not number triangles, rays begin at the points that depth gives, which are not so exact.
-            let is_compared = roughness == 0.0 && gpu.numbers_triangles();
-            let truth = is_compared.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
+            let is_known =
+                roughness == 0.0 && gpu.numbers_triangles() && rounding_m(&lineup.scene) <= COMPARED_ROUNDING_M;
+            let truth = is_known.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
             let name = format!("{}, {asked}, roughness {roughness}", case.name);
             let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
             records.extend(lineup.methods().zip(&made).map(|(m, made)| {
-                let record = made.judge(gpu, &judged, m, &data, None);
-                match &truth {
-                    Some(truth) => truth.judge(record, made, &data, least),
-                    None => record,
-                }
+                let compared = truth.as_ref().and_then(|truth| truth.compare(made, &data, least));
+                made.judge(gpu, &judged, m, &data, compared)
             }));
         }
     }
     Ok(records)
+}
+
+/// By what the coordinates of a scene are rounded: half a unit in the last place of the greatest, in metres.
+fn rounding_m(scene: &Scene) -> f64 {
+    let bounds = scene.bounds();
+    ROUNDING * f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
 }
 
 /// Where the mirror rays of a G-buffer end among the triangles.
@@ -128,7 +132,7 @@ struct Truth<'a> {
     world: World<'a>,
     /// The ray of each reflecting pixel that leads above its surface.
     rays: Vec<(usize, WorldRay)>,
-    /// What rounds where a ray begins: half a unit in the last place of the scene's extent, in metres.
+    /// What rounds where a ray begins, in metres.
     rounding_m: f64,
     place_share: f64,
 }
@@ -147,10 +151,8 @@ impl<'a> Truth<'a> {
             let ray = WorldRay { origin, direction, t_min: 1e-4, t_max: f64::INFINITY };
             receiver.is_above(direction).then_some((i, ray))
         };
-        let bounds = scene.bounds();
-        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let rays = (0..data.depth.len()).filter_map(ray).collect();
-        Self { world, rays, rounding_m: ROUNDING * f64::from(extent), place_share }
+        Self { world, rays, rounding_m: rounding_m(scene), place_share }
     }
 
     fn is_right(&self, ray: &WorldRay, end: &RayEnd) -> bool {
@@ -176,22 +178,14 @@ impl<'a> Truth<'a> {
         })
     }
 
-    /// The record of a method with how many of its rays end where the world ends them, which must be at least a share.
-    fn judge(&self, record: StressRecord, made: &Made, data: &GBufferData, least: f64) -> StressRecord {
-        let Some(hits) = made.hits.as_ref().filter(|_| self.rounding_m <= COMPARED_ROUNDING_M) else { return record };
-        let ends = ray_ends(hits, data);
+    /// Compares where a method ends its rays with where the world ends them, which must agree for at least a share; `None` of
+    /// a method without hits.
+    fn compare(&self, made: &Made, data: &GBufferData, least: f64) -> Option<Compared> {
+        let ends = ray_ends(made.hits.as_ref()?, data);
         let wrong: Vec<&(usize, WorldRay)> =
             self.rays.par_iter().filter(|(i, ray)| !self.is_right(ray, &ends[*i])).collect();
         let ties = wrong.par_iter().filter(|(i, ray)| self.is_tie(ray, &ends[*i], *i)).count();
-        let rays = self.rays.len();
-        let share = |n: usize| (rays > 0).then(|| n as f64 / rays as f64);
-        StressRecord {
-            compared: Some(rays),
-            hit_agreement: share(rays - wrong.len()),
-            ties: Some(ties),
-            pass: record.pass && share(rays - wrong.len() + ties).is_none_or(|right| right >= least),
-            ..record
-        }
+        Some(Compared { rays: self.rays.len(), wrong: wrong.len(), ties: Some(ties), least })
     }
 }
 

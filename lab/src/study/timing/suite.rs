@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, is_whole, keys, record_of};
+use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
@@ -138,8 +138,7 @@ impl Study for TimeStudy {
             let view = format!("{:?}", job.view);
             for &extent in &job.sizes {
                 for &globals in &job.globals {
-                    let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
-                    let variants: Vec<_> = job.variants.iter().map(recorded).collect();
+                    let variants = recorded(&job.variants, extent);
                     let TimeSettings { samples, a_a, .. } = self.settings;
                     let setup = json!([self.digests[n], view, globals, variants, self.warmup, samples, a_a]);
                     let of = |is_reference| TimeCell { job: n, extent, globals, is_reference };
@@ -168,8 +167,8 @@ impl Study for TimeStudy {
 
     fn steps(&self, cell: &TimeCell) -> usize {
         let TimeSettings { samples, a_a, .. } = self.settings;
-        let series = if a_a { 2 } else { 1 };
-        if cell.is_reference { 1 } else { series * self.jobs[cell.job].variants.len() * (self.warmup + samples + 1) }
+        let variants = self.jobs[cell.job].variants.len();
+        if cell.is_reference { 1 } else { frames_of_a_group(variants, self.warmup, samples, a_a) }
     }
 
     fn measure(&mut self, cell: &TimeCell, bench: &mut Bench) -> Result<Vec<TimeRow>> {

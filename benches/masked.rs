@@ -1,0 +1,17 @@
+//! G-buffers of which a part reflects, which several benches time.
+
+use ssct_lab::scene::GBufferData;
+
+/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
+pub fn masked(data: &GBufferData, share: f64) -> GBufferData {
+    let mut masked = data.clone();
+    let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
+    let [left, top] = [(data.width - w) / 2, (data.height - h) / 2];
+    for (i, reflectivity) in masked.reflectivity.iter_mut().enumerate() {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        if !((left..left + w).contains(&x) && (top..top + h).contains(&y)) {
+            *reflectivity = 0.0;
+        }
+    }
+    masked
+}

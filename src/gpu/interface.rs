@@ -1,0 +1,380 @@
+//! The interface of a shader's stage, read off its SPIR-V: bindings, blocks, outputs and specialization constants. `build.rs`
+//! includes this file, as it includes `glsl.rs`.
+
+use rspirv::dr::{Module, Operand};
+use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
+use std::collections::{BTreeMap, HashMap};
+
+/// What a stage asks of its pipeline, and how its blocks lie in memory.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Interface {
+    /// What it binds, by number.
+    pub bindings: Vec<Bound>,
+    /// Its push-constant block.
+    pub push: Option<Push>,
+    /// Name and Rust type of a component of each colour that it writes, by location; of a fragment stage.
+    pub outputs: Vec<(String, &'static str)>,
+    /// Its specialization constants, by id.
+    pub constants: Vec<Constant>,
+    /// Threads of a workgroup.
+    pub local_size: [u32; 3],
+    /// Uniform and push-constant blocks and the structs in them, by name.
+    pub blocks: BTreeMap<String, Block>,
+}
+
+/// One binding of a stage.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bound {
+    /// `layout(binding = …)`.
+    pub binding: u32,
+    /// The variable's name, or the block's where the variable has none.
+    pub name: String,
+    /// The variant of `BindingKind`.
+    pub kind: &'static str,
+    /// Descriptors: above 1 for an array of images.
+    pub count: u32,
+    /// Name of the block; empty for an image.
+    pub block: String,
+    /// Whether the stage says that it only reads.
+    pub read_only: bool,
+}
+
+/// A push-constant block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Push {
+    /// The variable's name.
+    pub name: String,
+    /// The block's.
+    pub block: String,
+    /// Bytes.
+    pub size: u32,
+}
+
+/// A specialization constant.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Constant {
+    /// `layout(constant_id = …)`.
+    pub id: u32,
+    /// Its name.
+    pub name: String,
+    /// Its type in Rust.
+    pub ty: &'static str,
+    /// The bits of the value that the shader gives it; 0 or 1 for a `bool`.
+    pub default: u32,
+}
+
+impl Interface {
+    /// Finds the interface of a module; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// A sentence on what of it has no twin in Rust.
+    pub fn of(words: &[u32], name: &str) -> Result<Self, String> {
+        let (words, local_size) = without_local_size_ids(words);
+        let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
+        Reflection::new(&module, name, local_size).interface()
+    }
+}
+
+/// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
+/// LocalSizeId; returned are the ids of the three constants.
+fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
+    const HEADER: usize = 5;
+    let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
+    let mut at = HEADER;
+    while at < words.len() {
+        let instruction = &words[at..at + (words[at] >> 16).max(1) as usize];
+        at += instruction.len();
+        match *instruction {
+            [head, _, mode, x, y, z]
+                if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
+            {
+                found = Some([x, y, z]);
+            }
+            _ => kept.extend_from_slice(instruction),
+        }
+    }
+    (kept, found)
+}
+
+/// A block's Rust twin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// Name, offset, Rust type and size of each field.
+    pub fields: Vec<(String, u32, String, u32)>,
+    /// Bytes.
+    pub size: u32,
+    /// The stage that declares it.
+    pub used_in: String,
+}
+
+/// A module with its names and decorations at hand.
+struct Reflection<'a> {
+    module: &'a Module,
+    name: &'a str,
+    /// Ids of the workgroup's three sides.
+    local_size: Option<[Word; 3]>,
+    names: HashMap<Word, String>,
+    member_names: HashMap<(Word, u32), String>,
+}
+
+impl<'a> Reflection<'a> {
+    fn new(module: &'a Module, name: &'a str, local_size: Option<[Word; 3]>) -> Self {
+        let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
+        for i in &module.debug_names {
+            match (i.class.opcode, i.operands.as_slice()) {
+                (Op::Name, [Operand::IdRef(id), Operand::LiteralString(s)]) => {
+                    names.insert(*id, s.clone());
+                }
+                (Op::MemberName, [Operand::IdRef(id), Operand::LiteralBit32(m), Operand::LiteralString(s)]) => {
+                    member_names.insert((*id, *m), s.clone());
+                }
+                _ => {}
+            }
+        }
+        Self { module, name, local_size, names, member_names }
+    }
+
+    fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
+        self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (Op::Decorate, [Operand::IdRef(target), Operand::Decoration(d), rest @ ..])
+                if *target == id && *d == wanted =>
+            {
+                Some(match rest {
+                    [Operand::LiteralBit32(v), ..] => *v,
+                    _ => 0,
+                })
+            }
+            _ => None,
+        })
+    }
+
+    fn member_decoration(&self, id: Word, member: u32, wanted: Decoration) -> Option<u32> {
+        self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (
+                Op::MemberDecorate,
+                [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), Operand::LiteralBit32(v)],
+            ) if *target == id && *m == member && *d == wanted => Some(*v),
+            _ => None,
+        })
+    }
+
+    fn is_member_decorated(&self, id: Word, member: u32, wanted: Decoration) -> bool {
+        self.module.annotations.iter().any(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (Op::MemberDecorate, [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), ..]) => {
+                *target == id && *m == member && *d == wanted
+            }
+            _ => false,
+        })
+    }
+
+    fn definition(&self, id: Word) -> Option<&rspirv::dr::Instruction> {
+        self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
+    }
+
+    fn operand_id(&self, id: Word, at: usize) -> Result<Word, String> {
+        match self.definition(id).and_then(|d| d.operands.get(at)) {
+            Some(Operand::IdRef(x)) => Ok(*x),
+            _ => Err(format!("{}: unexpected SPIR-V at id {id}", self.name)),
+        }
+    }
+
+    fn constant_u32(&self, id: Word) -> Result<u32, String> {
+        match self.definition(id).map(|d| d.operands.as_slice()) {
+            Some([Operand::LiteralBit32(v)]) => Ok(*v),
+            _ => Err(format!("{}: an array length that is no plain constant", self.name)),
+        }
+    }
+
+    /// Every module-level variable with its storage class and pointee.
+    fn variables(&self) -> Result<Vec<(Word, StorageClass, Word)>, String> {
+        let mut found = Vec::new();
+        for i in self.module.types_global_values.iter().filter(|i| i.class.opcode == Op::Variable) {
+            if let (Some(id), Some(pointer), Some(Operand::StorageClass(class))) =
+                (i.result_id, i.result_type, i.operands.first())
+            {
+                found.push((id, *class, self.operand_id(pointer, 1)?));
+            }
+        }
+        Ok(found)
+    }
+
+    fn interface(&self) -> Result<Interface, String> {
+        let mut found = Interface {
+            bindings: Vec::new(),
+            push: None,
+            outputs: Vec::new(),
+            constants: self.constants()?,
+            local_size: match self.local_size {
+                Some([x, y, z]) => [self.constant_u32(x)?, self.constant_u32(y)?, self.constant_u32(z)?],
+                None => [1; 3],
+            },
+            blocks: BTreeMap::new(),
+        };
+        let is_fragment = self.is_fragment();
+        let mut outputs = BTreeMap::new();
+        for (id, class, pointee) in self.variables()? {
+            let own = self.names.get(&id).filter(|n| !n.is_empty());
+            let block = self.names.get(&pointee).cloned().unwrap_or_default();
+            let name = own.unwrap_or(&block).clone();
+            let is_block = matches!(class, StorageClass::Uniform | StorageClass::PushConstant);
+            if is_block && self.definition(pointee).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
+                self.collect(pointee, &mut found.blocks)?;
+            }
+            if class == StorageClass::PushConstant {
+                found.push = Some(Push { name, block, size: self.struct_of(pointee)?.size });
+                continue;
+            }
+            if is_fragment && class == StorageClass::Output {
+                if let Some(location) = self.decoration(id, Decoration::Location) {
+                    outputs.insert(location, (name, self.component(pointee)?));
+                }
+                continue;
+            }
+            let Some(binding) = self.decoration(id, Decoration::Binding) else { continue };
+            let mut definition = self.definition(pointee).ok_or("no type")?;
+            let mut count = 1;
+            if class == StorageClass::UniformConstant && definition.class.opcode == Op::TypeArray {
+                count = self.constant_u32(self.operand_id(pointee, 1)?)?;
+                definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
+            }
+            let is_buffer = definition.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer));
+            let kind = match (class, definition.class.opcode) {
+                (StorageClass::UniformConstant, Op::TypeImage) if is_buffer => "StorageTexels",
+                (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
+                (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
+                (StorageClass::Uniform, _) => "UniformBuffer",
+                (StorageClass::StorageBuffer, _) => "StorageBuffer",
+                other => return Err(format!("{}: binding {binding} has an unknown kind {other:?}", self.name)),
+            };
+            found.bindings.push(Bound { binding, name, kind, count, block, read_only: self.is_read_only(id, pointee) });
+        }
+        found.bindings.sort();
+        if outputs.keys().copied().ne(0..outputs.len() as u32) {
+            return Err(format!("{}: its outputs are not at locations 0, 1 and so on", self.name));
+        }
+        found.outputs = outputs.into_values().collect();
+        Ok(found)
+    }
+
+    fn is_fragment(&self) -> bool {
+        let model = |i: &rspirv::dr::Instruction| i.operands.first().cloned();
+        self.module.entry_points.iter().any(|i| model(i) == Some(Operand::ExecutionModel(ExecutionModel::Fragment)))
+    }
+
+    /// Whether a variable, or all that its block holds, is declared `readonly`.
+    fn is_read_only(&self, id: Word, pointee: Word) -> bool {
+        let members = match self.definition(pointee) {
+            Some(d) if d.class.opcode == Op::TypeStruct => self.members(pointee).len() as u32,
+            _ => 0,
+        };
+        let all = members > 0 && (0..members).all(|m| self.is_member_decorated(pointee, m, Decoration::NonWritable));
+        all || self.decoration(id, Decoration::NonWritable).is_some()
+    }
+
+    /// The specialization constants, by id.
+    fn constants(&self) -> Result<Vec<Constant>, String> {
+        let mut found = Vec::new();
+        for i in &self.module.types_global_values {
+            let is_one = matches!(i.class.opcode, Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse);
+            let (true, Some(result), Some(ty)) = (is_one, i.result_id, i.result_type) else { continue };
+            let Some(id) = self.decoration(result, Decoration::SpecId) else { continue };
+            let name = self.names.get(&result).cloned().unwrap_or_default();
+            let default = match i.operands.first() {
+                Some(Operand::LiteralBit32(bits)) => *bits,
+                _ => u32::from(i.class.opcode == Op::SpecConstantTrue),
+            };
+            found.push(Constant { id, name, ty: self.component(ty)?, default });
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    /// The Rust type of a scalar, or of a vector's component.
+    fn component(&self, id: Word) -> Result<&'static str, String> {
+        let d = self.definition(id).ok_or("no type")?;
+        Ok(match d.class.opcode {
+            Op::TypeBool => "bool",
+            Op::TypeFloat => "f32",
+            Op::TypeInt if d.operands.get(1) == Some(&Operand::LiteralBit32(1)) => "i32",
+            Op::TypeInt => "u32",
+            Op::TypeVector => self.component(self.operand_id(id, 0)?)?,
+            other => return Err(format!("{}: an output or a constant of type {other:?}", self.name)),
+        })
+    }
+
+    fn collect(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
+        for member in self.members(id) {
+            let mut ty = member;
+            while self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeArray) {
+                ty = self.operand_id(ty, 0)?;
+            }
+            if self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
+                self.collect(ty, structs)?;
+            }
+        }
+        structs.insert(self.names.get(&id).cloned().unwrap_or_default(), self.struct_of(id)?);
+        Ok(())
+    }
+
+    fn members(&self, id: Word) -> Vec<Word> {
+        let operands = self.definition(id).map(|d| d.operands.as_slice()).unwrap_or_default();
+        operands.iter().filter_map(|o| if let Operand::IdRef(x) = o { Some(*x) } else { None }).collect()
+    }
+
+    fn struct_of(&self, id: Word) -> Result<Block, String> {
+        let mut fields = Vec::new();
+        let (mut end, mut align) = (0, 4);
+        for (m, ty) in self.members(id).into_iter().enumerate() {
+            let m = m as u32;
+            let offset = self.member_decoration(id, m, Decoration::Offset).unwrap_or(0);
+            let (rust, size, a) = self.rust_type(ty)?;
+            fields.push((self.member_names.get(&(id, m)).cloned().unwrap_or_default(), offset, rust, size));
+            end = end.max(offset + size);
+            align = align.max(a);
+        }
+        let size = end.div_ceil(align) * align;
+        Ok(Block { fields, size, used_in: self.name.to_owned() })
+    }
+
+    /// A type's Rust spelling, its size, and the alignment that its GLSL block has.
+    fn rust_type(&self, id: Word) -> Result<(String, u32, u32), String> {
+        let d = self.definition(id).ok_or("no type")?;
+        let wrong = || format!("{}: a block member of type {:?} has no Rust twin", self.name, d.class.opcode);
+        Ok(match d.class.opcode {
+            Op::TypeFloat => ("f32".into(), 4, 4),
+            Op::TypeInt => {
+                (if d.operands.get(1) == Some(&Operand::LiteralBit32(1)) { "i32" } else { "u32" }.into(), 4, 4)
+            }
+            Op::TypeVector | Op::TypeMatrix => {
+                let (inner, size, align) = self.rust_type(self.operand_id(id, 0)?)?;
+                let Some(Operand::LiteralBit32(n)) = d.operands.get(1) else { return Err(wrong()) };
+                // The columns of a matrix with three rows lie 16 bytes apart.
+                if d.class.opcode == Op::TypeMatrix && size == 12 {
+                    return Ok((format!("[[f32; 4]; {n}]"), 16 * n, 16));
+                }
+                if d.class.opcode == Op::TypeMatrix && size != 16 {
+                    return Err(wrong());
+                }
+                let align = if d.class.opcode == Op::TypeMatrix { align } else { n.next_power_of_two() * 4 };
+                (format!("[{inner}; {n}]"), n * size, align)
+            }
+            Op::TypeArray => {
+                let (inner, size, align) = self.rust_type(self.operand_id(id, 0)?)?;
+                let n = self.constant_u32(self.operand_id(id, 1)?)?;
+                if self.decoration(id, Decoration::ArrayStride) != Some(size) {
+                    return Err(format!("{}: an array whose stride is not its element's size", self.name));
+                }
+                (format!("[{inner}; {n}]"), n * size, align.max(16))
+            }
+            Op::TypeStruct => {
+                let block = self.struct_of(id)?;
+                let size = block.size.div_ceil(16) * 16;
+                if size != block.size {
+                    return Err(format!("{}: pad the nested struct to 16 bytes", self.name));
+                }
+                (self.names.get(&id).cloned().unwrap_or_default(), size, 16)
+            }
+            _ => return Err(wrong()),
+        })
+    }
+}

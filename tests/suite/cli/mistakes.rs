@@ -1,0 +1,116 @@
+//! What users get wrong: each mistake gets one sentence and the exit status that belongs to it, and leaves no file.
+
+use super::{EYE, folder};
+
+/// A user's mistake: the arguments, the exit status, and words of the sentence.
+fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
+    let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
+    let room =
+        |args: &[&'static str]| [&["render", "-o", "x.png", "--size", "16x16", "--scene", "room.obj"], args].concat();
+    let aimed = |args: &[&'static str]| [room(&EYE), args.to_vec()].concat();
+    vec![
+        (vec![], 2, "Usage"),
+        (vec!["paint"], 2, "paint"),
+        (vec!["captures"], 2, "<NAME|FILE>"),
+        (vec!["captures", "nowhere"], 2, "neither a built-in scene (rooms, atrium"),
+        (vec!["captures", "room.obj", "--captures", "9"], 2, "write auto, or a number from 1 to 8"),
+        (
+            vec!["captures", "room.obj", "--scale", "1e-6", "--write", "x.toml"],
+            2,
+            "no place for a capture was found in scene",
+        ),
+        (vec!["render", "--scene", "room.obj"], 2, "--output"),
+        (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium"),
+        (render(&["--scene", "missing.obj"]), 1, "cannot read"),
+        (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
+        (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
+        (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
+        (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
+        (
+            aimed(&["--method", "magic"]),
+            2,
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, dda, stochastic, \
+             local-map, pccm, billboard, ibr, planar, area-light, environment, captures, traced, unified",
+        ),
+        (
+            aimed(&["--method", "pccm", "--fallback", "pccm"]),
+            2,
+            "only screen-space methods have a fallback, and pccm is none",
+        ),
+        (
+            aimed(&["--method", "ssct", "--fallback", "mirror"]),
+            2,
+            "[possible values: none, environment, pccm, captures, planar]",
+        ),
+        (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
+        (render(&["--size", "0x10"]), 2, "has no pixels"),
+        (render(&["--size", "10x0"]), 2, "has no pixels"),
+        (render(&["--size", "ten"]), 2, "write it as 960x540"),
+        (render(&["--size", "10x-3"]), 2, "write it as 960x540"),
+        (
+            [&["render", "-o", "x.png", "--size", "999999x4", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "each side must be 1 to",
+        ),
+        (aimed(&["--device", "no such device"]), 2, "no device \"no such device\"; there is: 0 "),
+        (aimed(&["--device", "99"]), 2, "no device \"99\""),
+        (aimed(&["--orthographic-height", "0"]), 2, "--orthographic-height 0: must be a number of metres above 0"),
+        (aimed(&["--orthographic-height", "3", "--fov", "60"]), 2, "cannot be used with"),
+        (
+            aimed(&["--orthographic-height", "3", "--method", "ssct"]),
+            2,
+            "the method ssct needs a perspective, which its published formulas are made for, and the camera is orthographic; \
+             these take both: local-map, pccm, environment, captures, traced, unified",
+        ),
+        (aimed(&["--roughness", "7"]), 2, "--roughness 7: must lie between 0 and 1"),
+        (aimed(&["--roughness", "NaN"]), 2, "--roughness NaN: must lie between 0 and 1"),
+        (aimed(&["--roughness", "0,0.1"]), 2, "give one --roughness"),
+        (aimed(&["--reflectivity", "2"]), 2, "--reflectivity 2: must lie between 0 and 1"),
+        (aimed(&["--normal-deviation", "2"]), 2, "--normal-deviation 2: must lie between 0 and 1"),
+        (aimed(&["--scale", "0"]), 2, "--scale 0: must be a number above 0"),
+        (aimed(&["--fov", "180"]), 2, "--fov 180: must lie between 0 and 180 degrees"),
+        (aimed(&["--near", "5", "--far", "1"]), 2, "near 5 and far 1: near must be above 0 and below far"),
+        (aimed(&["--near", "1", "--far", "1"]), 2, "near must be above 0 and below far"),
+        (aimed(&["--near", "0"]), 2, "near must be above 0"),
+        (room(&["--eye", "0,1,2"]), 2, "--look-at"),
+        (room(&["--look-at", "0,1,2"]), 2, "--eye"),
+        (room(&["--eye", "0,1,2", "--look-at", "0,1,2"]), 2, "the same point"),
+        (room(&["--eye", "0,1", "--look-at", "0,1,2"]), 2, "write it as 1.5,0,-3"),
+        (aimed(&["--view", "front"]), 2, "cannot be used with"),
+        (
+            [&["render", "-o", "x.jpg", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "x.jpg: an image is written as .png or .exr",
+        ),
+        (
+            [&["render", "-o", "room.obj/x.png", "--size", "8x8", "--scene", "room.obj"], &EYE[..]].concat(),
+            1,
+            "room.obj",
+        ),
+        (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
+        (aimed(&["--march-stride", "0"]), 2, "it takes numbers above 0 and at most 1"),
+        (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
+        (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
+        (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
+        (vec!["time", "--scene", "room.obj", "--method", "ssct,magic"], 2, "no method \"magic\""),
+        (vec!["study", "--samples", "0", "-o", "out"], 2, "--samples 0"),
+    ]
+}
+
+#[test]
+fn a_mistake_gets_a_sentence_and_leaves_no_file() {
+    let folder = folder();
+    let before = folder.list(".");
+    for (args, status, words) in mistakes() {
+        let output = folder.run(&args);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+        assert!(text.contains(words), "{args:?}: {text:?} lacks {words:?}");
+        assert!(output.stdout.is_empty(), "{args:?}: an error goes to standard error");
+        // Ours are one line; clap's begin with "error:" and may explain.
+        let ours = text.starts_with("ssct: ") && text.trim_end().lines().count() == 1;
+        assert!(ours || text.contains("error:") || text.contains("Usage"), "{args:?}: {text}");
+    }
+    assert_eq!(folder.list("."), before, "nothing is left behind");
+}
