@@ -178,6 +178,7 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
             ("StorageTexels", ..) => ("&'a TexelBuffer".to_owned(), format!("Texels(self.{field})")),
             ("StorageImage", _, true) => ("ImageSlice<'a>".to_owned(), format!("Loaded(self.{field})")),
             ("StorageImage", _, false) => ("ImageSlice<'a>".to_owned(), format!("Storage(self.{field})")),
+            ("RayStructure", ..) => ("&'a RayStructure".to_owned(), format!("Rays(self.{field})")),
             ("UniformBuffer", ..) => (format!("&'a {block}"), format!("Uniform(bytemuck::bytes_of(self.{field}))")),
             (_, _, true) => ("&'a Buffer".to_owned(), format!("ReadBuffer(self.{field})")),
             (_, _, false) => ("&'a Buffer".to_owned(), format!("Buffer(self.{field})")),

@@ -44,7 +44,7 @@ unset VK_ADD_DRIVER_FILES VK_LAYER_PATH
 eval "$(scripts/drivers.sh --mesa)"
 if [ -n "${VK_DRIVER_FILES:-}" ]; then
     check 'Mesa 25' bounces:: camera_capture:: captures:: cli:: cube_maps:: filters:: gloss_twin:: golden:: gbuffer_maps:: \
-        many:: mirror:: planar:: renewal:: stochastic:: unified:: unified_stages:: validation::
+        many:: mirror:: planar:: ray_queries:: renewal:: stochastic:: unified:: unified_stages:: validation::
 else
     echo 'drivers: this system has no backports of Mesa 25; its own lavapipe is what make test runs on' >&2
 fi

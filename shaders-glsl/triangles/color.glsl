@@ -46,6 +46,10 @@ bool StopsRay(Met met) {
     return !hole && !(met.side < 0.0 && (mask.x & MATERIAL_SINGLE_SIDED) != 0u);
 }
 
+#ifdef RAY_QUERY
+#include "triangles/query.glsl"
+#else
+
 // The nearest triangle that stops the ray. One after the other, those that let it through are left behind.
 Met Closest(TreeRay ray) {
     if (!ASKS)
@@ -59,6 +63,8 @@ Met Closest(TreeRay ray) {
     }
     return met;
 }
+
+#endif
 
 // The colour that a ray sees, over a footprint that measures `width` metres across it where it ends.
 vec3 ColorMet(TreeRay ray, Met met, float width) {

@@ -2,8 +2,15 @@
 #pragma program(TriangleMirrors, MIRRORS)
 #pragma program(TriangleNarrow, NARROW)
 #pragma program(TriangleWide)
+#pragma program(TriangleMirrorsQueried, MIRRORS, RAY_QUERY)
+#pragma program(TriangleNarrowQueried, NARROW, RAY_QUERY)
+#pragma program(TriangleWideQueried, RAY_QUERY)
 // Follows the rays of the list through the scene's triangles, a thread a ray, each from its own pixel's point, and puts
 // what they see where the ray is of.
+
+#ifdef RAY_QUERY
+#extension GL_EXT_ray_query : require
+#endif
 
 #define LOST_ACCESS readonly
 #include "captures/lost.glsl"

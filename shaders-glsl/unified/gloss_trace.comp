@@ -2,10 +2,16 @@
 #pragma program(TraceNarrowCompute, NARROW)
 #pragma program(TraceNarrowConfirmedCompute, NARROW, CONFIRMED)
 #pragma program(TraceNarrowAmongTriangles, NARROW, AMONG_TRIANGLES)
+#pragma program(TraceNarrowQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
 #pragma program(TraceWideCompute)
 #pragma program(TraceWideConfirmedCompute, CONFIRMED)
 #pragma program(TraceWideAmongTriangles, AMONG_TRIANGLES)
+#pragma program(TraceWideQueried, AMONG_TRIANGLES, RAY_QUERY)
 // The rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
+
+#ifdef RAY_QUERY
+#extension GL_EXT_ray_query : require
+#endif
 
 #include "unified/groups.glsl"
 #include "unified/gloss_trace.glsl"

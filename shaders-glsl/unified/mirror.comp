@@ -2,7 +2,12 @@
 #pragma program(MirrorCompute)
 #pragma program(MirrorConfirmedCompute, CONFIRMED)
 #pragma program(MirrorAmongTriangles, AMONG_TRIANGLES)
+#pragma program(MirrorQueried, AMONG_TRIANGLES, RAY_QUERY)
 // What a mirror pixel shows, a thread a pixel, over tiles or over the whole image.
+
+#ifdef RAY_QUERY
+#extension GL_EXT_ray_query : require
+#endif
 
 #include "unified/groups.glsl"
 #include "unified/mirror.glsl"

@@ -2,6 +2,7 @@
 
 mod features;
 mod open;
+mod ray_queries;
 
 use super::memory::{DeviceMemory, Source};
 use super::pipelines::Pipelines;
@@ -12,6 +13,7 @@ use crate::error::{Error, Result};
 use ash::vk;
 pub use features::enable_features;
 use open::{create_instance, list, open_device};
+pub(super) use ray_queries::RayQueries;
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -32,6 +34,8 @@ pub struct DeviceQuery {
     /// Whether material maps are sampled without anisotropy. Each driver places the samples of an anisotropic filter as
     /// it likes, so that images of different drivers differ less without such a filter.
     pub isotropic: bool,
+    /// Whether ray queries are turned on where the device has them.
+    pub ray_queries: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
     /// Instance extensions that a window needs.
@@ -155,6 +159,8 @@ pub struct Shared {
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
     pub(crate) numbers_triangles: bool,
+    /// Ray queries, or a sentence that says why there are none.
+    ray_queries: std::result::Result<RayQueries, String>,
 }
 
 /// How long a frame may take, and what is called with a sentence if one takes longer.
@@ -338,6 +344,19 @@ impl Gpu {
     /// `geometryShader`, which a device may lack.
     pub fn numbers_triangles(&self) -> bool {
         self.shared.numbers_triangles
+    }
+
+    /// Ray queries, by which the device itself finds the triangles that rays meet.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where the device has none, or was opened without them.
+    pub(crate) fn ray_queries(&self) -> Result<&RayQueries> {
+        self.shared.ray_queries.as_ref().map_err(|why| Error::Usage(why.clone()))
+    }
+
+    /// Whether ray queries are on.
+    pub fn has_ray_queries(&self) -> bool {
+        self.shared.ray_queries.is_ok()
     }
 
     /// The largest width and height of an image that is drawn into; viewports are up to twice as large.

@@ -8,6 +8,7 @@ mod bind;
 mod context;
 mod draw;
 mod quirks;
+mod rays;
 mod sets;
 mod target;
 mod transfer;
@@ -17,6 +18,7 @@ use super::device::vulkan;
 use super::image::{Image, ImageSlice};
 use super::memory::{Buffer, TexelBuffer};
 use super::program::Sampled;
+use super::ray_structure::RayStructure;
 use super::sync::{Access, ImageUse, State, Tracked, Transition};
 use super::timing::{PassTime, PassWork};
 use crate::error::{Error, Result};
@@ -56,6 +58,8 @@ pub enum Resource<'a> {
     Uniform(&'a [u8]),
     /// A buffer, read as texels.
     Texels(&'a TexelBuffer),
+    /// A structure, through which compute shaders follow rays.
+    Rays(&'a RayStructure),
     /// A storage buffer, read and written.
     Buffer(&'a Buffer),
     /// A storage buffer, only read.
@@ -359,6 +363,9 @@ impl Frame<'_> {
                 Resource::Storage(slice) => self.use_image(slice, stored),
                 Resource::Loaded(slice) => self.use_image(slice, read),
                 Resource::Texels(texels) => self.use_buffer(texels.buffer(), read),
+                Resource::Rays(structure) => {
+                    structure.buffers().into_iter().for_each(|b| self.use_buffer(b, Access::RayQuery));
+                }
                 Resource::Buffer(b) => self.use_buffer(b, stored),
                 Resource::ReadBuffer(b) => self.use_buffer(b, read),
                 Resource::Uniform(_) => {}

@@ -242,6 +242,7 @@ impl<'a> Reflection<'a> {
                 (StorageClass::UniformConstant, Op::TypeImage) if is_buffer => "StorageTexels",
                 (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
                 (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
+                (StorageClass::UniformConstant, Op::TypeAccelerationStructureKHR) => "RayStructure",
                 (StorageClass::Uniform, _) => "UniformBuffer",
                 (StorageClass::StorageBuffer, _) => "StorageBuffer",
                 other => return Err(format!("{}: binding {binding} has an unknown kind {other:?}", self.name)),

@@ -233,6 +233,14 @@ impl Buffer {
         Error::Memory { what: self.name.clone(), message: "the buffer is not visible to the host".into() }
     }
 
+    /// Where shaders and builds of ray structures find it, for a buffer whose usage has a device address.
+    pub(super) fn address(&self) -> u64 {
+        let info = vk::BufferDeviceAddressInfo::default().buffer(self.handle);
+        // SAFETY: the buffer is alive, and its memory was allocated for addresses, as that of all buffers is where ray
+        // queries are on.
+        unsafe { self.gpu.raw().get_buffer_device_address(&info) }
+    }
+
     /// The handle.
     pub fn handle(&self) -> vk::Buffer {
         self.handle

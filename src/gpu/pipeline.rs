@@ -134,6 +134,7 @@ impl BindingKind {
             Self::SampledImage => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::StorageTexels => vk::DescriptorType::STORAGE_TEXEL_BUFFER,
+            Self::RayStructure => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
             Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
             Self::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
         }

@@ -41,6 +41,7 @@ use super::frame::Resource;
 use super::image::ImageSlice;
 use super::memory::{Buffer, TexelBuffer};
 use super::program::{Compute, Constants, Fragment, Program, Sampled, VertexProgram};
+use super::ray_structure::RayStructure;
 use super::shader::*;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));

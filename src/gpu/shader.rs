@@ -41,6 +41,8 @@ pub enum BindingKind {
     StorageImage,
     /// A buffer that is read as texels of a format.
     StorageTexels,
+    /// A structure that ray queries are followed through.
+    RayStructure,
     /// A uniform block.
     UniformBuffer,
     /// A storage block.

@@ -33,6 +33,14 @@ pub enum Access {
     VertexInput,
     /// Arguments of an indirect draw or dispatch.
     Indirect,
+    /// Corners of triangles or other input of a build of a ray structure.
+    BuildInput,
+    /// A ray structure that is built, or the memory that its build works in.
+    RayStructureBuild,
+    /// A ray structure that another one is built over.
+    RayStructureRead,
+    /// A ray structure that ray queries of compute shaders are followed through.
+    RayQuery,
     /// Read by the host after the submission.
     HostRead,
     /// Handed to the presentation engine.
@@ -54,7 +62,7 @@ pub struct AccessInfo {
 
 impl Access {
     /// Every use, for tests and tools.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 19] = [
         Self::ColorAttachment,
         Self::DepthAttachment,
         Self::DepthStencilAttachment,
@@ -68,6 +76,10 @@ impl Access {
         Self::TransferWrite,
         Self::VertexInput,
         Self::Indirect,
+        Self::BuildInput,
+        Self::RayStructureBuild,
+        Self::RayStructureRead,
+        Self::RayQuery,
         Self::HostRead,
         Self::Present,
     ];
@@ -123,6 +135,17 @@ impl Access {
                 false,
             ),
             Self::Indirect => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false),
+            Self::BuildInput => (S::ACCELERATION_STRUCTURE_BUILD_KHR, A::SHADER_READ, L::UNDEFINED, false),
+            Self::RayStructureBuild => (
+                S::ACCELERATION_STRUCTURE_BUILD_KHR,
+                A::from_raw(A::ACCELERATION_STRUCTURE_READ_KHR.as_raw() | A::ACCELERATION_STRUCTURE_WRITE_KHR.as_raw()),
+                L::UNDEFINED,
+                true,
+            ),
+            Self::RayStructureRead => {
+                (S::ACCELERATION_STRUCTURE_BUILD_KHR, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false)
+            }
+            Self::RayQuery => (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
             // Presentation is ordered by a semaphore; the barrier only changes the layout.
             Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR, false),
@@ -289,6 +312,7 @@ mod tests {
             let write_bits = A::COLOR_ATTACHMENT_WRITE
                 | A::DEPTH_STENCIL_ATTACHMENT_WRITE
                 | A::SHADER_STORAGE_WRITE
+                | A::ACCELERATION_STRUCTURE_WRITE_KHR
                 | A::TRANSFER_WRITE;
             assert_eq!(i.writes, i.access.intersects(write_bits), "{access:?}");
             // Every access flag belongs to one of its stages (Vulkan 1.3, table 4).
@@ -298,7 +322,12 @@ mod tests {
                     A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
                     S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
                 ),
-                (A::SHADER_READ | A::SHADER_STORAGE_READ, S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
+                (
+                    A::SHADER_READ | A::SHADER_STORAGE_READ,
+                    S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER | S::ACCELERATION_STRUCTURE_BUILD_KHR,
+                ),
+                (A::ACCELERATION_STRUCTURE_READ_KHR, S::ACCELERATION_STRUCTURE_BUILD_KHR | S::COMPUTE_SHADER),
+                (A::ACCELERATION_STRUCTURE_WRITE_KHR, S::ACCELERATION_STRUCTURE_BUILD_KHR),
                 (A::SHADER_STORAGE_WRITE, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
                 (A::TRANSFER_READ | A::TRANSFER_WRITE, S::ALL_TRANSFER),
                 (A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, S::VERTEX_INPUT),

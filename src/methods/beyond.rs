@@ -1,7 +1,7 @@
 //! What an effect looks into beyond the screen: captures of the scene, and its triangles.
 
 use super::capture::{CaptureImages, Renewal};
-use super::setup::CaptureCount;
+use super::setup::{CaptureCount, Tracer};
 use super::{EffectParams, MethodInfo, SceneInput, Setup};
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
@@ -30,11 +30,13 @@ impl PreparedTriangles {
             return Err(Error::Usage(message));
         }
         let ready = data.triangles().zip(self.table.as_ref());
-        let ((geometry, images), table) = ready.ok_or_else(|| {
+        let structure = data.ray_structure().filter(|_| self.reading.queries);
+        let is_ready = structure.is_some() == self.reading.queries;
+        let ((geometry, images), table) = ready.filter(|_| is_ready).ok_or_else(|| {
             let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
             Error::Usage(message.into())
         })?;
-        Ok(geometry.bound(images, table))
+        Ok(geometry.bound(images, table).queried(structure))
     }
 }
 
@@ -79,7 +81,8 @@ pub(super) fn triangles_for(
             info.name
         ))
     };
-    let reading = scene.ok_or_else(refused)?.data.prepare_triangles(context)?;
+    let queries = effect.tracer == Tracer::Query;
+    let reading = scene.ok_or_else(refused)?.data.prepare_triangles(context, queries)?;
     Ok(Some(reading.ok_or_else(refused)?))
 }
 

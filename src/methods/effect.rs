@@ -3,7 +3,7 @@
 use super::beyond::{Captured, PreparedTriangles, taken, takes_captures, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
-use super::setup::{BeyondScreen, CaptureCount, HistoryUse, takes_projection};
+use super::setup::{BeyondScreen, CaptureCount, HistoryUse, Tracer, takes_projection};
 use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -12,6 +12,7 @@ use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
+use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{Captures, GBuffer};
@@ -62,6 +63,9 @@ pub struct Prepared {
     pub device_bytes: u64,
     /// Where captures stand that rays go on in: x, y and z in world axes, in metres.
     pub captures: Vec<[f32; 3]>,
+    /// Milliseconds in which the device built the structure for ray queries, of those above; `None` without ray queries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ray_structure_ms: Option<f64>,
 }
 
 impl Effect {
@@ -103,6 +107,9 @@ impl Effect {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
             device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
             captures: if at_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
+            ray_structure_ms: triangles
+                .filter(|reading| reading.queries)
+                .and_then(|_| Some(scene.data.ray_structure()?.build_ms())),
         };
         Ok(made)
     }
@@ -160,6 +167,11 @@ impl Effect {
         }
         if matches!(setup.effect().beyond, BeyondScreen::None | BeyondScreen::Captures) {
             let message = "triangles are given, and the parameter beyond says that no ray is followed among them";
+            return Err(Error::Usage(message.into()));
+        }
+        if setup.effect().tracer == Tracer::Query {
+            let message =
+                "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree";
             return Err(Error::Usage(message.into()));
         }
         Self::beside(context, info, setup, wants, (false, None, Some(reading)))
@@ -301,7 +313,7 @@ impl Effect {
             }
         }
         if let Some(triangles) = &mut self.triangles {
-            scene.data.prepare_triangles(context)?;
+            scene.data.prepare_triangles(context, triangles.reading.queries)?;
             let images = scene.data.triangles().map(|(_, images)| images);
             triangles.table = images.map(|images| images.table(context, scene.materials)).transpose()?;
         }
@@ -309,6 +321,15 @@ impl Effect {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// Makes ready the triangles of a scene for a frame, where its meshes stand now; nothing if rays do not go among them.
+    ///
+    /// # Errors
+    /// Returns the errors of [`SceneData::prepare_triangles`].
+    pub fn prepare_triangles(&self, context: &mut FrameContext, data: &SceneData) -> Result<()> {
+        let Some(triangles) = &self.triangles else { return Ok(()) };
+        data.prepare_triangles(context, triangles.reading.queries).map(drop)
     }
 
     /// Whether the G-buffer should say which triangle each pixel shows.

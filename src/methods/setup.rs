@@ -52,6 +52,18 @@ choices! {
     }
 }
 
+choices! {
+    /// What finds the triangle that a ray meets.
+    pub enum Tracer {
+        /// The tree.
+        Auto = "auto",
+        /// A walk through a tree in compute shaders, on any device.
+        Tree = "tree",
+        /// Ray queries, on a device that has them.
+        Query = "query",
+    }
+}
+
 /// The number of captures in which rays go on that the screen loses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CaptureCount {
@@ -181,6 +193,9 @@ parameters! {
         beyond: BeyondScreen = Parameter::new(BeyondScreen::Auto)
             .sweep(Preset::Published, &[BeyondScreen::None])
             .source("this project"),
+        /// What finds the triangle that a ray meets, where rays go among the triangles of the scene. The rays end alike but where
+        /// triangles are equally near within rounding.
+        tracer: Tracer = Parameter::new(Tracer::Auto).source("this project (docs/unified.md)"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
         /// screen's border.

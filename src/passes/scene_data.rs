@@ -4,7 +4,7 @@ use super::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::MemoryPlace};
+use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, RayStructure, image, memory::MemoryPlace};
 use crate::math::constants;
 use crate::scene::capture::{BOUNDS_MARGIN, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
@@ -42,6 +42,8 @@ pub struct SceneData {
     /// Built when rays are first followed among them, and again after a mesh has moved.
     triangle_geometry: OnceCell<TriangleGeometry>,
     triangle_images: OnceCell<TriangleImages>,
+    /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
+    ray_structure: OnceCell<RayStructure>,
     triangles_as_blocks: bool,
     placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
@@ -131,6 +133,7 @@ impl SceneData {
             build_tree: None,
             triangle_geometry: OnceCell::new(),
             triangle_images: OnceCell::new(),
+            ray_structure: OnceCell::new(),
             triangles_as_blocks: false,
             placed: RefCell::default(),
             impostors: scene.impostors.clone(),
@@ -209,7 +212,7 @@ impl SceneData {
             mesh.offset = offset;
             placed += 1;
         }
-        self.triangle_geometry.take();
+        self.forget_triangles();
         if placed == 0 {
             return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
         }
@@ -233,7 +236,13 @@ impl SceneData {
     /// again after a mesh has moved; without it no effect can.
     pub fn build_tree_by(&mut self, build: impl Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)> + 'static) {
         self.build_tree = Some(Box::new(build));
+        self.forget_triangles();
+    }
+
+    /// Has the triangles built anew when they are needed next.
+    fn forget_triangles(&mut self) {
         self.triangle_geometry.take();
+        self.ray_structure.take();
     }
 
     /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
@@ -241,20 +250,28 @@ impl SceneData {
         self.triangles_as_blocks = as_blocks;
     }
 
-    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
-    /// their tree is built. To be asked before each frame that follows rays among them, which costs nothing unless a mesh has
+    /// Makes ready the scene's triangles where its meshes stand now, with the structure for ray queries where `queries` are to
+    /// find what rays meet, and says how they are read; `None` if nobody said how their tree is built. To be asked before each frame that follows rays among them, which costs nothing unless a mesh has
     /// moved.
     ///
     /// # Errors
-    /// What building the tree returns, and [`Error::Memory`] without memory.
-    pub fn prepare_triangles(&self, context: &mut FrameContext) -> Result<Option<TriangleReading>> {
+    /// What building the tree returns, [`Error::Usage`] for ray queries where there are none, and [`Error::Memory`] without
+    /// memory.
+    pub fn prepare_triangles(&self, context: &mut FrameContext, queries: bool) -> Result<Option<TriangleReading>> {
         let Some(build) = &self.build_tree else { return Ok(None) };
+        if queries {
+            context.gpu().ray_queries()?;
+        }
         if self.triangle_geometry.get().is_none() {
             let moved: Vec<(&str, Vec3)> = self.meshes.iter().map(|m| (m.name.as_str(), m.offset)).collect();
             let moved: Vec<_> = moved.into_iter().filter(|(_, offset)| *offset != Vec3::ZERO).collect();
             let (tree, records) = build(&moved)?;
             let made = TriangleGeometry::new(context, &tree, &records)?;
             self.triangle_geometry.get_or_init(|| made);
+        }
+        if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
+            let made = geometry.structure(context)?;
+            self.ray_structure.get_or_init(|| made);
         }
         if self.triangle_images.get().is_none() {
             let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
@@ -267,6 +284,7 @@ impl SceneData {
             TriangleReading {
                 geometry_texels: as_texels(reading.geometry_texels),
                 image_texels: as_texels(reading.image_texels),
+                queries,
                 ..reading
             }
         }))
@@ -275,6 +293,11 @@ impl SceneData {
     /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before it, and after a mesh has moved.
     pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
         self.triangle_geometry.get().zip(self.triangle_images.get())
+    }
+
+    /// The structure for ray queries that [`Self::prepare_triangles`] has built, in the same way.
+    pub fn ray_structure(&self) -> Option<&RayStructure> {
+        self.ray_structure.get()
     }
 
     /// How many lights there are.

@@ -3,6 +3,7 @@
 
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
+use crate::gpu::ray_structure::{Corners, RayStructure};
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
@@ -72,6 +73,8 @@ pub struct TriangleReading {
     pub asks: bool,
     /// Lights of the scene.
     pub lights: u32,
+    /// Whether ray queries find what rays meet, and not a walk through the tree.
+    pub queries: bool,
 }
 
 /// The materials of a view, as shaders look them up.
@@ -86,6 +89,8 @@ pub struct TriangleBuffers<'a> {
     pub images: &'a TexelBuffer,
     /// Materials.
     pub table: &'a TexelBuffer,
+    /// The structure for ray queries, where they find what rays meet.
+    pub structure: Option<&'a RayStructure>,
     /// The place from which coordinates of triangles are measured.
     pub origin: DVec3,
     counts: [i32; 4],
@@ -168,14 +173,32 @@ impl TriangleGeometry {
             image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
+            queries: false,
         }
+    }
+
+    /// Builds the structure for ray queries over the triangles that have an area, in the order of their slots.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Usage`] without ray queries, and [`crate::error::Error::Memory`] without memory.
+    pub fn structure(&self, context: &mut FrameContext) -> Result<RayStructure> {
+        let [corners, attributes, ..] = self.counts;
+        let (_, stride) = VECTORS;
+        let corners = Corners {
+            buffer: self.buffer.buffer(),
+            first_byte: stride * u64::from(corners.cast_unsigned()),
+            stride,
+            triangles: (attributes - corners).cast_unsigned() / 3,
+        };
+        RayStructure::build(context, &corners)
     }
 
     /// What passes bind, with images and a table of materials.
     pub fn bound<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
         let Self { origin, counts, extent_m, buffer, .. } = self;
         let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
-        TriangleBuffers { geometry: buffer, images: &images.buffer, table: &table.0, origin, counts, extent_m }
+        let (images, table) = (&images.buffer, &table.0);
+        TriangleBuffers { geometry: buffer, images, table, structure: None, origin, counts, extent_m }
     }
 }
 
@@ -251,7 +274,12 @@ impl TriangleImages {
     }
 }
 
-impl TriangleBuffers<'_> {
+impl<'a> TriangleBuffers<'a> {
+    /// Binds a structure for ray queries as well, or none.
+    pub fn queried(self, structure: Option<&'a RayStructure>) -> Self {
+        Self { structure, ..self }
+    }
+
     /// The block of a camera among the triangles.
     pub fn block(&self, camera: &Camera) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
@@ -289,5 +317,7 @@ pub(super) fn staged(
 }
 
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
-    Buffer::new(gpu, name, bytes, TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)
+    let built = if gpu.has_ray_queries() { RayStructure::INPUT } else { vk::BufferUsageFlags::empty() };
+    let usage = TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST | built;
+    Buffer::new(gpu, name, bytes, usage, MemoryPlace::Device)
 }

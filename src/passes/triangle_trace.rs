@@ -2,7 +2,8 @@
 //! over as many rays as there are (docs/definitions.md, "Triangles").
 
 use super::lost::Beyond;
-use super::triangle_scene::{AmongTriangles, TriangleReading, with_reading, with_triangles};
+use super::tracer::{ByTracer, by_tracer};
+use super::triangle_scene::{AmongTriangles, TriangleReading, with_reading};
 use super::{Canvas, GBuffer, Hits, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -11,11 +12,14 @@ use crate::scene::ProjectionKind;
 
 /// The pipelines.
 pub struct TriangleTracePass {
-    mirrors: ComputePipeline<programs::TriangleMirrors<'static>>,
-    narrow: ComputePipeline<programs::TriangleNarrow<'static>>,
-    wide: ComputePipeline<programs::TriangleWide<'static>>,
+    mirrors: Pipeline<programs::TriangleMirrors<'static>, programs::TriangleMirrorsQueried<'static>>,
+    narrow: Pipeline<programs::TriangleNarrow<'static>, programs::TriangleNarrowQueried<'static>>,
+    wide: Pipeline<programs::TriangleWide<'static>, programs::TriangleWideQueried<'static>>,
     unwanted_hits: Option<Image>,
 }
+
+/// The pipeline of either tracer.
+type Pipeline<T, Q> = ByTracer<ComputePipeline<T>, ComputePipeline<Q>>;
 
 /// What is written of the pixels of mirrors.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,11 +45,11 @@ pub struct TriangleInput<'a> {
     pub beyond: Beyond<'a>,
 }
 
-/// A program with the bindings that all here have in common, and some of its own.
+/// The program of a tracer with the bindings that all here have in common, and some of its own.
 macro_rules! follow_program {
-    ($name:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+    ($tree:ident or $query:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
         let TriangleInput { parameters, among, beyond } = $input;
-        with_triangles! { $name of among,
+        by_tracer! { $tree or $query of among,
             unified: parameters,
             captures: beyond.block,
             environment: beyond.sky,
@@ -56,6 +60,17 @@ macro_rules! follow_program {
     }};
 }
 
+/// Compiles the program of the tracer that a reading says.
+macro_rules! pipeline {
+    ($tree:ident or $query:ident of ($gpu:expr, $reading:expr), $($field:ident),+ $(,)?) => {
+        if $reading.queries {
+            ByTracer::Query(ComputePipeline::with($gpu, &with_reading! { $query of $reading, $($field),+ })?)
+        } else {
+            ByTracer::Tree(ComputePipeline::with($gpu, &with_reading! { $tree of $reading, $($field),+ })?)
+        }
+    };
+}
+
 impl TriangleTracePass {
     /// Compiles the pipelines for scenes that are read in a way.
     ///
@@ -64,14 +79,12 @@ impl TriangleTracePass {
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
         let TriangleWants { composite, reflection, hits, projection } = wanted;
         let orthographic = projection.is_orthographic();
-        let of_mirrors =
-            with_reading! { TriangleMirrorsConstants of reading, composite, reflection, hits, orthographic };
-        let of_narrow = with_reading! { TriangleNarrowConstants of reading, orthographic };
-        let of_wide = with_reading! { TriangleWideConstants of reading, orthographic };
         Ok(Self {
-            mirrors: ComputePipeline::with(gpu, &of_mirrors)?,
-            narrow: ComputePipeline::with(gpu, &of_narrow)?,
-            wide: ComputePipeline::with(gpu, &of_wide)?,
+            mirrors: pipeline! { TriangleMirrorsConstants or TriangleMirrorsQueriedConstants of (gpu, reading),
+                composite, reflection, hits, orthographic,
+            },
+            narrow: pipeline! { TriangleNarrowConstants or TriangleNarrowQueriedConstants of (gpu, reading), orthographic },
+            wide: pipeline! { TriangleWideConstants or TriangleWideQueriedConstants of (gpu, reading), orthographic },
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
@@ -88,25 +101,25 @@ impl TriangleTracePass {
         // What is not wanted is not written, and needs an image all the same.
         let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
         let Some((any, hits)) = stored else { return Ok(()) };
-        let program = follow_program! { TriangleMirrors of input,
+        let program = follow_program! { TriangleMirrors or TriangleMirrorsQueried of input,
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             composite_image: canvas.composite.unwrap_or(any).all(),
             reflection_image: canvas.reflection.unwrap_or(any).all(),
             hits_image: hits.all(),
         };
-        frame.compute_indirect("triangles/mirrors", &self.mirrors, &program, (input.beyond.counts, 0))
+        self.mirrors.follow(frame, "triangles/mirrors", &program, input.beyond.counts)
     }
 
     /// Pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
     pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, records: &Image) -> Result<()> {
-        let program = follow_program! { TriangleNarrow of input, seen_image: records.all() };
-        frame.compute_indirect("triangles/narrow", &self.narrow, &program, (input.beyond.counts, 0))
+        let program = follow_program! { TriangleNarrow or TriangleNarrowQueried of input, seen_image: records.all() };
+        self.narrow.follow(frame, "triangles/narrow", &program, input.beyond.counts)
     }
 
     /// Pass "triangles/wide": the same for the rays of cells with wide lobes.
     pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen]: [&Image; 2]) -> Result<()> {
-        let program = follow_program! { TriangleWide of input, place_image: place.all(), seen_image: seen.all() };
-        frame.compute_indirect("triangles/wide", &self.wide, &program, (input.beyond.counts, 0))
+        let program = follow_program! { TriangleWide or TriangleWideQueried of input, place_image: place.all(), seen_image: seen.all() };
+        self.wide.follow(frame, "triangles/wide", &program, input.beyond.counts)
     }
 }

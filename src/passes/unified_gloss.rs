@@ -4,16 +4,17 @@
 
 use super::lost::Beyond;
 use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
-use super::triangle_scene::{AmongTriangles, with_reading, with_triangles};
+use super::tracer::{ByTracer, by_tracer};
+use super::triangle_scene::{AmongTriangles, with_reading};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
     Cells, CellsCompute, CellsComputeConstants, CellsConstants, ResolveNarrow, ResolveNarrowCompute,
     ResolveNarrowComputeConstants, ResolveNarrowConstants, ResolveWide, ResolveWideCompute,
     ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowAmongTriangles, TraceNarrowCompute,
-    TraceNarrowComputeConstants, TraceNarrowConfirmed, TraceNarrowConfirmedCompute, TraceNarrowConstants, TraceWide,
-    TraceWideAmongTriangles, TraceWideCompute, TraceWideComputeConstants, TraceWideConfirmed,
-    TraceWideConfirmedCompute, TraceWideConstants,
+    TraceNarrowComputeConstants, TraceNarrowConfirmed, TraceNarrowConfirmedCompute, TraceNarrowConstants,
+    TraceNarrowQueried, TraceWide, TraceWideAmongTriangles, TraceWideCompute, TraceWideComputeConstants,
+    TraceWideConfirmed, TraceWideConfirmedCompute, TraceWideConstants, TraceWideQueried,
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
@@ -37,14 +38,14 @@ pub struct UnifiedGlossPass {
 enum NarrowTraces {
     Screen(TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>),
     Confirmed(TiledPipeline<TraceNarrowConfirmed<'static>, TraceNarrowConfirmedCompute<'static>>),
-    Triangles(TiledCompute<TraceNarrowAmongTriangles<'static>>),
+    Triangles(ByTracer<TiledCompute<TraceNarrowAmongTriangles<'static>>, TiledCompute<TraceNarrowQueried<'static>>>),
 }
 
 /// The programs that trace wide lobes, in the same way.
 enum WideTraces {
     Screen(TiledPipeline<TraceWide<'static>, TraceWideCompute<'static>>),
     Confirmed(TiledPipeline<TraceWideConfirmed<'static>, TraceWideConfirmedCompute<'static>>),
-    Triangles(TiledCompute<TraceWideAmongTriangles<'static>>),
+    Triangles(ByTracer<TiledCompute<TraceWideAmongTriangles<'static>>, TiledCompute<TraceWideQueried<'static>>>),
 }
 
 /// What the passes hand each other. Where no tile is drawn, images hold anything.
@@ -117,9 +118,14 @@ impl UnifiedGlossPass {
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
                     NarrowTraces::Confirmed(pipeline)
                 }
-                Some(reading) => NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
+                Some(reading) if reading.queries => {
+                    let constants =
+                        |whole| with_reading! { TraceNarrowQueriedConstants of reading, whole, orthographic };
+                    NarrowTraces::Triangles(ByTracer::Query(TiledCompute::new(gpu, narrow, constants)?))
+                }
+                Some(reading) => NarrowTraces::Triangles(ByTracer::Tree(TiledCompute::new(gpu, narrow, |whole| {
                     with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, orthographic }
-                })?),
+                })?)),
             },
             resolve_narrow: TiledPipeline::new(
                 gpu,
@@ -150,11 +156,13 @@ impl UnifiedGlossPass {
                     let formats = || [PLACE, LIT_COLOR];
                     WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
                 }
-                Some(reading) => WideTraces::Triangles(TiledCompute::new(gpu, halves, |whole| {
-                    with_reading! { TraceWideAmongTrianglesConstants of reading,
-                        whole, orthographic,
-                    }
-                })?),
+                Some(reading) if reading.queries => {
+                    let constants = |whole| with_reading! { TraceWideQueriedConstants of reading, whole, orthographic };
+                    WideTraces::Triangles(ByTracer::Query(TiledCompute::new(gpu, halves, constants)?))
+                }
+                Some(reading) => WideTraces::Triangles(ByTracer::Tree(TiledCompute::new(gpu, halves, |whole| {
+                    with_reading! { TraceWideAmongTrianglesConstants of reading, whole, orthographic }
+                })?)),
             },
             cells: TiledPipeline::new(
                 gpu,
@@ -225,7 +233,7 @@ impl UnifiedGlossPass {
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
             }
             (NarrowTraces::Triangles(pipeline), Some(among)) => {
-                let program = with_triangles! { TraceNarrowAmongTriangles of among,
+                let program = by_tracer! { TraceNarrowAmongTriangles or TraceNarrowQueried of *among,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     record_image: records.all(),
@@ -303,7 +311,7 @@ impl UnifiedGlossPass {
                 pipeline.run(frame, "trace/wide", (parameters, *tiles), programs)
             }
             (WideTraces::Triangles(pipeline), Some(among)) => {
-                let program = with_triangles! { TraceWideAmongTriangles of among,
+                let program = by_tracer! { TraceWideAmongTriangles or TraceWideQueried of *among,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     place_image: place.all(), seen_image: seen.all(),

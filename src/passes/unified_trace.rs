@@ -4,12 +4,13 @@
 
 use super::lost::Beyond;
 use super::tiles::{Over, TileStage, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
-use super::triangle_scene::{AmongTriangles, with_reading, with_triangles};
+use super::tracer::{ByTracer, by_tracer};
+use super::triangle_scene::{AmongTriangles, with_reading};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::programs::{
     Mirror, MirrorAmongTriangles, MirrorCompute, MirrorComputeConstants, MirrorConfirmed, MirrorConfirmedCompute,
-    MirrorConstants,
+    MirrorConstants, MirrorQueried,
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
@@ -31,7 +32,7 @@ enum Mirrors {
     /// The screen, whose hits triangles confirm.
     Confirmed(TiledPipeline<MirrorConfirmed<'static>, MirrorConfirmedCompute<'static>>),
     /// The triangles alone.
-    Triangles(TiledCompute<MirrorAmongTriangles<'static>>),
+    Triangles(ByTracer<TiledCompute<MirrorAmongTriangles<'static>>, TiledCompute<MirrorQueried<'static>>>),
 }
 
 /// What the pass reads.
@@ -95,12 +96,20 @@ impl UnifiedTracePass {
                 (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
             Some(reading) => {
-                let constants = |whole| {
+                let tree = |whole| {
                     with_reading! { MirrorAmongTrianglesConstants of reading,
                         hits, whole, composite, beside, orthographic,
                     }
                 };
-                (TileStage::Compute, Mirrors::Triangles(TiledCompute::new(gpu, over, constants)?))
+                let queried = |whole| {
+                    with_reading! { MirrorQueriedConstants of reading, hits, whole, composite, beside, orthographic }
+                };
+                let pipelines = if reading.queries {
+                    ByTracer::Query(TiledCompute::new(gpu, over, queried)?)
+                } else {
+                    ByTracer::Tree(TiledCompute::new(gpu, over, tree)?)
+                };
+                (TileStage::Compute, Mirrors::Triangles(pipelines))
             }
         };
         Ok(Self {
@@ -174,7 +183,7 @@ impl UnifiedTracePass {
                 pipeline.run(frame, name, (parameters, *tiles), programs)?;
             }
             (Mirrors::Triangles(pipeline), Some(among)) => {
-                let program = with_triangles! { MirrorAmongTriangles of among,
+                let program = by_tracer! { MirrorAmongTriangles or MirrorQueried of *among,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     color_image: color.all(),

@@ -80,5 +80,10 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
         assert_eq!(differ, 0, "{method}, {first} first: rmse {}", rmse(&reflection, &direct));
         assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {first} first: rays end on triangles");
     }
+    // A device of the caller's has no ray queries on.
+    let asking = [("tracer", "query")];
+    let with = ReflectionsInfo { triangles: Some(&triangles), parameters: &asking, ..info(&data, "unified") };
+    let said = Reflections::new(&context, &with).err().expect("refused").to_string();
+    assert!(said.contains("the tracer must be tree"), "{said}");
     gpu.check_validation().unwrap();
 }

@@ -50,6 +50,7 @@ mod page;
 mod plain_words;
 mod planar;
 mod precision;
+mod ray_queries;
 mod renewal;
 mod resolution;
 mod same;

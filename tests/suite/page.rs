@@ -81,7 +81,8 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
 
 #[test]
 fn what_is_prepared_is_plotted_where_it_differs() {
-    let prepared = |bytes| Prepared { time_ms: 1.0, device_bytes: bytes, captures: vec![[0.0; 3]] };
+    let prepared =
+        |bytes| Prepared { time_ms: 1.0, device_bytes: bytes, captures: vec![[0.0; 3]], ..Prepared::default() };
     let record = |method: &str, bytes, error| ErrorRecord {
         prepared: Some(prepared(bytes)),
         ..error_record(method, Against::World, 10.0, error)

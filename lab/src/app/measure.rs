@@ -26,6 +26,11 @@ pub trait StudyOptions: Args {
     /// The device.
     fn device(&self) -> &DeviceOptions;
 
+    /// Whether some method is to ask ray queries.
+    fn asks_ray_queries(&self) -> bool {
+        false
+    }
+
     /// Writes what the flags ask for beside the study's own files.
     ///
     /// # Errors
@@ -49,7 +54,7 @@ pub struct Measured<O: Args> {
 /// Measures what the journal lacks, writes and prints.
 pub fn run<O: StudyOptions>(Measured { options, run: to }: &Measured<O>) -> anyhow::Result<()> {
     let mut study = options.study()?;
-    let gpu = resolve::gpu(options.device())?;
+    let gpu = resolve::gpu(options.device(), options.asks_ray_queries())?;
     let list = engine::list(&study, &gpu, command_line(), to.shard);
     let mut run = Run::begin(to.output.as_deref(), to.resume)?;
     run.list(&list)?;

@@ -3,7 +3,7 @@
 use super::cli::RenderOptions;
 use super::resolve;
 use crate::error::Error;
-use crate::methods::{self, Setup, Wants};
+use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
 use crate::study::record::recorded;
@@ -32,7 +32,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
-    let gpu = resolve::gpu(&common.device)?;
+    let gpu = resolve::gpu(&common.device, common.method_options.asks_ray_queries())?;
 
     let inside = options.dump.is_some() || options.figure.is_some();
     let setup = setup(options);
@@ -65,7 +65,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
     }
     if options.explain {
-        std::io::stdout().write_all(explain(&rendered).as_bytes())?;
+        std::io::stdout().write_all(explain(&rendered, shot.prepared()).as_bytes())?;
     }
     drop((shot, stage));
     gpu.check_validation()?;
@@ -84,9 +84,10 @@ pub fn setup(options: &RenderOptions) -> Setup {
 }
 
 /// What the frame did and what it left out, a pass a line.
-fn explain(rendered: &image::RenderedImage) -> String {
+fn explain(rendered: &image::RenderedImage, prepared: &Prepared) -> String {
     let drawn = &rendered.drawn;
     let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);
+    text.extend(prepared.ray_structure_ms.map(|ms| format!("built     structure for ray queries: {ms:.1} ms\n")));
     text.extend(rendered.report.recorded.iter().map(|pass| format!("recorded  {pass}\n")));
     text.extend(rendered.report.skipped.iter().map(|s| format!("skipped   {}: {}\n", s.pass, s.why)));
     text

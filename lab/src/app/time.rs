@@ -77,6 +77,10 @@ impl StudyOptions for TimeOptions {
         &self.common.device
     }
 
+    fn asks_ray_queries(&self) -> bool {
+        self.common.method_options.asks_ray_queries()
+    }
+
     fn study(&self) -> Result<TimeStudy> {
         if self.samples == 0 {
             return Err(Error::Usage("--samples 0: at least one is needed".into()));

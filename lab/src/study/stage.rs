@@ -82,9 +82,7 @@ impl Stage {
     /// Begins a frame of a shot, with the scene's triangles where its meshes stand now if the shot's method asks for them.
     fn begin(&mut self, shot: &Shot, mode: Mode) -> Result<(Frame<'_>, &SceneData)> {
         let Self { context, data } = self;
-        if shot.effect.wants_triangles() {
-            data.prepare_triangles(context)?;
-        }
+        shot.effect.prepare_triangles(context, data)?;
         Ok((context.begin(mode)?, data))
     }
 

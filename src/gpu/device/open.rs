@@ -1,6 +1,7 @@
 //! Opening a device: the instance, the choice among what the loader lists, and the logical device.
 
 use super::features::{self, enable_features};
+use super::ray_queries::{self, RayQueries};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::memory::Source;
@@ -221,6 +222,16 @@ pub(super) fn open_device(
         }
         names.push(ash::khr::swapchain::NAME.as_ptr());
     }
+    let name = &listing.info.name;
+    let has_queries = if query.ray_queries {
+        ray_queries::found(&instance, physical, offers)
+            .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"))
+    } else {
+        Err(format!("ray queries were not asked for when {name} was opened; the tracer tree needs none"))
+    };
+    if has_queries.is_ok() {
+        names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
+    }
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
     let mut features = vk::PhysicalDeviceFeatures::default()
@@ -239,12 +250,17 @@ pub(super) fn open_device(
     // The features stand in the chain: with pEnabledFeatures, the layers of 1.4.309 say that nobody asked which there
     // are, whatever was asked before (KhronosGroup/Vulkan-ValidationLayers issue 9900).
     let mut core = vk::PhysicalDeviceFeatures2::default().features(features);
-    let info = vk::DeviceCreateInfo::default()
+    v12.buffer_device_address = has_queries.is_ok().into();
+    let (mut structures, mut queries) = ray_queries::features();
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
         .push_next(&mut core)
         .push_next(&mut v12)
         .push_next(&mut v13);
+    if has_queries.is_ok() {
+        info = info.push_next(&mut structures).push_next(&mut queries);
+    }
     // SAFETY: the structures live through the call; features and extensions were found supported.
     let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
     // SAFETY: the queue was asked for above.
@@ -253,7 +269,7 @@ pub(super) fn open_device(
         device = watch::watched(&device, queue, watch);
     }
 
-    let parts = own_memory(&instance, physical, &device).and_then(|memory| {
+    let parts = own_memory(&instance, physical, &device, has_queries.is_ok()).and_then(|memory| {
         Ok((memory, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
     });
     let (memory, samplers) = match parts {
@@ -266,6 +282,7 @@ pub(super) fn open_device(
     };
     let debug = debug.0.take();
     Ok(Shared {
+        ray_queries: has_queries.map(|()| RayQueries::of(&instance, physical, &device)),
         debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: Some(Mutex::new(queue)),
         entry,
@@ -322,7 +339,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     let samplers = Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?;
     let memory = match memory {
         Some(theirs) => Source::Theirs(Mutex::new(theirs)),
-        None => match own_memory(&instance, physical, &device) {
+        None => match own_memory(&instance, physical, &device, false) {
             Ok(memory) => memory,
             Err(e) => {
                 // SAFETY: nothing uses them yet.
@@ -332,6 +349,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         },
     };
     Ok(Shared {
+        ray_queries: Err(format!("{} is the caller's device, on which no ray queries are used", info.name)),
         debug_device: debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: None,
         entry,
@@ -366,14 +384,19 @@ fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
     }
 }
 
-/// The crate's own allocator.
-fn own_memory(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Result<Source> {
+/// The crate's own allocator; `has_addresses` says whether buffers may have device addresses.
+fn own_memory(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    device: &ash::Device,
+    has_addresses: bool,
+) -> Result<Source> {
     let allocator = Allocator::new(&AllocatorCreateDesc {
         instance: instance.clone(),
         device: device.clone(),
         physical_device: physical,
         debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-        buffer_device_address: false,
+        buffer_device_address: has_addresses,
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })?;

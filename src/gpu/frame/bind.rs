@@ -52,6 +52,7 @@ impl Frame<'_> {
         let mut images = Vec::with_capacity(resources.len());
         let mut buffers = Vec::with_capacity(resources.len());
         let mut texels = Vec::with_capacity(resources.len());
+        let mut structures = Vec::with_capacity(resources.len());
         for (_, resource) in resources {
             let (image, buffer) = self.descriptor(*resource)?;
             images.push(match resource {
@@ -66,13 +67,22 @@ impl Frame<'_> {
                 Resource::Texels(texels) => [texels.view()],
                 _ => [vk::BufferView::null()],
             });
+            structures.push(match resource {
+                Resource::Rays(structure) => [structure.handle()],
+                _ => [vk::AccelerationStructureKHR::null()],
+            });
         }
         let has_bindings = !layout.bindings.is_empty();
+        let mut traced: Vec<_> = structures
+            .iter()
+            .map(|s| vk::WriteDescriptorSetAccelerationStructureKHR::default().acceleration_structures(s))
+            .collect();
         let set = if has_bindings { Some(self.slot().sets.take(layout.set, name)?) } else { None };
         let writes: Vec<_> = resources
             .iter()
+            .zip(&mut traced)
             .enumerate()
-            .map(|(i, (b, _))| {
+            .map(|(i, ((b, _), traced))| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set.unwrap_or_default())
                     .dst_binding(b.binding)
@@ -80,6 +90,7 @@ impl Frame<'_> {
                 match b.kind {
                     BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
                     BindingKind::StorageTexels => write.texel_buffer_view(&texels[i]),
+                    BindingKind::RayStructure => write.descriptor_count(1).push_next(traced),
                     BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
                 }
             })
@@ -108,8 +119,8 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // Each of its images is written by itself, and texels are read through a view.
-            Resource::SampledArray(..) | Resource::Texels(..) => {}
+            // Each of its images is written by itself, texels are read through a view, and a structure has a handle.
+            Resource::SampledArray(..) | Resource::Texels(..) | Resource::Rays(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
             }

@@ -1,0 +1,31 @@
+// The triangle that stops a ray, found by a ray query of the device instead of a walk through the tree. The device proposes
+// triangles; whether the ray meets one and is stopped by it is decided as in the walk, so that both end rays alike but
+// where two triangles are equally near within rounding.
+
+#ifndef TRIANGLES_QUERY_GLSL
+#define TRIANGLES_QUERY_GLSL
+
+layout(binding = 31) uniform accelerationStructureEXT ray_structure; // of the corners in geometry, in their order
+
+// The nearest triangle that stops the ray.
+Met Closest(TreeRay ray) {
+    Met best = NOTHING;
+    // A query's ray must be finite; a walk meets no box with any other.
+    float size = dot(abs(ray.origin), vec3(1.0)) + dot(abs(ray.direction), vec3(1.0));
+    if (!(size < NEVER))
+        return best;
+    rayQueryEXT query;
+    rayQueryInitializeEXT(query, ray_structure, gl_RayFlagsNoOpaqueEXT, 0xffu, ray.origin, 0.0, ray.direction, NEVER);
+    while (rayQueryProceedEXT(query)) {
+        Met met = best;
+        Meet(ray, rayQueryGetIntersectionPrimitiveIndexEXT(query, false), met);
+        bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
+        if (met.id != best.id && (!asks || StopsRay(met))) {
+            best = met;
+            rayQueryConfirmIntersectionEXT(query);
+        }
+    }
+    return best;
+}
+
+#endif

@@ -1,0 +1,71 @@
+//! Rays among a scene's triangles by either tracer: a walk through the tree, which every device can do, or ray queries, for
+//! which a device finds triangles itself. The programs differ in nothing but how they find the nearest triangle.
+
+use super::tiles::{TiledCompute, Tiles};
+use crate::error::{Error, Result};
+use crate::gpu::program::Compute;
+use crate::gpu::shader::UnifiedBlock;
+use crate::gpu::{Buffer, ComputePipeline, Frame};
+
+/// A thing of the tree's program, or the same of the program with ray queries.
+pub enum ByTracer<T, Q> {
+    /// Walks through the tree.
+    Tree(T),
+    /// Asks ray queries.
+    Query(Q),
+}
+
+/// The program of a tracer, with its bindings of a scene's triangles filled in: that with ray queries where the triangles
+/// have a structure for them.
+macro_rules! by_tracer {
+    ($tree:ident or $query:ident of $among:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+        let among: $crate::passes::triangle_scene::AmongTriangles = $among;
+        match among.triangles.structure {
+            None => $crate::passes::tracer::ByTracer::Tree(
+                $crate::passes::triangle_scene::with_triangles! { $tree of among, $($field: $value),+ },
+            ),
+            Some(ray_structure) => $crate::passes::tracer::ByTracer::Query(
+                $crate::passes::triangle_scene::with_triangles! { $query of among,
+                    ray_structure: ray_structure, $($field: $value),+
+                },
+            ),
+        }
+    }};
+}
+pub(super) use by_tracer;
+
+impl<T: Compute, Q: Compute> ByTracer<TiledCompute<T>, TiledCompute<Q>> {
+    /// Records one pass over a list's tiles, or over the whole image.
+    pub fn run(
+        &self,
+        frame: &mut Frame,
+        name: &str,
+        over: (&UnifiedBlock, Tiles),
+        program: &ByTracer<T, Q>,
+    ) -> Result<()> {
+        match (self, program) {
+            (Self::Tree(pipelines), ByTracer::Tree(program)) => pipelines.run(frame, name, over, program),
+            (Self::Query(pipelines), ByTracer::Query(program)) => pipelines.run(frame, name, over, program),
+            _ => Err(other_tracer()),
+        }
+    }
+}
+
+impl<T: Compute, Q: Compute> ByTracer<ComputePipeline<T>, ComputePipeline<Q>> {
+    /// Records one pass over as many workgroups as a buffer says.
+    pub fn follow(&self, frame: &mut Frame, name: &str, program: &ByTracer<T, Q>, counts: &Buffer) -> Result<()> {
+        match (self, program) {
+            (Self::Tree(pipeline), ByTracer::Tree(program)) => {
+                frame.compute_indirect(name, pipeline, program, (counts, 0))
+            }
+            (Self::Query(pipeline), ByTracer::Query(program)) => {
+                frame.compute_indirect(name, pipeline, program, (counts, 0))
+            }
+            _ => Err(other_tracer()),
+        }
+    }
+}
+
+fn other_tracer() -> Error {
+    Error::Usage("the triangles are ready for one tracer, and this method was made for the other".into())
+}
