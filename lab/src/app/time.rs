@@ -2,6 +2,7 @@
 
 use super::cli::{CommonOptions, DeviceOptions, size};
 use super::measure::StudyOptions;
+use super::parameters::{TypedVariant, typed_variant};
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::methods;
@@ -31,6 +32,17 @@ pub struct TimeOptions {
     /// Methods, such as ssct,hzct; by default all of them
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
+    /// A method with its own options; may be repeated
+    ///
+    /// Its options count before those outside: "traced --tracer query". Give it once for each variant that is timed, instead
+    /// of --method.
+    #[arg(
+        long,
+        value_name = "METHOD OPTIONS",
+        value_parser = typed_variant,
+        conflicts_with_all = ["method", "table"]
+    )]
+    pub variant: Vec<TypedVariant>,
     /// Widths and heights in pixels; by default 960x540
     #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
@@ -78,7 +90,7 @@ impl StudyOptions for TimeOptions {
     }
 
     fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries()
+        self.common.method_options.asks_ray_queries() || self.variant.iter().any(TypedVariant::asks_ray_queries)
     }
 
     fn study(&self) -> Result<TimeStudy> {
@@ -111,7 +123,11 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     };
     let globals = if is_table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, is_table)?;
-    let variants = Variant::of(&methods, &common.method_options.setup(sizes[0]));
+    let base = common.method_options.setup(sizes[0]);
+    let variants = match &options.variant[..] {
+        [] => Variant::of(&methods, &base),
+        typed => typed.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?,
+    };
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }
 

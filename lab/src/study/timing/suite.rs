@@ -321,7 +321,7 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
             format!("{} {}", r.head.scene, r.head.view),
             format!("{}x{}", r.head.width, r.head.height),
             roughness(r.head.roughness),
-            r.head.method.clone(),
+            r.head.variant(),
         ];
         let found = r.stages();
         row.extend(stages.iter().map(|s| match found.iter().find(|(n, _)| n == s) {
@@ -340,9 +340,9 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
 /// A bar a record: the median of each stage of the effect.
 pub fn chart(records: &[TimeRecord]) -> Chart {
     let bar = |r: &TimeRecord| {
-        let Head { method, scene, view, width, height, .. } = &r.head;
-        let rough = roughness(r.head.roughness);
-        let label = format!("{method}: {scene} {view}, {width} × {height}, roughness {rough}");
+        let Head { scene, view, width, height, .. } = &r.head;
+        let (variant, rough) = (r.head.variant(), roughness(r.head.roughness));
+        let label = format!("{variant}: {scene} {view}, {width} × {height}, roughness {rough}");
         StageBar { label, stages: r.stages() }
     };
     Chart::new("time", "Where the time goes", Drawing::Bars(records.iter().map(bar).collect()))
