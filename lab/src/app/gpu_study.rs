@@ -6,9 +6,9 @@ use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::setup::{BeyondScreen, CaptureCount};
+use crate::methods::setup::{BeyondScreen, CaptureCount, Tracer};
 use crate::methods::unified::{First, StageChoice, UnifiedParams};
-use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, unified};
+use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::report::gpu_study_report::{self as report, DeviceTimes, Findings, LayerMessages};
 use crate::report::{files, kept_images};
@@ -124,6 +124,17 @@ impl Plan {
         self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
     }
 
+    /// `traced` by a walk through the tree, and by ray queries; nothing on a device that has none.
+    fn tracers<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Option<TimeSpec<'a>> {
+        let of = |tracer| {
+            let setup = Setup::new(self.size).with(|p: &mut EffectParams| p.tracer = tracer);
+            Variant { method: &traced::INFO, setup }
+        };
+        let variants = [Tracer::Tree, Tracer::Query].map(of).to_vec();
+        let globals = FIRST_ROUGHNESS.map(of_roughness).to_vec();
+        gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
+    }
+
     /// `unified` with every pass as a fragment shader, and as a compute shader.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let of = |stage| {
@@ -158,15 +169,16 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
 /// Measures, writes the folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
-    let gpu = resolve::gpu(&options.device, false)?;
+    let gpu = resolve::gpu(&options.device, true)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
     let table_place = place(TABLE_VIEW)?;
     let table = plan.table(&gpu, &table_place);
     let methods: Vec<_> = places.iter().map(|place| plan.methods(&gpu, place)).collect();
     let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
+    let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let timed = || methods.iter().chain(&first).chain([&table, &stages]);
+    let timed = || methods.iter().chain(&first).chain(&tracers).chain([&table, &stages]);
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
     let mut measure = || -> Result<Findings> {
@@ -179,8 +191,8 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
     let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
-    let (methods, first) = (all_of(&methods), all_of(&first));
-    let times = DeviceTimes { table: records(&table), methods, first, stages: records(&stages) };
+    let (methods, first, tracers) = (all_of(&methods), all_of(&first), all_of(&tracers));
+    let times = DeviceTimes { table: records(&table), methods, first, tracers, stages: records(&stages) };
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())

@@ -30,6 +30,8 @@ pub struct DeviceTimes {
     pub methods: Vec<TimeRecord>,
     /// `unified` on each view and at each roughness, with the screen and then the triangles asked first.
     pub first: Vec<TimeRecord>,
+    /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without them.
+    pub tracers: Vec<TimeRecord>,
     /// `unified` at each roughness, in fragment and then in compute shaders.
     pub stages: Vec<TimeRecord>,
 }
@@ -37,7 +39,7 @@ pub struct DeviceTimes {
 impl DeviceTimes {
     /// All of them.
     pub fn all(&self) -> Vec<TimeRecord> {
-        [&self.table[..], &self.methods, &self.first, &self.stages].concat()
+        [&self.table[..], &self.methods, &self.first, &self.tracers, &self.stages].concat()
     }
 }
 
@@ -117,6 +119,13 @@ fn page(
                 "unified with its rays asked of the screen first, and of the scene's triangles, timed in turn. Both end a ray \
                  where the scene does. Where the ratio is below 1, the triangles alone are faster.",
                 pair_cells(&times.first, ["screen", "triangles"]),
+            ),
+            Table::new(
+                "tracers",
+                "Tree and ray queries",
+                "traced with its rays followed by a walk through the tree, and by the device's ray queries, timed in turn. Where the \
+                 ratio is below 1, ray queries are faster. Empty on a device without them.",
+                pair_cells(&times.tracers, ["tree", "query"]),
             ),
             BandwidthRecord::table(&all_rates),
             StepsRecord::table(&found.steps),
