@@ -20,6 +20,7 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["timed", claim, method, variant] => timed(folder, [claim, method, variant, "ratio"]),
         ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
+        ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
         ["stress-passed", method] => stress::passed(folder, method),
         ["stress-most-wrong", method] => stress::most_wrong(folder, method),
@@ -120,6 +121,20 @@ fn milliseconds(of: &Value) -> Result<f64> {
 fn total_over(folder: &Path, file: &str, [method, other]: [&str; 2]) -> Result<String> {
     let total = |method| milliseconds(&times_of(folder, file, method)?["total"]);
     Ok(ratio(total(method)? / total(other)?))
+}
+
+/// The time of a method by ray queries over that by the tree at a roughness, of a file that has one method by both.
+fn queries_over_tree(folder: &Path, file: &str, roughness: &str) -> Result<String> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let records = json(folder, &format!("{file}.json"))?;
+    let is_it = |r: &&Value, tracer| {
+        r["setup"]["tracer"] == tracer && r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6)
+    };
+    let total = |tracer| {
+        let record = records.iter().find(|r| is_it(r, tracer));
+        milliseconds(&record.ok_or_else(|| format!("{file}.json has no {tracer} at {roughness}"))?["total"])
+    };
+    Ok(ratio(total("query")? / total("tree")?))
 }
 
 /// The share of a method's time that passes take whose names begin alike.
