@@ -48,7 +48,7 @@ impl RayStructure {
             .vertex_format(vk::Format::R32G32B32_SFLOAT)
             .vertex_data(address(corners.buffer.address() + corners.first_byte))
             .vertex_stride(corners.stride)
-            .max_vertex((3 * count).max(1) - 1)
+            .max_vertex(count.saturating_mul(3).saturating_sub(1))
             .index_type(vk::IndexType::NONE_KHR);
         let triangles = vk::AccelerationStructureGeometryKHR::default()
             .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
