@@ -268,10 +268,10 @@ impl Effect {
         };
         if divisor != 1 {
             inner.setup.extent = resolution::divided(extent, divisor);
-            scaled = Some((
-                DownsamplePass::new(&gpu, extent, divisor)?,
-                UpsamplePass::new(&gpu, extent, projection, divisor)?,
-            ));
+            let downsample = DownsamplePass::new(&gpu, extent, divisor)?;
+            let is_numbered = triangles.is_some() && gpu.numbers_triangles();
+            let downsample = if is_numbered { downsample.numbered(&gpu)? } else { downsample };
+            scaled = Some((downsample, UpsamplePass::new(&gpu, extent, projection, divisor)?));
         }
         let effect = Self {
             method: info.make(&gpu, &inner)?,

@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, TRIANGLE, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::frame::Raster;
 use crate::gpu::pipeline::VertexInput;
@@ -91,7 +91,6 @@ pub struct Drawn {
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
-const TRIANGLE: vk::Format = vk::Format::R32_UINT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].
 pub const DEPTH_STENCIL: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;

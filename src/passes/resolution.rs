@@ -1,7 +1,7 @@
 //! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
 //! reflection brought back to full size.
 
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, TRIANGLE, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
@@ -25,6 +25,8 @@ pub struct DownsamplePass {
     normal: Image,
     material: Image,
     color: Image,
+    /// Which triangle each pixel shows, with the pipeline that writes this as well; where it is asked for.
+    numbered: Option<(GraphicsPipeline<programs::DownsampleNumbered<'static>>, Image)>,
     label: &'static str,
 }
 
@@ -44,8 +46,19 @@ impl DownsamplePass {
             normal: of("small normal", NORMAL, 1, U::STORAGE)?,
             material: of("small material", MATERIAL, 1, U::STORAGE)?,
             color: of("small color", LIT_COLOR, image::full_chain(extent), U::STORAGE)?,
+            numbered: None,
             label: "downsample",
         })
+    }
+
+    /// Returns the pass for G-buffers that say which triangle each pixel shows ([`GBuffer::triangle`]). A ray among triangles
+    /// begins on that of its pixel: the depth of a block's corner would place it beside the surface at the block's middle.
+    pub fn numbered(self, gpu: &Gpu) -> Result<Self> {
+        let pipeline = GraphicsPipeline::fullscreen(gpu, [DEPTH, NORMAL, MATERIAL, LIT_COLOR, TRIANGLE])?;
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
+        let extent = self.depth.extent();
+        let desc = ImageDesc { name: "small triangle", format: TRIANGLE, extent, levels: 1, layers: 1, usage };
+        Ok(Self { numbered: Some((pipeline, Image::new(gpu, &desc)?)), ..self })
     }
 
     /// Under another name, for a G-buffer beside another one.
@@ -55,25 +68,41 @@ impl DownsamplePass {
 
     /// Pass "downsample".
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<GBuffer<'a>> {
-        let targets = [self.depth.all(), self.normal.all(), self.material.all(), self.color.level(0)];
-        frame.fullscreen(
-            self.label,
-            &self.pipeline,
-            targets.map(Target::overwrite),
-            &programs::Downsample {
-                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
-                material_buffer: Sampled::nearest(gbuffer.material.all()),
-                color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-                block: &DownsampleBlock { divisor: self.divisor as i32 },
-            },
-        )?;
+        let [depth, normal, material] = [&self.depth, &self.normal, &self.material].map(|image| image.all());
+        let targets = [depth, normal, material, self.color.level(0)].map(Target::overwrite);
+        let [depth_buffer, normal_buffer, material_buffer, color_buffer] =
+            [gbuffer.depth.all(), gbuffer.normal.all(), gbuffer.material.all(), gbuffer.color.level(0)]
+                .map(Sampled::nearest);
+        let block = &DownsampleBlock { divisor: self.divisor as i32 };
+        let triangle = match (&self.numbered, gbuffer.triangle) {
+            (Some((pipeline, small)), Some(triangle)) => {
+                let [depth, normal, material, color] = targets;
+                let targets = [depth, normal, material, color, Target::overwrite(small.all())];
+                let triangle_buffer = triangle.all();
+                let program = programs::DownsampleNumbered {
+                    depth_buffer,
+                    normal_buffer,
+                    material_buffer,
+                    color_buffer,
+                    triangle_buffer,
+                    block,
+                };
+                frame.fullscreen(self.label, pipeline, targets, &program)?;
+                Some(small)
+            }
+            _ => {
+                let program =
+                    programs::Downsample { depth_buffer, normal_buffer, material_buffer, color_buffer, block };
+                frame.fullscreen(self.label, &self.pipeline, targets, &program)?;
+                None
+            }
+        };
         Ok(GBuffer {
             depth: &self.depth,
             normal: &self.normal,
             material: &self.material,
             color: &self.color,
-            triangle: None,
+            triangle,
             reflectors: gbuffer.reflectors,
         })
     }
