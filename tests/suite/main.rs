@@ -19,6 +19,7 @@ mod chains;
 mod ci;
 mod cli;
 mod compare;
+mod complaints;
 mod cone;
 mod cube_maps;
 mod custom_methods;

@@ -62,6 +62,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "faces",
             "captures",
             "capture_side",
+            "complaints",
             "case",
             "only",
             "table",

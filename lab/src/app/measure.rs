@@ -1,6 +1,7 @@
 //! Runs a study from its flags: folder, journal, signals, progress, shard, files and what is printed.
 
 use super::cli::{DeviceOptions, RunOptions};
+use super::merger::{Merger, passed};
 use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
 use crate::error::Result;
@@ -13,7 +14,7 @@ use clap::Args;
 use std::io::Write;
 
 /// The flags of a study.
-pub trait StudyOptions: Args {
+pub trait StudyOptions: Sized {
     /// The study.
     type Study: Study;
 
@@ -29,6 +30,19 @@ pub trait StudyOptions: Args {
     /// Whether some method is to ask ray queries.
     fn asks_ray_queries(&self) -> bool {
         false
+    }
+
+    /// Measures what the flags ask for.
+    ///
+    /// # Errors
+    /// Errors of [`run`].
+    fn run(&self, to: &RunOptions) -> anyhow::Result<()> {
+        run(self, to)
+    }
+
+    /// What merges shards of whatever the flags can ask for.
+    fn mergers() -> Vec<Merger> {
+        vec![Merger::of::<Self::Study>()]
     }
 
     /// Writes what the flags ask for beside the study's own files.
@@ -52,7 +66,10 @@ pub struct Measured<O: Args> {
 }
 
 /// Measures what the journal lacks, writes and prints.
-pub fn run<O: StudyOptions>(Measured { options, run: to }: &Measured<O>) -> anyhow::Result<()> {
+///
+/// # Errors
+/// Errors of the flags, of the measurement and of files, and a row that has to pass and does not.
+pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> {
     let mut study = options.study()?;
     let gpu = resolve::gpu(options.device(), options.asks_ray_queries())?;
     let list = engine::list(&study, &gpu, command_line(), to.shard);
@@ -84,9 +101,4 @@ fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]
     let shown = if to.json { results.json() } else { results.text() };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
-}
-
-/// Fails if rows have to pass and do not.
-pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
-    R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
 }

@@ -1,6 +1,5 @@
 //! How the runs of a study become one, whatever the study.
 
-use super::measure::passed;
 use crate::report::copies;
 use crate::report::devices::by_device;
 use crate::report::results::{Results, device_folder};
@@ -67,4 +66,9 @@ fn below(inputs: &[&MergeInput], name: &str) -> Vec<PathBuf> {
         std::iter::once(input.folder.join(name)).chain(devices).collect::<Vec<_>>()
     };
     inputs.iter().flat_map(of).collect()
+}
+
+/// Fails if rows have to pass and do not.
+pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
+    R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
 }

@@ -1,9 +1,11 @@
 //! `ssct stress`: numerical stability.
 
-use super::cli::DeviceOptions;
-use super::measure::StudyOptions;
+use super::cli::{DeviceOptions, RunOptions};
+use super::measure::{self, StudyOptions};
+use super::merger::Merger;
 use crate::error::Result;
 use crate::methods::{self, METHODS};
+use crate::study::complaints::{self, ComplaintStudy};
 use crate::study::stress::StressStudy;
 use clap::Args;
 
@@ -11,11 +13,20 @@ use clap::Args;
 #[derive(Debug, Args)]
 pub struct StressOptions {
     /// Methods, such as ssct,hzct; by default all of them
+    ///
+    /// With --complaints, the default is ssct,dda,stochastic,unified.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Only small images and one scene: a minute
     #[arg(long)]
     pub quick: bool,
+    /// Try what engines' users complain of, with pictures
+    ///
+    /// A small scene for each complaint shows the truth beside each method, with one number that says how much of what is
+    /// complained of there is. With --quick, pictures are half as wide. Methods that go on among the scene's triangles are tried
+    /// on the screen alone as well.
+    #[arg(long)]
+    pub complaints: bool,
     /// Only cases whose name contains these words
     #[arg(long, value_name = "WORDS")]
     pub case: Option<String>,
@@ -38,5 +49,31 @@ impl StudyOptions for StressOptions {
             names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
         };
         Ok(StressStudy::new(methods, self.quick, self.case.as_deref()))
+    }
+
+    fn run(&self, to: &RunOptions) -> anyhow::Result<()> {
+        if self.complaints { measure::run(&Complaints(self), to) } else { measure::run(self, to) }
+    }
+
+    fn mergers() -> Vec<Merger> {
+        vec![Merger::of::<StressStudy>(), Merger::of::<ComplaintStudy>()]
+    }
+}
+
+/// The flags where complaints are asked for.
+struct Complaints<'a>(&'a StressOptions);
+
+impl StudyOptions for Complaints<'_> {
+    type Study = ComplaintStudy;
+
+    fn device(&self) -> &DeviceOptions {
+        &self.0.device
+    }
+
+    fn study(&self) -> Result<ComplaintStudy> {
+        let asked = self.0.method.iter().map(String::as_str);
+        let names: Vec<&str> = if self.0.method.is_empty() { complaints::METHODS.to_vec() } else { asked.collect() };
+        let methods = names.into_iter().map(methods::find).collect::<Result<Vec<_>>>()?;
+        ComplaintStudy::new(&methods, self.0.quick, self.0.case.as_deref())
     }
 }

@@ -17,14 +17,14 @@ macro_rules! studies {
             /// Runs the study.
             pub fn run(&self) -> anyhow::Result<()> {
                 match self {
-                    $( Self::$Name(flags) => measure::run(flags), )*
+                    $( Self::$Name(flags) => measure::StudyOptions::run(&flags.options, &flags.run), )*
                 }
             }
         }
 
         /// What merges the shards of each study.
         pub fn mergers() -> Vec<Merger> {
-            vec![$( Merger::of::<<$Options as measure::StudyOptions>::Study>() ),*]
+            [$( <$Options as measure::StudyOptions>::mergers() ),*].into_iter().flatten().collect()
         }
     };
 }

@@ -7,6 +7,7 @@ pub mod captions;
 pub mod cell_list;
 pub mod columns;
 pub mod compare;
+pub mod complaints;
 pub mod engine;
 pub mod error;
 pub mod exhibit;

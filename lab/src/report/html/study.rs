@@ -126,15 +126,18 @@ pub fn explained(table: &Table) -> Markup {
     }
 }
 
+/// Films or pictures that are looked at together.
 fn clips(group: &ClipGroup) -> Markup {
+    let is_film = group.clips.iter().all(|clip| clip.file.ends_with(".webp"));
+    let what = if is_film { "Film" } else { "Picture" };
     html! {
         section {
             h3 { (group.title) }
-            button.together type="button" { "Begin together" }
+            @if is_film { button.together type="button" { "Begin together" } }
             div.strip {
                 @for clip in &group.clips {
                     figure {
-                        img src=(clip.file) alt={ "Film of " (clip.name) ": " (group.title) } loading="lazy";
+                        img src=(clip.file) alt={ (what) " of " (clip.name) ": " (group.title) } loading="lazy";
                         figcaption { b { (clip.name) } @if !clip.caption.is_empty() { ": " (clip.caption) } }
                     }
                 }

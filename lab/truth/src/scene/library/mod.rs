@@ -2,7 +2,7 @@
 //! scenes in the theses, so that the program can be used without downloads.
 
 mod atrium;
-mod builder;
+pub mod builder;
 mod car;
 mod cathedral;
 mod cornell_box;

@@ -1,0 +1,354 @@
+//! The table of complaints: what users say, the scene and frames that show it, and the number that says how much of it there is.
+
+use super::frames::{Frame, Seen, Take};
+use super::measures::{
+    beside_what_is_close, blackened, differing, error_at_last, everywhere, excess, inner, inner_and_shown, of_cells,
+    of_pixels, off_change, off_change_at_rest, spread_of_wrong, wrong_at_last,
+};
+use super::scenes;
+use crate::math::random::Stream;
+use crate::methods::EffectParams;
+use crate::methods::setup::HistoryUse;
+use crate::scene::{GBufferData, Scene, View};
+use glam::{DVec3, Vec3};
+
+/// A complaint.
+pub struct Complaint {
+    /// The name of its case.
+    pub name: &'static str,
+    /// The complaint, in one sentence.
+    pub complaint: &'static str,
+    /// What the number says.
+    pub measured: &'static str,
+    /// The greatest number that is good.
+    pub at_most: f64,
+    /// Makes what is shown, at a size in pixels.
+    pub take: fn([u32; 2]) -> Take,
+    /// Finds the number of a variant, by its place; none where it shows too little to be judged.
+    pub number: fn(&[Seen], usize) -> Option<f64>,
+    /// Whether the frames are a film, and not a view under several settings.
+    pub is_film: bool,
+}
+
+/// Rays a pixel of the truth of mirrors.
+const MIRROR_RAYS: u32 = 16;
+/// Rays a pixel of the truth of gloss.
+const GLOSS_RAYS: u32 = 96;
+
+/// Frames of the films.
+const FRAMES: usize = 8;
+
+/// Every complaint.
+pub const COMPLAINTS: &[Complaint] = &[
+    Complaint {
+        name: "gap of sky",
+        complaint: "A reflection vanishes where its ray passes over sky on its way.",
+        measured: "pixels of the tower's reflection that are wrong, %",
+        at_most: 5.0,
+        take: |size| still(scenes::sky_gap(), size, MIRROR_RAYS),
+        number: |all, variant| Some(wrong_at_last(all, variant, |seen, i| inner(seen, i) && seen.ends[i] == "tower")),
+        is_film: false,
+    },
+    Complaint {
+        name: "thin poles",
+        complaint: "Thin poles leave streaks in the reflections of what is behind them.",
+        measured: "pixels that are wrong where the mirrored wall shows no pole, %",
+        at_most: 2.0,
+        take: |size| still(scenes::poles(), size, MIRROR_RAYS),
+        number: |all, variant| {
+            Some(wrong_at_last(all, variant, |seen, i| {
+                inner_and_shown(seen, i) && seen.place(i).x > 2.99 && seen.ends[i] != "poles"
+            }))
+        },
+        is_film: false,
+    },
+    Complaint {
+        name: "grazing floor",
+        complaint: "A rough floor mirrors, or shows stripes, where it is seen at a grazing angle.",
+        measured: "error of the floor's reflection over the truth's own, %",
+        at_most: 20.0,
+        take: |size| still(scenes::grazing(), size, GLOSS_RAYS),
+        number: |all, variant| Some(error_at_last(all, variant, everywhere)),
+        is_film: false,
+    },
+    Complaint {
+        name: "far over near",
+        complaint: "Bands appear as the far plane moves away from the near plane.",
+        measured: "pixels that another pair of planes changes, at most, %",
+        at_most: 0.5,
+        take: planes,
+        number: |all, variant| Some(differing(all, variant, inner)),
+        is_film: false,
+    },
+    Complaint {
+        name: "odd sizes",
+        complaint: "Rays hit the wrong places at sizes that are not powers of two.",
+        measured: "wrong pixels at the worst size less those at the best, percentage points",
+        at_most: 1.0,
+        take: sizes,
+        number: |all, variant| Some(spread_of_wrong(all, variant, inner_and_shown)),
+        is_film: false,
+    },
+    Complaint {
+        name: "camera's distance",
+        complaint: "A reflection gets shorter or longer as the camera moves away.",
+        measured: "wrong pixels of the pillar's reflection at the worst distance less those at the best, percentage points",
+        at_most: 5.0,
+        take: distances,
+        number: |all, variant| {
+            Some(spread_of_wrong(all, variant, |seen, i| inner_and_shown(seen, i) && seen.ends[i] == "pillar"))
+        },
+        is_film: false,
+    },
+    Complaint {
+        name: "gloss at silhouettes",
+        complaint: "The blur of a glossy reflection stops at the silhouettes of what is reflected.",
+        measured: "error near silhouettes over the truth's own, %",
+        at_most: 20.0,
+        take: |size| still(scenes::silhouettes(), size, GLOSS_RAYS),
+        number: |all, variant| Some(error_at_last(all, variant, |seen, i| !seen.is_alike_around(i, 5))),
+        is_film: false,
+    },
+    Complaint {
+        name: "black metal",
+        complaint: "Surfaces that reflect are black in reflections.",
+        measured: "pixels of the metal's reflection that are wrong with one bounce, %",
+        at_most: 5.0,
+        take: |size| Take { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
+        number: |all, variant| Some(wrong_at_last(all, variant, on_metal)),
+        is_film: false,
+    },
+    Complaint {
+        name: "black metal, two bounces",
+        complaint: "Surfaces that reflect are black in reflections, even where several bounces are asked for.",
+        measured: "pixels of the metal's reflection that are wrong with two bounces, %",
+        at_most: 20.0,
+        take: |size| Take {
+            bounces: 2,
+            set: |setup| setup.with(|p: &mut EffectParams| p.bounces = 2),
+            ..still(scenes::metal(), size, MIRROR_RAYS)
+        },
+        number: |all, variant| Some(wrong_at_last(all, variant, on_metal)),
+        is_film: false,
+    },
+    Complaint {
+        name: "half resolution",
+        complaint: "Reflections that are traced at half the resolution shimmer as the camera moves.",
+        measured: "how far changes of a pixel from frame to frame are off the truth's, over the truth's own changes, %",
+        at_most: 100.0,
+        take: |size| Take {
+            set: |setup| setup.with(|p: &mut EffectParams| p.resolution_scale = 0.5),
+            ..pan(scenes::blocks("blocks", 0.0), size)
+        },
+        number: |all, variant| off_change(all, variant, of_pixels),
+        is_film: true,
+    },
+    Complaint {
+        name: "black flicker",
+        complaint: "Black spots flicker where a pixel of the colour is no number.",
+        measured: "pixels that are no number, or wrongly black, in the worst frame, %",
+        at_most: 0.5,
+        take: |size| Take {
+            spoil: Some(spoil_by_nan),
+            ..repeated(scenes::blocks("blocks", 0.2), size, GLOSS_RAYS, FRAMES)
+        },
+        number: |all, variant| Some(blackened(all, variant, everywhere)),
+        is_film: true,
+    },
+    Complaint {
+        name: "ghost of a thing",
+        complaint: "A thing that moves leaves a ghost in reflections that are averaged over frames.",
+        measured: "how much of the thing's colour is left where its reflection was in earlier frames, with a history, %",
+        at_most: 1.0,
+        take: |size| {
+            with_history(motion(scenes::moving(), size, GLOSS_RAYS, |n, frame| {
+                frame.moved = vec![("thing", 0.45 * n * Vec3::X)];
+            }))
+        },
+        number: ghost,
+        is_film: true,
+    },
+    Complaint {
+        name: "ghost of a weapon",
+        complaint: "A weapon that is held before the camera leaves a ghost around itself as the camera moves.",
+        measured: "wrong pixels of the floor around the weapon, with a history, %",
+        at_most: 5.0,
+        take: |size| {
+            with_history(motion(scenes::weapon(), size, MIRROR_RAYS, |n, frame| {
+                let step = 0.1 * n * Vec3::X;
+                (frame.view.eye, frame.view.look_at) = (frame.view.eye + step, frame.view.look_at + step);
+                frame.moved = vec![("weapon", step)];
+            }))
+        },
+        number: |all, variant| {
+            let is_beside = |seen: &Seen, i| inner_and_shown(seen, i) && beside_what_is_close(seen, i);
+            Some(wrong_at_last(all, variant, is_beside))
+        },
+        is_film: true,
+    },
+    Complaint {
+        name: "jittered projection",
+        complaint: "Reflections shake under a projection that is jittered from frame to frame.",
+        measured: "how far changes of a pixel from frame to frame are off the truth's, over the truth's colour, %",
+        at_most: 5.0,
+        take: |size| {
+            motion(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| {
+                let random = Stream::new(3, n as u64);
+                frame.jitter_px = [0, 1].map(|axis| random.uniform(axis) as f32 - 0.5);
+            })
+        },
+        number: |all, variant| off_change_at_rest(all, variant, of_pixels),
+        is_film: true,
+    },
+    Complaint {
+        name: "transparent colour",
+        complaint: "The colour of a pane, which has no depth, leaks into reflections that do not meet the pane.",
+        measured: "pixels behind the pane whose reflection is wrong, %",
+        at_most: 2.0,
+        take: |size| Take { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
+        number: |all, variant| {
+            Some(wrong_at_last(all, variant, |seen, i| {
+                inner_and_shown(seen, i) && seen.place(i).z > PANE_Z && seen.place(i).x.abs() < 1.0
+            }))
+        },
+        is_film: false,
+    },
+    Complaint {
+        name: "fine pattern far away",
+        complaint: "Fine patterns become moiré in reflections that are far away.",
+        measured: "error of the stripes' reflection over the truth's own, %",
+        at_most: 20.0,
+        take: |size| still(scenes::stripes(), size, GLOSS_RAYS),
+        number: |all, variant| {
+            Some(error_at_last(all, variant, |seen, i| seen.ends[i] == "stripes" && seen.place(i).z > 4.0))
+        },
+        is_film: false,
+    },
+    Complaint {
+        name: "dynamic resolution",
+        complaint: "Reflections flicker while the resolution changes from frame to frame.",
+        measured: "how far changes of the picture's parts from frame to frame are off the truth's, over the truth's colour, %",
+        at_most: 3.0,
+        take: resolutions,
+        number: |all, variant| off_change_at_rest(all, variant, of_cells),
+        is_film: true,
+    },
+];
+
+/// The first view of a scene.
+fn first_view(scene: &Scene) -> View {
+    scene.views.first().cloned().unwrap_or_default()
+}
+
+/// A scene from its view, in so many equal frames.
+fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> Take {
+    let frames = vec![Frame::still(&first_view(&scene), size); frames];
+    Take { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
+}
+
+/// A scene from its view.
+fn still(scene: Scene, size: [u32; 2], rays: u32) -> Take {
+    repeated(scene, size, rays, 1)
+}
+
+/// A film of a scene, whose frames a function changes by their number.
+fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> Take {
+    let mut take = repeated(scene, size, rays, FRAMES);
+    take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
+    take
+}
+
+/// A camera that turns slowly.
+fn pan(scene: Scene, size: [u32; 2]) -> Take {
+    motion(scene, size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
+}
+
+/// Averages over frames.
+fn with_history(take: Take) -> Take {
+    Take { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..take }
+}
+
+/// Frames that a function makes of their number, of a scene of mirrors.
+fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> Take {
+    let mut take = repeated(scene, size, MIRROR_RAYS, N);
+    take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
+    take
+}
+
+/// Ratios of the far to the near plane from a thousand to a thousand million.
+fn planes(size: [u32; 2]) -> Take {
+    const PLANES: [[f32; 2]; 4] = [[0.1, 100.0], [0.1, 10_000.0], [0.01, 100_000.0], [0.001, 1_000_000.0]];
+    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| {
+        let [near, far] = PLANES[n];
+        frame.view.lens = Some(scenes::lens(near, far));
+    })
+}
+
+/// A power of two, and sizes beside it.
+fn sizes(size: [u32; 2]) -> Take {
+    let height = 1_i32 << size[1].ilog2();
+    let width = 2 * height;
+    let all = [[0, 0], [-1, -1], [1, 1], [height / 2 + 1, height / 4 + 1]]
+        .map(|[x, y]| [width + x, height + y].map(|v: i32| v as u32));
+    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| frame.extent = all[n])
+}
+
+/// A camera that moves away.
+fn distances(size: [u32; 2]) -> Take {
+    const BACK_M: [f32; 4] = [0.0, 4.0, 12.0, 28.0];
+    settings::<4>(scenes::pillar(), size, |n, frame| frame.view.eye.z -= BACK_M[n])
+}
+
+/// A camera at rest whose images are of another size in each frame.
+fn resolutions(size: [u32; 2]) -> Take {
+    const SHARES: [f32; FRAMES] = [1.0, 0.9, 0.8, 0.95, 0.7, 0.85, 1.0, 0.75];
+    let take = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
+        frame.extent = size.map(|side| (side as f32 * SHARES[n]) as u32);
+    });
+    with_history(Take { rays: GLOSS_RAYS, ..take })
+}
+
+/// Pixels of the metal's reflection.
+fn on_metal(seen: &Seen, pixel: usize) -> bool {
+    inner(seen, pixel) && seen.ends[pixel] == "metal"
+}
+
+/// How much of the thing's colour is left in the last frame, where mirror rays met the thing in an earlier one and do not now.
+fn ghost(all: &[Seen], variant: usize) -> Option<f64> {
+    let (last, earlier) = all.split_last()?;
+    let was_there = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
+    let left = last.pixels(|seen, i| inner(seen, i) && seen.ends[i] != "thing").filter(was_there);
+    Some(excess(last, variant, left, scenes::RED))
+}
+
+/// Replaces the colour of some pixels that do not reflect by what is no number, others in each frame.
+fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
+    for i in (0..data.depth.len()).filter(|i| (i + 37 * frame).is_multiple_of(211)) {
+        if !data.reflects(i) {
+            data.color[i] = Vec3::NAN;
+        }
+    }
+}
+
+/// Where the pane stands, metres along the view, with its sides and how much it covers.
+const PANE_Z: f64 = 3.0;
+const PANE_X: [f64; 2] = [-1.0, 1.0];
+const PANE_Y: [f64; 2] = [0.2, 2.6];
+const PANE_COVERS: f32 = 0.6;
+
+/// Blends a pane over the colour of what stands behind it, as renderers do that draw what is transparent last.
+fn blend_pane(data: &mut GBufferData, _: usize) {
+    let clip_to_view = data.view_to_clip().inverse();
+    let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
+    let eye = data.camera.eye().as_dvec3();
+    for i in 0..data.depth.len() {
+        let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
+        let depth = f64::from(data.depth[i]);
+        let shown: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
+        let at = eye + (shown - eye) * ((PANE_Z - eye.z) / (shown.z - eye.z));
+        let is_within = |range: [f64; 2], v: f64| (range[0]..range[1]).contains(&v);
+        if shown.z > PANE_Z && is_within(PANE_X, at.x) && is_within(PANE_Y, at.y) {
+            data.color[i] = data.color[i].lerp(scenes::RED, PANE_COVERS);
+        }
+    }
+}

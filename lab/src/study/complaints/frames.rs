@@ -1,0 +1,224 @@
+//! The frames of a case: what the camera sees in each, what every method reflects there, and the truth.
+
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{Gpu, Pixels};
+use crate::math::DefinitionsVersion;
+use crate::methods::{Effect, Input, SceneInput, Setup, Wants};
+use crate::passes::gbuffer::GBufferImages;
+use crate::reference::first_hits::{FirstHits, Receiver};
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, RAY_START_M, WorldReference};
+use crate::reference::world_hits::world_hits;
+use crate::scene::bvh::WorldRay;
+use crate::scene::{Camera, GBufferData, Projection, Scene, View};
+use crate::study::error::Variant;
+use crate::study::gbuffer::{read, reflection};
+use crate::study::{Shot, Stage};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// The seed of the truth, which is the same for all frames: a change from frame to frame is no noise.
+const SEED: u64 = 5;
+
+/// What is shown of a case.
+pub struct Take {
+    /// The scene.
+    pub scene: Scene,
+    /// What the camera sees, frame by frame.
+    pub frames: Vec<Frame>,
+    /// What the case changes about the setup of every method.
+    pub set: fn(Setup) -> Setup,
+    /// How often light is reflected in the truth.
+    pub bounces: u32,
+    /// Rays a pixel of the truth.
+    pub rays: u32,
+    /// Changes the G-buffer that methods see, frame by frame, and not what is true.
+    pub spoil: Option<fn(&mut GBufferData, usize)>,
+}
+
+/// A frame of a case.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// The camera's place, with its lens.
+    pub view: View,
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// How far the projection shifts the image, in pixels.
+    pub jitter_px: [f32; 2],
+    /// Meshes that have moved, by name: how far, in metres.
+    pub moved: Vec<(&'static str, Vec3)>,
+}
+
+impl Frame {
+    /// A frame of a scene where nothing has moved.
+    pub fn still(view: &View, extent: [u32; 2]) -> Self {
+        Self { view: view.clone(), extent, jitter_px: [0.0; 2], moved: Vec::new() }
+    }
+
+    fn camera(&self, scene: &Scene) -> Camera {
+        let mut camera = self.view.camera(scene, self.extent);
+        if self.jitter_px != [0.0; 2] {
+            let matrix = camera.view_to_clip_reversed();
+            let shift = [0, 1].map(|axis| 2.0 * self.jitter_px[axis] / self.extent[axis] as f32);
+            camera.projection = Some(Projection {
+                kind: camera.kind(),
+                scale: [matrix.x_axis.x, matrix.y_axis.y],
+                shift,
+                depth: [matrix.z_axis.z, matrix.w_axis.z],
+            });
+        }
+        camera
+    }
+}
+
+/// What was seen of a frame.
+pub struct Seen {
+    /// What the camera sees.
+    pub screen: GBufferData,
+    /// The reflection as it should be.
+    pub truth: Vec<Vec3>,
+    /// The names of the meshes where each pixel's mirror ray ends; empty where it ends at none or there is no ray.
+    pub ends: Vec<String>,
+    /// Whether the screen shows where each pixel's mirror ray ends.
+    pub shown: Vec<bool>,
+    /// Where each reflecting pixel's surface is.
+    pub places: Vec<Option<DVec3>>,
+    /// The reflection that each method shows.
+    pub made: Vec<Vec<Vec3>>,
+}
+
+/// Shows every frame to every variant and to the references. `step` is called after each, and its error ends it.
+///
+/// # Errors
+/// Errors of the device, and of `step`.
+pub fn see(gpu: &Gpu, take: &Take, variants: &[Variant], step: &mut dyn FnMut() -> Result<()>) -> Result<Vec<Seen>> {
+    let mut stage = Stage::new(gpu, &take.scene)?;
+    let mut lineup: Option<Lineup> = None;
+    let mut all = Vec::new();
+    for (n, frame) in take.frames.iter().enumerate() {
+        for (name, offset) in &frame.moved {
+            stage.scene_mut().place_meshes(name, *offset)?;
+        }
+        // A renderer that changes its size makes its images anew, and loses what earlier frames left in them.
+        let made = match lineup.take().filter(|made| made.extent == frame.extent) {
+            Some(made) => made,
+            None => Lineup::new(&mut stage, take, frame, variants)?,
+        };
+        let made = lineup.insert(made);
+        if n == 0 {
+            made.settle(&mut stage)?;
+        }
+        let screen = made.draw(&mut stage, frame.camera(&take.scene))?;
+        let spoilt = take.spoil.map(|spoil| {
+            let mut data = screen.clone();
+            spoil(&mut data, n);
+            data
+        });
+        let images = made.reflect(&mut stage, take, spoilt.as_ref())?;
+        all.push(seen(take, frame, screen, images));
+        step()?;
+    }
+    Ok(all)
+}
+
+/// The methods, made for frames of one size.
+struct Lineup {
+    extent: [u32; 2],
+    /// The variants on what is drawn.
+    shots: Vec<Shot>,
+    /// The variants on a G-buffer that is changed on the host, where that is asked for.
+    effects: Vec<Effect>,
+}
+
+impl Lineup {
+    fn new(stage: &mut Stage, take: &Take, frame: &Frame, variants: &[Variant]) -> Result<Self> {
+        let camera = frame.camera(&take.scene);
+        let materials = &take.scene.materials;
+        let setup = |variant: &Variant| (take.set)(variant.setup.at(frame.extent)).seen_by(camera.kind());
+        let mut effects = Vec::new();
+        if take.spoil.is_some() {
+            let (context, data) = stage.parts();
+            for variant in variants {
+                let scene = SceneInput { data, materials };
+                effects.push(Effect::new(context, variant.method, &setup(variant), Wants::REFLECTION, Some(&scene))?);
+            }
+        }
+        let drawn_by = if effects.is_empty() { variants } else { &variants[..1] };
+        let mut shots = Vec::new();
+        for variant in drawn_by {
+            let wants = Wants::REFLECTION;
+            shots.push(Shot::new(stage, variant.method, &setup(variant), wants, camera, materials.clone())?);
+        }
+        Ok(Self { extent: frame.extent, shots, effects })
+    }
+
+    /// Shows the methods as many frames at rest as an image at rest takes.
+    fn settle(&self, stage: &mut Stage) -> Result<()> {
+        self.shots.iter().try_for_each(|shot| stage.settle(shot))
+    }
+
+    /// What a camera sees, which every shot then looks through.
+    fn draw(&mut self, stage: &mut Stage, camera: Camera) -> Result<GBufferData> {
+        self.shots.iter_mut().for_each(|shot| shot.camera = camera);
+        let shot = &self.shots[0];
+        stage.draw(shot)?;
+        read(&mut stage.context, shot)
+    }
+
+    /// What each variant reflects, on a G-buffer if one is given.
+    fn reflect(&self, stage: &mut Stage, take: &Take, on: Option<&GBufferData>) -> Result<Vec<Pixels>> {
+        let mut all = Vec::new();
+        let Some(data) = on else {
+            for shot in &self.shots {
+                let (_, _, output) = stage.output(shot)?;
+                all.push(reflection(&mut stage.context, &output)?);
+            }
+            return Ok(all);
+        };
+        let (context, scene) = stage.parts();
+        let images = GBufferImages::upload(context, data)?;
+        for effect in &self.effects {
+            let scene = SceneInput { data: scene, materials: &take.scene.materials };
+            let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
+            let mut frame = context.begin(Mode::Plain)?;
+            frame.begin_effect();
+            let input = Input { scene: Some(scene), sky: Some(scene.data.sky()), ..of_screen };
+            let output = effect.record(&mut frame, &input)?;
+            frame.finish()?;
+            all.push(reflection(context, &output)?);
+        }
+        Ok(all)
+    }
+}
+
+/// What was seen of a frame, with its truth.
+fn seen(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> Seen {
+    let mut scene = take.scene.clone();
+    for (name, offset) in &frame.moved {
+        scene.meshes.iter_mut().filter(|mesh| mesh.name == *name).for_each(|mesh| mesh.translate(*offset));
+    }
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = FirstHits::shown(&world, &screen);
+    let (definitions, escape) = (DefinitionsVersion::V2, Escape::Environment);
+    let reference =
+        WorldReference::by(definitions, &world, &first_hits, &screen.camera, escape, SEED).with_bounces(take.bounces);
+    let mut state = reference.start();
+    reference.add(&mut state, take.rays);
+    let truth = reference.image(&state).reflection;
+    let colors = |pixels: &Pixels| pixels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
+    let places = first_hits.receivers.iter().map(|receiver| receiver.map(|r| r.position)).collect();
+    let shown = world_hits(&world, &screen, &first_hits).iter().map(|hit| hit.visible_at().is_some()).collect();
+    Seen { shown, ends: ends(&world, &first_hits), places, truth, made: images.iter().map(colors).collect(), screen }
+}
+
+/// The names of the meshes where mirror rays end.
+fn ends(world: &World, first_hits: &FirstHits) -> Vec<String> {
+    let end = |receiver: &Option<Receiver>| {
+        let receiver = receiver.as_ref()?;
+        let (origin, direction) = (receiver.position, receiver.mirror());
+        let hit = world.closest(&WorldRay { origin, direction, t_min: RAY_START_M, t_max: f64::INFINITY })?;
+        Some(world.scene.meshes[world.triangle(&hit).mesh as usize].name.clone())
+    };
+    first_hits.receivers.par_iter().map(|receiver| end(receiver).unwrap_or_default()).collect()
+}

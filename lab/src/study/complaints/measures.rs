@@ -1,0 +1,319 @@
+//! The numbers of the complaints: differences from the truth over a region, of images or of their changes.
+
+use super::frames::Seen;
+use crate::metrics::flicker::{self, sound};
+use glam::{DVec3, Vec3};
+
+/// The difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
+pub const WRONG: f32 = 0.1;
+
+/// Says which pixels a number is about.
+pub type Region = fn(&Seen, usize) -> bool;
+
+impl Seen {
+    fn width(&self) -> usize {
+        self.screen.width as usize
+    }
+
+    /// The reflecting pixels among those within some pixels of another one.
+    fn around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
+        self.all_around(pixel, reach).filter(|i| self.screen.reflects(*i))
+    }
+
+    /// The pixels within some pixels of another one, along each axis, this one among them.
+    fn all_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
+        let (x, y) = (pixel % self.width(), pixel / self.width());
+        let to = |at: usize, side: usize| at.saturating_sub(reach)..=(at + reach).min(side - 1);
+        let columns = to(x, self.width());
+        let rows = to(y, self.screen.height as usize);
+        rows.flat_map(move |y| columns.clone().map(move |x| y * self.width() + x))
+    }
+
+    /// Whether the mirror rays of all pixels around end on one mesh, so that none shows an edge.
+    pub fn is_inner(&self, pixel: usize) -> bool {
+        self.is_alike_around(pixel, 1)
+    }
+
+    /// Whether the mirror rays of all pixels within some pixels end on one mesh.
+    pub fn is_alike_around(&self, pixel: usize, reach: usize) -> bool {
+        self.around(pixel, reach).all(|i| self.ends[i] == self.ends[pixel])
+    }
+
+    /// The surface of a reflecting pixel, in metres; the origin for any other.
+    pub fn place(&self, pixel: usize) -> DVec3 {
+        self.places[pixel].unwrap_or_default()
+    }
+
+    /// The reflecting pixels of a region.
+    pub fn pixels(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
+        (0..self.truth.len()).filter(move |i| self.screen.reflects(*i) && region(self, *i))
+    }
+}
+
+/// All reflecting pixels.
+pub fn everywhere(_: &Seen, _: usize) -> bool {
+    true
+}
+
+/// Reflecting pixels that show no edge.
+pub fn inner(seen: &Seen, pixel: usize) -> bool {
+    seen.is_inner(pixel)
+}
+
+/// Reflecting pixels beside what is close before the camera: within a twelfth of the image's width.
+pub fn beside_what_is_close(seen: &Seen, pixel: usize) -> bool {
+    let near = seen.screen.camera.lens.near_m;
+    seen.all_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
+}
+
+/// Metres within which something is close before the camera.
+const CLOSE_M: f32 = 2.0;
+
+/// Reflecting pixels that show no edge and whose mirror ray ends at what the screen shows.
+pub fn inner_and_shown(seen: &Seen, pixel: usize) -> bool {
+    seen.is_inner(pixel) && seen.shown[pixel]
+}
+
+/// Whether two colours differ by more than [`WRONG`]; what is no number does.
+fn is_wrong(a: Vec3, b: Vec3) -> bool {
+    let difference = ((a - b).length_squared() / 3.0).sqrt();
+    difference.is_nan() || difference > WRONG
+}
+
+/// The percentage of items that are counted; 0 for none.
+fn percent(items: impl Iterator<Item = bool>) -> f64 {
+    let (counted, all) = items.fold((0, 0), |(n, all), is| (n + usize::from(is), all + 1));
+    if all == 0 { 0.0 } else { 100.0 * f64::from(counted as u32) / f64::from(all) }
+}
+
+/// The percentage of a region's pixels whose colour is wrong.
+pub fn wrong(seen: &Seen, variant: usize, region: Region) -> f64 {
+    wrong_of(seen, variant, seen.pixels(region))
+}
+
+/// The percentage of some pixels whose colour is wrong.
+pub fn wrong_of(seen: &Seen, variant: usize, pixels: impl Iterator<Item = usize>) -> f64 {
+    percent(pixels.map(|i| is_wrong(seen.made[variant][i], seen.truth[i])))
+}
+
+/// The percentage of wrong pixels in the last frame.
+pub fn wrong_at_last(all: &[Seen], variant: usize, region: Region) -> f64 {
+    all.last().map_or(0.0, |seen| wrong(seen, variant, region))
+}
+
+/// The greatest of some numbers less the least.
+fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(0.0, f64::max) - values.fold(f64::INFINITY, f64::min)
+}
+
+/// The percentage of wrong pixels in the worst frame less that in the best.
+pub fn spread_of_wrong(all: &[Seen], variant: usize, region: Region) -> f64 {
+    spread(all.iter().map(|seen| wrong(seen, variant, region)))
+}
+
+/// The greatest percentage of pixels of a frame whose colour is another than in the first frame, which has the same camera
+/// and size.
+pub fn differing(all: &[Seen], variant: usize, region: Region) -> f64 {
+    let of = |seen: &Seen| {
+        let first = &all[0].made[variant];
+        percent(seen.pixels(region).map(|i| is_wrong(seen.made[variant][i], first[i])))
+    };
+    all.iter().skip(1).map(of).fold(0.0, f64::max)
+}
+
+/// The error over a region in the last frame: root mean square, in percent of the truth's own.
+pub fn error_at_last(all: &[Seen], variant: usize, region: Region) -> f64 {
+    let Some(seen) = all.last() else { return 0.0 };
+    let square = |v: Vec3| f64::from(v.length_squared());
+    let error: f64 = seen.pixels(region).map(|i| square(sound(seen.made[variant][i]) - seen.truth[i])).sum();
+    let whole: f64 = seen.pixels(region).map(|i| square(seen.truth[i])).sum();
+    if whole == 0.0 { 0.0 } else { 100.0 * (error / whole).sqrt() }
+}
+
+/// How much more of a colour than in the truth there is in some pixels, in percent of the colour: the mean over what is redder than
+/// green beyond the truth.
+pub fn excess(seen: &Seen, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
+    let redness = |color: Vec3| f64::from(color.x - color.y);
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for i in pixels {
+        sum += (redness(sound(seen.made[variant][i])) - redness(seen.truth[i])).max(0.0);
+        count += 1;
+    }
+    if count == 0 { 0.0 } else { 100.0 * sum / (f64::from(count) * redness(color)) }
+}
+
+/// The changes of an image from one frame to the next, by some rule of what is compared with what.
+pub type Changes = fn([&Seen; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
+
+/// The changes of each pixel that reflects in both frames.
+pub fn of_pixels([before, now]: [&Seen; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+    let both = now.pixels(everywhere).filter(|i| before.screen.reflects(*i));
+    both.map(|i| sound(images[1][i]) - sound(images[0][i])).collect()
+}
+
+/// Columns and rows of the grid on which frames of several sizes are compared.
+const GRID: [usize; 2] = [60, 34];
+
+/// The changes of each cell of a grid, so that frames may differ in size.
+pub fn of_cells(frames: [&Seen; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+    let [before, now] = [0, 1].map(|n| means(frames[n], images[n]));
+    before.into_iter().zip(now).filter_map(|(before, now)| Some(now? - before?)).collect()
+}
+
+/// The mean colour of the reflecting pixels of each cell of the grid, row by row.
+fn means(seen: &Seen, image: &[Vec3]) -> Vec<Option<Vec3>> {
+    let mut sums = vec![(Vec3::ZERO, 0.0_f32); GRID[0] * GRID[1]];
+    let [width, height] = [seen.width(), seen.screen.height as usize];
+    for i in seen.pixels(everywhere) {
+        let [column, row] = [GRID[0] * (i % width) / width, GRID[1] * (i / width) / height];
+        let (sum, count) = &mut sums[row * GRID[0] + column];
+        *sum += sound(image[i]);
+        *count += 1.0;
+    }
+    sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| sum / count)).collect()
+}
+
+/// Sums over the changes of a film.
+#[derive(Default)]
+struct ChangeSums {
+    /// How far the method's changes are off the truth's.
+    off: f64,
+    /// The truth's own changes.
+    own: f64,
+    /// The truth's colour, and the method's.
+    bright: [f64; 2],
+}
+
+impl ChangeSums {
+    fn of(all: &[Seen], variant: usize, changes: Changes) -> Self {
+        let mut sums = Self::default();
+        for pair in all.windows(2) {
+            let frames = [&pair[0], &pair[1]];
+            let made = changes(frames, frames.map(|seen| &seen.made[variant][..]));
+            let truth = changes(frames, frames.map(|seen| &seen.truth[..]));
+            sums.off += flicker::mean(&made, |n, change| change - truth[n]);
+            sums.own += flicker::mean(&truth, |_, change| change);
+            for (sum, image) in sums.bright.iter_mut().zip([&pair[1].truth, &pair[1].made[variant]]) {
+                let shown: Vec<Vec3> = pair[1].pixels(everywhere).map(|i| sound(image[i])).collect();
+                *sum += flicker::mean(&shown, |_, color| color);
+            }
+        }
+        sums
+    }
+
+    /// How far changes are off, in percent of something; none where a method shows less than half of the light that there is,
+    /// since nothing never flickers.
+    fn percent_of(&self, whole: f64) -> Option<f64> {
+        let [truth, made] = self.bright;
+        (whole > 0.0 && made >= 0.5 * truth).then_some(100.0 * self.off / whole)
+    }
+}
+
+/// How far changes from frame to frame are off the truth's: the mean absolute difference over changes and channels, in percent
+/// of the truth's own changes.
+pub fn off_change(all: &[Seen], variant: usize, changes: Changes) -> Option<f64> {
+    let sums = ChangeSums::of(all, variant, changes);
+    sums.percent_of(sums.own)
+}
+
+/// Finds how far changes are off the truth's in percent of the truth's mean colour, where the truth hardly changes.
+pub fn off_change_at_rest(all: &[Seen], variant: usize, changes: Changes) -> Option<f64> {
+    let sums = ChangeSums::of(all, variant, changes);
+    sums.percent_of(sums.bright[0])
+}
+
+/// Colours with every channel at most this are black.
+const BLACK: f32 = 0.02;
+
+/// The percentage of pixels, in the worst frame, that are no number, or black where the truth is not.
+pub fn blackened(all: &[Seen], variant: usize, region: Region) -> f64 {
+    let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
+    let of =
+        |seen: &Seen| percent(seen.pixels(region).map(|i| is_black(seen.made[variant][i]) && !is_dark(seen.truth[i])));
+    all.iter().map(of).fold(0.0, f64::max)
+}
+
+/// Whether the truth itself is so dark that black is not wrong.
+fn is_dark(truth: Vec3) -> bool {
+    !is_wrong(Vec3::ZERO, truth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, GBufferData, Lens, Surface};
+
+    /// A frame of 4×2 pixels that reflect, with a truth and what a method makes of it.
+    fn seen(truth: [f32; 8], made: [f32; 8]) -> Seen {
+        let colors = |values: [f32; 8]| values.map(Vec3::splat).to_vec();
+        let screen = GBufferData {
+            width: 4,
+            height: 2,
+            camera: Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0),
+            depth: vec![0.01; 8],
+            normal: vec![Vec3::NEG_Z; 8],
+            reflectivity: vec![1.0; 8],
+            roughness: vec![0.0; 8],
+            color: vec![Vec3::ZERO; 8],
+            surface: vec![Surface::Lit; 8],
+        };
+        let ends = ["a", "a", "a", "b"].repeat(2).into_iter().map(str::to_owned).collect();
+        Seen {
+            screen,
+            truth: colors(truth),
+            ends,
+            shown: vec![true; 8],
+            places: vec![None; 8],
+            made: vec![colors(made)],
+        }
+    }
+
+    const HALF: [f32; 8] = [0.5; 8];
+    const OFF: [f32; 8] = [0.5, 0.5, 0.5, 0.7, 0.5, 0.5, f32::NAN, 0.59];
+
+    #[test]
+    fn wrong_pixels_are_those_that_differ_or_are_no_number() {
+        assert_eq!(wrong(&seen(HALF, HALF), 0, everywhere), 0.0);
+        assert_eq!(wrong(&seen(HALF, OFF), 0, everywhere), 25.0);
+        // The pixels of the third and the fourth column show an edge.
+        assert_eq!(wrong(&seen(HALF, OFF), 0, inner), 0.0);
+        assert_eq!(spread_of_wrong(&[seen(HALF, OFF), seen(HALF, HALF)], 0, everywhere), 25.0);
+    }
+
+    #[test]
+    fn settings_that_must_not_matter_are_held_against_the_first() {
+        let of = |made| seen(HALF, made);
+        assert_eq!(differing(&[of(HALF), of(HALF)], 0, everywhere), 0.0);
+        assert_eq!(differing(&[of(OFF), of(HALF), of(OFF)], 0, everywhere), 25.0);
+    }
+
+    #[test]
+    fn an_error_is_relative_and_an_excess_counts_what_is_redder_alone() {
+        let error = error_at_last(&[seen(HALF, [0.25; 8])], 0, everywhere);
+        assert!((error - 50.0).abs() < 1e-4, "{error}");
+        let mut red = seen(HALF, HALF);
+        red.made[0][2] = Vec3::new(0.5, 0.1, 0.5);
+        red.made[0][3] = Vec3::new(0.1, 0.5, 0.5);
+        let excess = excess(&red, 0, 0..4, Vec3::X);
+        assert!((excess - 10.0).abs() < 1e-4, "0.4 in one of four: {excess}");
+    }
+
+    #[test]
+    fn black_counts_where_the_truth_is_not() {
+        let made = [0.0, f32::NAN, f32::INFINITY, 0.5, 0.5, 0.5, 0.5, 0.0];
+        let truth = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0];
+        assert_eq!(blackened(&[seen(truth, made), seen(HALF, HALF)], 0, everywhere), 37.5);
+    }
+
+    #[test]
+    fn changes_are_held_against_the_truths_and_nothing_has_none() {
+        let film = |made: [[f32; 8]; 2]| [seen([0.4; 8], made[0]), seen([0.5; 8], made[1])];
+        let of = |made| off_change(&film(made), 0, of_pixels);
+        assert_eq!(of([[0.4; 8], [0.5; 8]]), Some(0.0));
+        let shaking = of([[0.4; 8], [0.7; 8]]).unwrap();
+        assert!((shaking - 200.0).abs() < 1e-3, "0.3 where 0.1 is right: {shaking}");
+        assert_eq!(of([[0.0; 8]; 2]), None, "nothing never flickers");
+        let at_rest = off_change_at_rest(&film([[0.4; 8], [0.6; 8]]), 0, of_cells).unwrap();
+        assert!((at_rest - 20.0).abs() < 1e-3, "0.1 of 0.5: {at_rest}");
+    }
+}

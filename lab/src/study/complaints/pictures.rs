@@ -1,0 +1,74 @@
+//! The pictures of a case: what is seen with the true reflection in it, and with that of each method.
+
+use super::cases::Complaint;
+use super::frames::Seen;
+use crate::math::display_byte;
+use crate::metrics::flicker::sound;
+use crate::metrics::video::Film;
+use crate::study::exhibit::{Content, ExtraFile};
+use glam::Vec3;
+
+/// The folder of the pictures.
+pub const FOLDER: &str = "pictures";
+
+/// What the pictures of the truth are called.
+pub const TRUTH: &str = "truth";
+
+/// Frames of a film that are shown in a second.
+const FRAMES_PER_SECOND: f32 = 6.0;
+
+/// The file of a case's picture by a method, or of the truth.
+pub fn file(complaint: &Complaint, method: &str) -> String {
+    let plain = |text: &str| -> String {
+        text.chars().filter(|c| *c != ',').map(|c| if c.is_alphanumeric() { c } else { '-' }).collect()
+    };
+    let ending = if complaint.is_film { "webp" } else { "png" };
+    format!("{FOLDER}/{}-{}.{ending}", plain(complaint.name), plain(method))
+}
+
+/// The pictures of the truth and of each method, in the order of their names.
+pub fn all(complaint: &Complaint, names: &[String], frames: &[Seen]) -> Vec<ExtraFile> {
+    let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
+    let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
+    let of = |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
+    let methods = names.iter().enumerate().map(|(n, name)| of(name, made(n)));
+    std::iter::once(of(TRUTH, truth)).chain(methods).collect()
+}
+
+/// A picture: width and height, and three bytes a pixel.
+type Picture = ([u32; 2], Vec<u8>);
+
+/// What is seen, with a reflection in it that does not fade.
+fn picture(seen: &Seen, reflection: &[Vec3]) -> Picture {
+    let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
+    let colors = seen.screen.color.iter().zip(reflection).enumerate();
+    let bytes = colors.flat_map(|(i, (lit, color))| (*lit + share(i) * sound(*color)).to_array().map(display_byte));
+    ([seen.screen.width, seen.screen.height], bytes.collect())
+}
+
+fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
+    let [width, height] = [0, 1].map(|axis| pictures.iter().map(|(extent, _)| extent[axis]).max().unwrap_or(1));
+    if complaint.is_film {
+        let frames = pictures.iter().map(|picture| enlarged(picture, [width, height])).collect();
+        return Content::Film(Film { width, height, frames }, FRAMES_PER_SECOND);
+    }
+    let whole = pictures.iter().map(|(extent, _)| extent[0]).sum();
+    let mut bytes = Vec::new();
+    for y in 0..height {
+        for (extent, own) in &pictures {
+            let row = 3 * extent[0] as usize;
+            let black = vec![0; row];
+            bytes.extend(own.get(y as usize * row..(y as usize + 1) * row).unwrap_or(&black));
+        }
+    }
+    Content::Picture([whole, height], bytes)
+}
+
+/// A picture of another size, each of whose pixels is that of the old one at its place.
+fn enlarged((extent, bytes): &Picture, [width, height]: [u32; 2]) -> Vec<u8> {
+    let texel = |x: u32, y: u32| {
+        let at = (y * extent[1] / height * extent[0] + x * extent[0] / width) as usize;
+        [0, 1, 2].map(|channel| bytes[3 * at + channel])
+    };
+    (0..height).flat_map(|y| (0..width).flat_map(move |x| texel(x, y))).collect()
+}

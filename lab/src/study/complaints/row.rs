@@ -1,0 +1,107 @@
+//! Rows of the complaints: a case and a method each, with the number that says how much of the complaint there is.
+
+use super::cases::COMPLAINTS;
+use super::pictures::{self, TRUTH};
+use crate::study::columns::{columns, figure};
+use crate::study::engine::Row;
+use crate::study::exhibit::{Clip, ClipGroup, Table, distinct, pivot};
+use crate::study::record::{Provenance, RecordedSetup};
+use serde_json::Value;
+
+columns! {
+    /// What a method makes of a case.
+    pub struct ComplaintRow {
+        /// "complaints".
+        pub kind: String,
+        /// Which program measured on what.
+        #[serde(flatten)]
+        pub program: Provenance,
+        /// The case.
+        pub case: String = figure(""),
+        /// The complaint.
+        pub complaint: String = figure(""),
+        /// The method; where it looks at the screen alone, that is said behind a comma.
+        pub method: String = figure(""),
+        /// What the value says.
+        pub measured: String = figure(""),
+        /// How much of what is complained of there is; null where the method shows too little to be judged.
+        pub value: Option<f64> = figure("").digits(2),
+        /// The greatest value that is good.
+        pub at_most: f64 = figure(""),
+        /// Whether the value is good.
+        pub is_good: bool = figure(""),
+        /// Pixels of the first frame.
+        pub width: u32 = figure(""),
+        /// Pixels of the first frame.
+        pub height: u32 = figure(""),
+        /// Frames.
+        pub frames: usize = figure(""),
+        /// All that was set.
+        pub setup: RecordedSetup,
+    }
+}
+
+const ABOUT: &str = "A row for each complaint of engines' users, with one number for each method: how much of what is complained \
+    of there is. 0 is the truth, which is the world reference, and numbers that are good are marked with a star. A dash stands \
+    where a method shows less than half of the light that it should: nothing never flickers.";
+
+impl Row for ComplaintRow {
+    const KIND: &'static str = "complaints";
+    const TITLE: &'static str = "Complaints";
+    const FOLDERS: &'static [&'static str] = &[pictures::FOLDER];
+
+    fn program(&self) -> &Provenance {
+        &self.program
+    }
+
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        vec![
+            Table::new("complaints", "Complaints and methods", ABOUT, numbers(rows)),
+            Table::new("meanings", "What is complained of, and what the numbers say", "", meanings(rows)),
+        ]
+    }
+
+    /// The pictures of each case: the truth beside each method.
+    fn clips(rows: &[Self]) -> Vec<ClipGroup> {
+        let group = |case: &String| {
+            let here: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
+            let complaint = COMPLAINTS.iter().find(|c| c.name == case)?;
+            let clip = |name: &str, caption: String| {
+                let file = pictures::file(complaint, name);
+                Clip { file, name: name.to_owned(), caption }
+            };
+            let methods = here.iter().map(|row| clip(&row.method, row.shown()));
+            let clips = std::iter::once(clip(TRUTH, String::new())).chain(methods).collect();
+            Some(ClipGroup { title: format!("{case}: {}", complaint.complaint), clips })
+        };
+        distinct(rows.iter().map(|row| row.case.clone())).iter().filter_map(group).collect()
+    }
+}
+
+impl ComplaintRow {
+    /// The value as tables show it.
+    fn shown(&self) -> String {
+        let star = if self.is_good { "*" } else { "" };
+        self.value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1}{star}"))
+    }
+}
+
+/// Cases and methods.
+fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
+    let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
+    let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.shown()));
+    for (n, line) in cells.iter_mut().enumerate() {
+        let of = |row: &ComplaintRow| row.case == line[0];
+        let at_most = rows.iter().find(|row| of(row)).map_or_else(String::new, |row| row.at_most.to_string());
+        line.insert(1, if n == 0 { "good".to_owned() } else { format!("≤ {at_most}") });
+    }
+    cells
+}
+
+/// What the cases are about.
+fn meanings(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
+    let mut cells = vec![["complaint", "what users say", "number"].map(str::to_owned).to_vec()];
+    let of = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];
+    cells.extend(distinct(rows.iter().map(of)));
+    cells
+}

@@ -1,0 +1,239 @@
+//! The scenes of the complaints: a few quadrilaterals and boxes each. What is painted shines by itself, so that its colour is the
+//! same from everywhere, and what reflects is black, so that it shows its reflection alone.
+
+use crate::scene::library::builder::MeshBuilder;
+use crate::scene::{Encoding, Lens, Light, Material, Mesh, Scene, Texture, View};
+use glam::{Vec2, Vec3};
+
+/// Vertical field of view, in degrees.
+const FIELD_OF_VIEW: f32 = 50.0;
+
+pub const RED: Vec3 = Vec3::new(0.8, 0.05, 0.04);
+pub const BLUE: Vec3 = Vec3::new(0.05, 0.15, 0.7);
+pub const YELLOW: Vec3 = Vec3::new(0.9, 0.7, 0.05);
+pub const GREEN: Vec3 = Vec3::new(0.08, 0.5, 0.12);
+pub const GREY: Vec3 = Vec3::new(0.5, 0.5, 0.5);
+pub const DARK: Vec3 = Vec3::new(0.04, 0.04, 0.05);
+pub const WHITE: Vec3 = Vec3::new(0.95, 0.95, 0.95);
+
+/// The lens of the cases, with another near and far plane.
+pub fn lens(near_m: f32, far_m: f32) -> Lens {
+    Lens::perspective(FIELD_OF_VIEW.to_radians(), near_m, far_m)
+}
+
+/// A scene under construction: meshes with a material each.
+pub struct Parts {
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+}
+
+impl Parts {
+    pub fn new() -> Self {
+        Self { meshes: Vec::new(), materials: Vec::new() }
+    }
+
+    /// A mesh of paint that shines.
+    pub fn paint(mut self, name: &str, albedo: Vec3, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
+        self.add(name, Material { albedo, reflectivity: 0.0, emission: 1.0, ..Material::default() }, shape);
+        self
+    }
+
+    /// A mesh that reflects.
+    pub fn mirror(mut self, name: &str, roughness: f32, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
+        self.add(name, Material { albedo: Vec3::ZERO, roughness, ..Material::default() }, shape);
+        self
+    }
+
+    fn add(&mut self, name: &str, material: Material, shape: impl FnOnce(&mut MeshBuilder)) {
+        let mut mesh = MeshBuilder::new(name, self.materials.len(), 1.0);
+        shape(&mut mesh);
+        self.meshes.push(mesh.build());
+        self.materials.push(Material { name: name.to_owned(), ..material });
+    }
+
+    /// The scene, seen from a place.
+    pub fn seen(self, name: &str, eye: [f32; 3], look_at: [f32; 3]) -> Scene {
+        let view = View { name: name.to_owned(), eye: eye.into(), look_at: look_at.into(), ..View::default() };
+        Scene {
+            name: name.to_owned(),
+            meshes: self.meshes,
+            materials: self.materials,
+            lights: vec![Light::Directional { direction: Vec3::NEG_Y, energy: 1.0 }],
+            lens: lens(0.1, 100.0),
+            views: vec![view],
+            ..Scene::default()
+        }
+    }
+}
+
+/// A horizontal rectangle at y = 0 that faces up.
+pub fn floor(x: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
+    move |mesh| {
+        let at = |a: f32, b: f32| Vec3::new(a, 0.0, b);
+        mesh.polygon(&[at(x[0], z[0]), at(x[1], z[0]), at(x[1], z[1]), at(x[0], z[1])], Vec3::Y);
+    }
+}
+
+/// An upright rectangle across the view that faces the camera.
+pub fn wall(x: [f32; 2], y: [f32; 2], z: f32) -> impl FnOnce(&mut MeshBuilder) {
+    move |mesh| {
+        let at = |a: f32, b: f32| Vec3::new(a, b, z);
+        mesh.polygon(&[at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])], Vec3::NEG_Z);
+    }
+}
+
+/// An upright rectangle along the view that faces to the left or, if it stands at the left, to the right.
+pub fn side(x: f32, y: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
+    move |mesh| {
+        let at = |a: f32, b: f32| Vec3::new(x, a, b);
+        mesh.polygon(&[at(y[0], z[0]), at(y[1], z[0]), at(y[1], z[1]), at(y[0], z[1])], Vec3::new(-x, 0.0, 0.0));
+    }
+}
+
+/// A box.
+pub fn block(min: [f32; 3], max: [f32; 3]) -> impl FnOnce(&mut MeshBuilder) {
+    move |mesh| mesh.cuboid(min.into(), max.into())
+}
+
+/// A back wall of two colours side by side, so that a reflection that is displaced shows.
+fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
+    let columns = 24;
+    let mut parts = parts;
+    for (name, albedo, first) in [("wall", GREY, 0), ("wall-dark", GREEN, 1)] {
+        parts = parts.paint(name, albedo, |mesh| {
+            for n in (first..columns).step_by(2) {
+                let [from, to] = [n, n + 1].map(|n| x * (2.0 * n as f32 / columns as f32 - 1.0));
+                wall([from, to], [0.0, height], z)(mesh);
+            }
+        });
+    }
+    parts
+}
+
+/// A floor that mirrors, blocks that stand on it, and a wall behind.
+pub fn blocks(name: &str, roughness: f32) -> Scene {
+    let parts = Parts::new()
+        .mirror("floor", roughness, floor([-12.0, 12.0], [-2.0, 12.0]))
+        .paint("red", RED, block([-2.2, 0.0, 4.0], [-1.2, 1.0, 5.0]))
+        .paint("blue", BLUE, block([0.6, 0.0, 6.0], [1.6, 1.8, 7.0]))
+        .paint("yellow", YELLOW, block([2.0, 0.0, 3.5], [2.6, 0.5, 4.1]));
+    back_wall(parts, 12.0, 12.0, 12.0).seen(name, [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+}
+
+/// A tower that hangs behind the end of a floor, with sky between both.
+pub fn sky_gap() -> Scene {
+    Parts::new()
+        .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 8.0]))
+        .paint("tower", RED, block([-2.5, 1.4, 14.0], [2.5, 5.0, 16.0]))
+        .seen("sky-gap", [0.0, 1.5, -2.0], [0.0, 1.2, 8.0])
+}
+
+/// Poles before a wall, in a floor and a wall at the side that mirror.
+pub fn poles() -> Scene {
+    let pole = |mesh: &mut MeshBuilder, x: f32, z: f32| block([x, 0.0, z], [x + 0.06, 2.6, z + 0.06])(mesh);
+    let parts = Parts::new()
+        .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
+        .mirror("mirror", 0.0, side(3.0, [0.0, 4.0], [0.0, 12.0]))
+        .paint("poles", RED, |mesh| {
+            for (x, z) in [(-2.0, 3.5), (-1.0, 4.0), (0.0, 3.5), (0.8, 4.0), (1.6, 3.5)] {
+                pole(mesh, x, z);
+            }
+        });
+    back_wall(parts, 12.0, 12.0, 12.0).seen("poles", [-0.8, 1.5, -2.0], [0.6, 1.0, 5.0])
+}
+
+/// A floor of gloss, seen from a hand above it.
+pub fn grazing() -> Scene {
+    let parts = Parts::new()
+        .mirror("floor", 0.3, floor([-12.0, 12.0], [-2.0, 12.0]))
+        .paint("red", RED, block([-2.0, 0.0, 5.0], [-1.0, 1.5, 6.0]))
+        .paint("white", WHITE, block([0.5, 0.0, 7.0], [0.9, 3.0, 7.4]));
+    back_wall(parts, 12.0, 12.0, 12.0).seen("grazing", [0.0, 0.25, -2.0], [0.0, 0.3, 5.0])
+}
+
+/// A pillar on a floor that mirrors, which the camera sees from near and from far.
+pub fn pillar() -> Scene {
+    let parts = Parts::new().mirror("floor", 0.0, floor([-30.0, 30.0], [-60.0, 8.0])).paint(
+        "pillar",
+        RED,
+        block([-0.4, 0.0, 2.0], [0.4, 3.0, 2.8]),
+    );
+    back_wall(parts, 30.0, 12.0, 8.0).seen("pillar", [0.0, 1.5, -4.0], [0.0, 1.0, 2.0])
+}
+
+/// A bright block that hangs before a dark wall, in a floor of gloss.
+pub fn silhouettes() -> Scene {
+    Parts::new()
+        .mirror("floor", 0.25, floor([-12.0, 12.0], [-2.0, 12.0]))
+        .paint("white", WHITE, block([-1.5, 0.8, 3.5], [0.0, 2.3, 4.0]))
+        .paint("yellow", YELLOW, block([1.2, 0.0, 4.5], [1.6, 2.6, 5.0]))
+        .paint("wall", DARK, wall([-14.0, 14.0], [0.0, 12.0], 12.0))
+        .seen("silhouettes", [0.0, 1.5, -2.0], [0.0, 0.8, 4.0])
+}
+
+/// A wall of metal at the side, which is black but for what it reflects, in a floor that mirrors.
+pub fn metal() -> Scene {
+    let parts = Parts::new()
+        .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
+        .mirror("metal", 0.0, side(3.0, [0.0, 3.0], [1.0, 11.0]))
+        .paint("red", RED, block([-1.0, 0.0, 6.0], [0.0, 2.0, 7.0]));
+    back_wall(parts, 12.0, 12.0, 12.0).seen("metal", [-0.6, 1.5, -2.0], [0.8, 1.0, 5.0])
+}
+
+/// A block that moves before a wall, on a floor that mirrors.
+pub fn moving() -> Scene {
+    let parts = Parts::new().mirror("floor", 0.15, floor([-12.0, 12.0], [-2.0, 12.0])).paint(
+        "thing",
+        RED,
+        block([-3.0, 0.2, 4.0], [-2.0, 1.4, 5.0]),
+    );
+    back_wall(parts, 12.0, 12.0, 12.0).seen("moving", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+}
+
+/// A weapon close before the camera, above a floor that mirrors.
+pub fn weapon() -> Scene {
+    let parts = Parts::new()
+        .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]))
+        .paint("weapon", RED, block([0.08, 1.18, -1.6], [0.2, 1.3, -1.0]))
+        .paint("blue", BLUE, block([0.6, 0.0, 6.0], [1.6, 1.8, 7.0]));
+    back_wall(parts, 12.0, 12.0, 12.0).seen("weapon", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+}
+
+/// A pane between the camera and a wall, which the scene itself does not have.
+pub fn pane() -> Scene {
+    let parts = Parts::new().mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]));
+    back_wall(parts, 12.0, 12.0, 12.0).seen("pane", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+}
+
+/// A wall of fine stripes, in a floor that bends down with the distance, so that its far part shows more of the wall in each pixel.
+pub fn stripes() -> Scene {
+    const RADIUS_M: f32 = 60.0;
+    const STRIPES_M: f32 = 0.5;
+    let mut scene = Parts::new()
+        .mirror("floor", 0.0, |mesh| {
+            mesh.surface(Vec3::ZERO, [1, 96], |s, t| {
+                let (x, z) = (24.0 * s - 12.0, 14.0 * t);
+                (Vec3::new(x, -z * z / (2.0 * RADIUS_M), z), Vec2::new(x, z))
+            });
+        })
+        .paint("stripes", Vec3::ONE, |mesh| {
+            let mut striped = MeshBuilder::new("stripes", 1, STRIPES_M);
+            wall([-14.0, 14.0], [-4.0, 12.0], 16.0)(&mut striped);
+            *mesh = striped;
+        })
+        .seen("stripes", [0.0, 1.2, -1.0], [0.0, 0.9, 5.0]);
+    scene.materials[1].albedo_map = Some(0);
+    scene.textures = vec![stripe()];
+    scene
+}
+
+/// An image whose upper half is bright.
+fn stripe() -> Texture {
+    let texel = |row: u32| if row < STRIPE_TEXELS / 2 { [250, 250, 250, 255] } else { [40, 40, 44, 255] };
+    let rgba = (0..STRIPE_TEXELS * STRIPE_TEXELS).flat_map(|i| texel(i / STRIPE_TEXELS)).collect();
+    let (width, height, encoding) = (STRIPE_TEXELS, STRIPE_TEXELS, Encoding::Srgb);
+    Texture { name: "stripe".into(), width, height, rgba, encoding }
+}
+
+/// Texels along a side of the image of a stripe.
+const STRIPE_TEXELS: u32 = 32;
