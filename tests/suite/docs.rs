@@ -5,6 +5,7 @@ mod beside;
 mod beyond;
 mod captions;
 mod claims;
+mod complaints;
 mod coverage;
 mod dda;
 mod ends;

@@ -5,8 +5,8 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, ends, errata, films, follow, gpu, large_gltf, layers, measured, motion,
-    outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, complaints, dda, ends, errata, films, follow, gpu, large_gltf, layers, measured,
+    motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,6 +97,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress::stress(first)?,
+        ["complaints"] => complaints::complaints(first)?,
+        ["complaint", case, method] => complaints::complaint(first, case, method)?,
         ["stress-cases", method] => stress::cases(first, method)?,
         ["stress-compared", method] => stress::hits(first, method)?.0,
         ["stress-wrong", method] => stress::hits(first, method)?.1,
