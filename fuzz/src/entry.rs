@@ -4,6 +4,7 @@
 use exr::meta::MetaData;
 use glam::Vec3;
 use ssct::error::{Error, Result};
+use ssct_lab::custom;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Opening, Scene, Surface};
 use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
@@ -15,7 +16,7 @@ use tempfile::TempDir;
 pub type Entry = fn(&[u8]) -> bool;
 
 /// Every entry with its name, which is also the name of its fuzz target and of its folder of inputs.
-pub const ENTRIES: [(&str, Entry); 7] = [
+pub const ENTRIES: [(&str, Entry); 8] = [
     ("obj", obj),
     ("gltf", gltf),
     ("texture", texture),
@@ -23,6 +24,7 @@ pub const ENTRIES: [(&str, Entry); 7] = [
     ("gbuffer_map", gbuffer_map),
     ("scene", scene),
     ("camera_path", camera_path),
+    ("method", method),
 ];
 
 /// An OBJ file, followed by a byte 0 and the MTL file `a.mtl`. Beside them are the images `x.png`, a normal
@@ -109,6 +111,23 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
     })
 }
 
+/// The manifest of a method, behind a byte 0 its shader `a.frag`, and behind another one `a.comp`. Neither may run: they are
+/// compiled, reflected and held against the manifest.
+pub fn method(data: &[u8]) -> bool {
+    let mut parts = data.splitn(3, |b| *b == 0);
+    let [manifest, fragment, compute] = [(); 3].map(|()| parts.next().unwrap_or_default());
+    in_folder(|folder| {
+        write(folder, custom::MANIFEST, manifest);
+        write(folder, "a.frag", fragment);
+        write(folder, "a.comp", compute);
+        match custom::check(folder) {
+            // A manifest may name any file as a shader, and so does the error.
+            Err(Error::Io { .. }) => false,
+            checked => judged(checked, |()| ()),
+        }
+    })
+}
+
 /// Panics unless a G-buffer has a sound value of every kind for each pixel, and a camera that can be used.
 fn sound_gbuffer(g: &GBufferData) {
     let pixels = g.width as usize * g.height as usize;
@@ -149,7 +168,10 @@ fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
         Err(error) => {
             assert!(matches!(error, Error::Malformed { .. } | Error::Io { .. }), "{error}");
             let text = error.to_string();
-            assert!(["a.", "m.", "b.bin", "x.png", "y.tga"].iter().any(|name| text.contains(name)), "{text}");
+            assert!(
+                ["a.", "m.", "b.bin", "x.png", "y.tga", custom::MANIFEST].iter().any(|name| text.contains(name)),
+                "{text}"
+            );
             false
         }
     }

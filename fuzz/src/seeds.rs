@@ -55,9 +55,37 @@ pub fn write_all(root: &Path) {
     write(root, "gltf", &[GLTF.as_bytes().to_vec(), glb()]);
     write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
     write(root, "texture", &textures());
+    write(root, "method", &[march(), passes()]);
     let gbuffers = gbuffers();
     write(root, "gbuffer_map", &maps(&gbuffers));
     write(root, "gbuffer", &gbuffers);
+}
+
+/// The example `march`: a fragment shader as OpenGL has them.
+fn march() -> Vec<u8> {
+    let manifest = include_str!("../../examples/methods/march/method.toml").replace("march.frag", "a.frag");
+    [manifest.as_bytes(), b"\0", include_bytes!("../../examples/methods/march/march.frag")].concat()
+}
+
+/// A compute pass and a fragment pass behind it, with a buffer, a storage image, an image's history, a block and a constant.
+fn passes() -> Vec<u8> {
+    let manifest = "name = \"two\"\nsummary = \"two passes\"\npatience-s = 2.5\n[conventions]\nclip-depth = \"reversed\"\n\
+        [parameter.steps]\nhelp = \"Steps\"\ndefault = 16\nrange = [1, 64]\n[image.ends]\nformat = \"rgba32f\"\nscale = 0.5\n\
+        clear = true\n[image.result]\nformat = \"rgba16f\"\nhistory = true\n[buffer.list]\nbytes = 16\nbytes-per-pixel = 4\n\
+        fill = 0\n[[pass]]\nname = \"first\"\nshader = \"a.comp\"\ngroups = \"ends\"\n[pass.inputs]\nends = \"ends\"\n\
+        list = \"list\"\n[[pass]]\nname = \"second\"\nshader = \"a.frag\"\ntargets = [\"result\"]\n[pass.inputs]\n\
+        before = \"previous:result\"\nends = \"ends\"\n[pass.values]\nwide = \"parameter:steps\"\n[output]\n\
+        reflection = \"result\"\nhits = \"ends\"\n";
+    let compute = "#version 460\nlayout(local_size_x = 8, local_size_y = 8) in;\n\
+        layout(binding = 0, rgba32f) uniform writeonly image2D ends;\n\
+        layout(std430, binding = 1) buffer List { uint count; uint items[]; } list;\nvoid main() {\n\
+        ivec2 at = ivec2(gl_GlobalInvocationID.xy);\nlist.items[atomicAdd(list.count, 1u)] = 1u;\n\
+        imageStore(ends, at, vec4(0.0));\n}\n";
+    let fragment = "#version 460\nlayout(binding = 0) uniform sampler2D before;\nlayout(binding = 1) uniform sampler2D ends;\n\
+        layout(std140, binding = 2) uniform Block { int wide; float gain[2]; } block;\nconst float HALF = 0.5;\n\
+        layout(location = 0) out vec4 made;\nvoid main() {\n\
+        made = HALF * texture(before, gl_FragCoord.xy / 8.0) + texelFetch(ends, ivec2(block.wide), 0);\n}\n";
+    [manifest, fragment, compute].join("\0").into_bytes()
 }
 
 /// The glTF file as binary, with its buffer inside.
@@ -193,12 +221,7 @@ fn gbuffers() -> Vec<Vec<u8>> {
     let gbuffer = GBufferData {
         width: 3,
         height: 2,
-        camera: Camera::new(
-            glam::Vec3::new(1.0, 2.0, 3.0),
-            glam::Vec3::ZERO,
-            Lens::perspective(1.2, 0.25, 50.0),
-            1.5,
-        ),
+        camera: Camera::new(glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::ZERO, Lens::perspective(1.2, 0.25, 50.0), 1.5),
         depth: (0..n).map(|i| i as f32 * 0.15).collect(),
         normal: vec![glam::Vec3::new(0.0, 0.6, -0.8); n],
         reflectivity: vec![0.25; n],

@@ -62,10 +62,8 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
 /// [`Error::Usage`] if there is a method of its name.
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
-    let manifest = Manifest::read(folder)?;
-    let parameters = manifest.parameters()?;
     // Compiles once here, so that errors appear before a device is opened.
-    bindings::check(&manifest)?;
+    let (manifest, parameters) = read(folder)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
@@ -75,6 +73,22 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
         Error::Usage(message) => Error::malformed(folder.join(MANIFEST), None, message),
         other => other,
     })
+}
+
+/// Reads a folder's manifest, compiles its shaders, and holds them against the manifest, as [`add`] does, and adds nothing.
+///
+/// # Errors
+/// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
+pub fn check(folder: &Path) -> Result<()> {
+    read(folder).map(|_| ())
+}
+
+/// The manifest of a folder, whose shaders fit it, with its parameters.
+fn read(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
+    let manifest = Manifest::read(folder)?;
+    let parameters = manifest.parameters()?;
+    bindings::check(&manifest)?;
+    Ok((manifest, parameters))
 }
 
 /// A method that was read from a folder.
