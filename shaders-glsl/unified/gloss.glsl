@@ -99,11 +99,13 @@ ivec2 CellPixel(ivec2 cell) {
     return 2 * cell + ((cell.x + cell.y) & 1);
 }
 
-// The pixel that a cell's ray is of, CellPixel or another if that has no wide lobe, and its roughness; 0 if none has.
-ivec2 WidePixel(ivec2 cell, out float roughness) {
+// The pixel that a cell's ray is of, CellPixel or another if that has no wide lobe, and its roughness; 0 if none has. A cell is
+// mixed if some of its pixels have wide lobes and others not.
+ivec2 WidePixel(ivec2 cell, out float roughness, out bool is_mixed) {
     ivec2 pixel = CellPixel(cell);
     ivec2 turned = pixel & 1;
     roughness = 0.0;
+    is_mixed = false;
     // Every pixel loads all four. Mesa 25 leaves out a load that no pixel inside the image waits for, though pixels beyond the
     // border, whose normals count in the derivatives of Turn, do.
     for (int i = 0; i < 4; ++i) {
@@ -111,6 +113,7 @@ ivec2 WidePixel(ivec2 cell, out float roughness) {
         vec2 material = imageLoad(material_buffer, p).rg;
         float depth = DepthAt(p);
         bool is_wide = Reflects(material) && ListOf(material) == WIDE_LIST && depth > 0.0;
+        is_mixed = is_mixed || !is_wide;
         if (is_wide && !(roughness > 0.0)) {
             pixel = p;
             roughness = material.g;

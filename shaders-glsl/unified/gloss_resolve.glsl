@@ -32,6 +32,11 @@ struct Shown {
 };
 #endif
 
+#ifdef CELLS
+#include "triangles/doubt.glsl"
+#else
+#include "triangles/push_doubt.glsl"
+#endif
 #define GATHERS
 #include "unified/gloss.glsl"
 
@@ -58,6 +63,7 @@ struct Sum {
     vec4 color;    // and fade
     float weight;  // of all rays
     float hits;    // of those that hit
+    float squares; // of the weights of all rays
 };
 
 void Add(inout Sum sum, float weight, bool hit, vec4 color) {
@@ -65,6 +71,7 @@ void Add(inout Sum sum, float weight, bool hit, vec4 color) {
     sum.weight += weight;
     sum.color += hits * color;
     sum.hits += hits;
+    sum.squares += weight * weight;
 }
 
 // Reflection colour, and its fade in a. What rays missed is black. Over another reflection it is not: what the
@@ -124,11 +131,29 @@ void Gather(inout Sum sum, Gathered own, Gathered r) {
 // beside the block, the two above or below it, and the one at its corner. The file that includes this one defines it.
 Gathered[9] Around(ivec2 pixel);
 
+// How many rays of a pixel's own its neighbours' rays stand for, by how much their weights differ (Kish's effective size of a
+// sample); negative if their colours differ so much that this is too few.
+float RaysGathered(Gathered rays[9], Sum sum) {
+    vec3 total = vec3(0.0), squares = vec3(0.0);
+    float count = 0.0;
+    for (int i = 0; i < 9; ++i) {
+        float counts = rays[i].key.w != 0.0 ? 1.0 : 0.0;
+        vec3 color = counts * rays[i].color.rgb;
+        total += color;
+        squares += color * color;
+        count += counts;
+    }
+    vec3 mean = total / count, variance = squares / count - mean * mean;
+    float stand_for = sum.weight * sum.weight / sum.squares;
+    bool differ = dot(variance, vec3(1.0)) > stand_for * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
+    return differ ? -stand_for : stand_for;
+}
+
 // False for a pixel that is left as it is.
 bool Show(ivec2 pixel, out Shown shown) {
     Gathered rays[9] = Around(pixel);
     Gathered own = rays[0];
-    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+    Sum sum = Sum(vec4(0.0), 0.0, 0.0, 0.0);
     Add(sum, 1.0, own.key.w > 0.0, own.color);
     Gather(sum, own, rays[1]);
     Gather(sum, own, rays[2]);
@@ -146,6 +171,9 @@ bool Show(ivec2 pixel, out Shown shown) {
     if (shows) {
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
+        float gathered = OWN_RAYS > 0 ? RaysGathered(rays, sum) : 1.0;
+        if (gathered < 0.0)
+            PushDoubt(Doubt(pixel, reflection.rgb, -gathered));
         float reflectivity = imageLoad(material_buffer, pixel).r;
         color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     }
@@ -196,7 +224,8 @@ layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
 
 struct Cell {
     vec4 reflection;
-    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none
+    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none. Negative in a cell
+                  // that is mixed, where pixels may get rays of their own.
 };
 
 // The cell itself, or the nearest one that the image has.
@@ -252,7 +281,8 @@ void Gather(inout Sum sum, Here here, Gathered row[5]) {
 // itself, and those are loaded. The others are such cells of the three that a device shades in step with it.
 Cell CellOf(ivec2 cell) {
     float roughness;
-    ivec2 pixel = WidePixel(cell, roughness);
+    bool is_mixed;
+    ivec2 pixel = WidePixel(cell, roughness, is_mixed);
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
@@ -260,7 +290,7 @@ Cell CellOf(ivec2 cell) {
     Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
     ivec2 outward = Outward(cell);
     Gathered inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
-    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+    Sum sum = Sum(vec4(0.0), 0.0, 0.0, 0.0);
     Gather(sum, here, inner);
     Gather(sum, here, RowAcross(middle, cell, outward, 0));
     Gather(sum, here, middle);
@@ -268,6 +298,7 @@ Cell CellOf(ivec2 cell) {
     Gather(sum, here, Row(cell, outward, 1));
     bool shows = roughness > 0.0;
     float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
+    z = OWN_RAYS > 0 && is_mixed ? -z : z;
     return Cell(shows ? Reflection(sum) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
 }
 
@@ -289,7 +320,9 @@ float OffPlane(ivec2 cell, float depth, float beside, float facing) {
 
 // A wide lobe, between the four cells around the pixel, by how near their rays begin, and as far as each lies in the
 // pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
-vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
+// `agreement` is the part of these cells that is of the pixel's surface. It is 0 in a mixed cell, at the edge of what reflects:
+// the neighbours' rays come from farther away from what the pixel touches there.
+vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power, out float agreement) {
     ivec2 last = (unified.size - 1) >> 1;
     ivec2 cell = pixel >> 1;
     ivec2 outward = Outward(pixel);
@@ -300,10 +333,14 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
     vec2 turn = normal.xy * unified.pixel_to_view * vec2(2.0, -2.0) / PLANE_TOLERANCE;
     vec4 sum = vec4(0.0);
     float weights = 0.0;
+    float agreed = 0.0, all = 0.0;
+    bool is_mixed = false;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = clamp(cell + outward * ivec2(i & 1, i >> 1), ivec2(0), last);
         bool is_drawn = IsDrawn(at);
         vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
+        is_mixed = is_mixed || (i == 0 && surface.w < 0.0);
+        surface.w = abs(surface.w);
         vec2 away = vec2(CellPixel(at) - pixel);
         vec2 near = CELL_REACH - abs(away);
         float off = ORTHOGRAPHIC
@@ -311,13 +348,17 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
             : (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
         float same = Overlap(normal - surface.xyz, power);
         float squared = off * off;
-        float weight = surface.w > 0.0 ? near.x * near.y * max(same / (1.0 + squared * squared), LEAST_WEIGHT) : 0.0;
+        float fits = surface.w > 0.0 ? same / (1.0 + squared * squared) : 0.0;
+        float weight = surface.w > 0.0 ? near.x * near.y * max(fits, LEAST_WEIGHT) : 0.0;
+        agreed += near.x * near.y * fits;
+        all += near.x * near.y;
         vec4 reflection = is_drawn ? imageLoad(cell_reflection, at) : vec4(0.0);
         // Over another reflection, a cell shows its colour only as far as it is there.
         reflection.rgb *= OVER ? reflection.a : 1.0;
         sum += weight * reflection;
         weights += weight;
     }
+    agreement = is_mixed ? 0.0 : agreed / all;
     float colors = OVER ? sum.a : weights;
     return colors > 0.0 ? vec4(sum.rgb / colors, sum.a / weights) : vec4(0.0);
 }
@@ -333,8 +374,11 @@ bool Show(ivec2 pixel, out Shown shown) {
     vec4 color = texelFetch(color_buffer, pixel, 0);
     if (reflects) {
         vec3 normal = imageLoad(normal_buffer, pixel).xyz;
-        reflection = Wide(pixel, depth, normal, LobePower(material.g));
+        float agreement;
+        reflection = Wide(pixel, depth, normal, LobePower(material.g), agreement);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
+        if (OWN_RAYS > 0 && agreement < AGREES_ABOVE)
+            PushDoubt(Doubt(pixel, reflection.rgb, AGREED_RAYS * agreement));
         color.rgb = min(color.rgb + material.r * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     shown = Shown(COMPOSITE ? color : reflection, reflection);

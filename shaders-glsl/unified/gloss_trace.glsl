@@ -103,6 +103,17 @@ Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float foo
 
 #ifdef NARROW
 
+#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
+#include "triangles/doubt.glsl"
+// Where pixels get rays of their own when neighbours disagree, the nine rays are spread over the whole lobe: fewer would
+// agree, and a triangle has no chain of colours that blurs what a ray sees into the rest of the lobe.
+const bool SPREADS = OWN_RAYS > 0;
+#else
+const bool SPREADS = false;
+#endif
+const float PATTERN_PART = SPREADS ? 1.0 : NARROW_PART;
+const float PATTERN_FOOTPRINTS = SPREADS ? 9.0 : NARROW_FOOTPRINTS;
+
 uvec4 RecordOf(ivec2 pixel) {
     vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = DepthAt(pixel);
@@ -114,7 +125,7 @@ uvec4 RecordOf(ivec2 pixel) {
     Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     End end;
-    Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, end);
+    Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * PATTERN_PART, u.y), PATTERN_FOOTPRINTS, 1.0, end);
     float root = sqrt(lobe.power);
     return Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }
@@ -140,7 +151,8 @@ struct CellRay {
 CellRay RayOf(ivec2 cell) {
     CellRay traced = CellRay(vec4(0.0), vec4(0.0));
     float roughness;
-    ivec2 pixel = WidePixel(cell, roughness);
+    bool is_mixed;
+    ivec2 pixel = WidePixel(cell, roughness, is_mixed);
     // The pixel of a cell at the edge that has no wide lobe may lie beyond the image.
     vec3 normal = all(lessThan(pixel, unified.size)) ? imageLoad(normal_buffer, pixel).xyz : vec3(0.0);
     vec3 turn_x, turn_y;

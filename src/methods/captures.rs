@@ -6,7 +6,7 @@ use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
-use crate::passes::lost::{LostRays, capture_block};
+use crate::passes::lost::{Listed, LostRays, capture_block};
 use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, NO_HIT, Reflection, pyramid, stored_target};
 
 /// The table's row.
@@ -38,7 +38,7 @@ impl CapturesMethod {
         let projection = making.setup.projection;
         let wants = FollowWants { over: false, composite: false, reflection: true, hits, behind, projection };
         Ok(Self {
-            lost: LostRays::new(gpu, extent, true)?,
+            lost: LostRays::new(gpu, extent, Listed::Rays)?,
             follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,
             reflection: stored_target(gpu, "captured reflection", LIT_COLOR, extent)?,
             hits: making.hits.then(|| stored_target(gpu, "hits", HITS, extent)).transpose()?,

@@ -317,7 +317,7 @@ impl MethodInfo {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
             "beyond" => self.takes_captures && self.takes_triangles,
-            "tracer" => self.takes_triangles,
+            "tracer" | "own_rays" => self.takes_triangles,
             "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
             _ => self.is_screen_space(),

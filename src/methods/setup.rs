@@ -2,6 +2,7 @@
 
 use super::{METHODS, MethodInfo, captures, environment, pccm, planar};
 use crate::error::{Error, Result};
+use crate::gpu::Gpu;
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
@@ -61,6 +62,35 @@ choices! {
         Tree = "tree",
         /// Ray queries, on a device that has them.
         Query = "query",
+    }
+}
+
+choices! {
+    /// How many rays of its own a pixel gets whose neighbours' rays say little of its reflection.
+    pub enum OwnRays {
+        /// 4 on a GPU, none on a CPU, where they take longer than all other rays together.
+        Auto = "auto",
+        /// None.
+        None = "none",
+        /// 4.
+        Four = "4",
+        /// 8.
+        Eight = "8",
+        /// 16.
+        Sixteen = "16",
+    }
+}
+
+impl OwnRays {
+    /// The number on a device.
+    pub fn on(self, gpu: &Gpu) -> i32 {
+        match self {
+            Self::Auto if gpu.info().is_cpu() => 0,
+            Self::None => 0,
+            Self::Auto | Self::Four => 4,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+        }
     }
 }
 
@@ -196,6 +226,9 @@ parameters! {
         /// What finds the triangle that a ray meets, where rays go among the triangles of the scene. The rays end alike but where
         /// triangles are equally near within rounding.
         tracer: Tracer = Parameter::new(Tracer::Auto).source("this project (docs/unified.md)"),
+        /// Rays of its own that a pixel with a lobe gets among the triangles, where the rays of its neighbours say little of its
+        /// reflection: where they disagree, or are of another surface.
+        own_rays: OwnRays = Parameter::new(OwnRays::Auto).source("tuned (docs/unified.md)"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
         /// screen's border.

@@ -13,7 +13,7 @@ use crate::math::DefinitionsVersion;
 use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
-use crate::passes::lost::{LostRays, capture_block};
+use crate::passes::lost::{Listed, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::stochastic::{Rays, StochasticResolvePass, StochasticTrace};
 
@@ -116,7 +116,7 @@ impl StochasticMethod {
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;
-        let lost = LostRays::new(gpu, extent, false)?;
+        let lost = LostRays::new(gpu, extent, Listed::Nothing)?;
         Ok(Self { walk, resolve, lost, parameters, fade: effect.fade, sky })
     }
 

@@ -80,7 +80,8 @@ use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
-use crate::passes::lost::{LostRays, capture_block};
+use crate::passes::lost::{Listed, LostRays, capture_block};
+use crate::passes::own_rays::OwnRaysPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
 use crate::passes::triangle_scene::AmongTriangles;
@@ -168,6 +169,9 @@ pub struct UnifiedMethod {
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
     lost: LostRays,
+    own: OwnRaysPass,
+    /// Whether pixels get rays of their own.
+    has_own: bool,
     beyond: Option<BeyondPass>,
     /// Whether rays walk over the screen before they go beyond it.
     screen: bool,
@@ -265,6 +269,7 @@ impl UnifiedMethod {
             screen,
             followed,
             triangles: making.triangles,
+            own_rays: making.triangles.map_or(0, |_| effect.own_rays.on(gpu)),
             // A ray that goes on and ends in the sky shows it by either version.
             sky: sky || followed,
             trace,
@@ -284,13 +289,20 @@ impl UnifiedMethod {
             // What goes among the triangles at once stands on no list.
             _ => None,
         };
+        let listed = match &beyond {
+            Some(_) => Listed::Rays,
+            None if parts.own_rays > 0 => Listed::Pixels,
+            None => Listed::Nothing,
+        };
         Ok(Self {
             pyramid: PyramidPass::of(gpu, extent, projection)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
-            lost: LostRays::new(gpu, extent, beyond.is_some())?,
+            own: OwnRaysPass::new(gpu, &parts)?,
+            lost: LostRays::new(gpu, extent, listed)?,
+            has_own: parts.own_rays > 0,
             beyond,
             screen,
             composite: composite.then(|| image("composite")).transpose()?,
@@ -303,6 +315,11 @@ impl UnifiedMethod {
 }
 
 impl UnifiedMethod {
+    /// Empties the list of pixels that get rays of their own before a pass that fills it.
+    fn clear_doubts(&self, frame: &mut Frame) -> Result<()> {
+        if self.has_own { self.lost.clear(frame) } else { Ok(()) }
+    }
+
     /// Empties the list of lost rays before a pass that fills it.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
         if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
@@ -377,6 +394,8 @@ impl Method for UnifiedMethod {
         };
         if !self.screen {
             frame.skip("color", "no ray looks up a colour on the screen");
+        } else if among.is_some() {
+            frame.skip("color", "what a ray hits is shaded as the triangle that it is on");
         } else if plan.narrow || plan.wide {
             self.color.record(frame, &gbuffer)?;
         }
@@ -406,7 +425,9 @@ impl Method for UnifiedMethod {
             if let Some((pass, followed_in)) = followed {
                 pass.narrow(frame, followed_in, between)?;
             }
+            self.clear_doubts(frame)?;
             self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
+            self.own.record(frame, "own/narrow", &gloss, &parameters)?;
         }
         if plan.wide {
             self.clear_lost(frame)?;
@@ -414,7 +435,9 @@ impl Method for UnifiedMethod {
             if let Some((pass, followed_in)) = followed {
                 pass.wide(frame, followed_in, between)?;
             }
+            self.clear_doubts(frame)?;
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
+            self.own.record(frame, "own/wide", &gloss, &parameters)?;
         }
 
         let reflection = canvas.reflection.map(Reflection);

@@ -15,6 +15,20 @@ use glam::Vec3;
 /// Bytes of a ray in the list (`LostRay` of `shaders-glsl/captures/lost.glsl`).
 const RAY_BYTES: u64 = 48;
 
+/// Bytes of a pixel in a list (`Doubt` of `shaders-glsl/triangles/doubt.glsl`).
+const DOUBT_BYTES: u64 = 16;
+
+/// What stands on a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Listed {
+    /// Nothing: no ray is followed beyond the screen.
+    Nothing,
+    /// Pixels that get rays of their own ([`own_rays`](super::own_rays)).
+    Pixels,
+    /// Rays that the screen lost, and then such pixels.
+    Rays,
+}
+
 /// What the passes that trace the screen need to show the sky along a ray, and to hand on rays that the screen lost.
 pub struct LostRays {
     counts: Buffer,
@@ -51,16 +65,22 @@ impl<'a> Beyond<'a> {
 }
 
 impl LostRays {
-    /// Room for a ray of each pixel, or for none where there are no captures to follow them in.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], followed: bool) -> Result<Self> {
+    /// Room for what is listed of each pixel.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], listed: Listed) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         // Tiles at the border overlap, so that a ray may be on the list twice.
         let tiles: u64 = tiles::count(extent).into_iter().map(u64::from).product();
-        let count = if followed { tiles * u64::from(TILE * TILE) } else { 1 };
+        let pixels = tiles * u64::from(TILE * TILE);
+        // A shader's list has an element of each kind at least.
+        let bytes = match listed {
+            Listed::Nothing => RAY_BYTES,
+            Listed::Pixels => DOUBT_BYTES * pixels,
+            Listed::Rays => RAY_BYTES * pixels,
+        };
         let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
         Ok(Self {
             counts: Buffer::new(gpu, "lost counts", 16, usage, MemoryPlace::Device)?,
-            rays: Buffer::new(gpu, "lost rays", RAY_BYTES * count, U::STORAGE_BUFFER, MemoryPlace::Device)?,
+            rays: Buffer::new(gpu, "lost rays", bytes, U::STORAGE_BUFFER, MemoryPlace::Device)?,
             no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
             no_sky: Image::new(
                 gpu,

@@ -26,6 +26,7 @@ pub mod linear_trace;
 pub mod look;
 pub mod lost;
 pub mod mask_chain;
+pub mod own_rays;
 pub mod pccm;
 pub mod planar;
 pub mod pyramid;

@@ -54,6 +54,8 @@ pub struct UnifiedSetup {
     pub followed: bool,
     /// How triangles are read, where rays go on among them, from the pixel that they are of.
     pub triangles: Option<TriangleReading>,
+    /// Rays of its own that a pixel with a lobe gets among the triangles where its neighbours disagree; 0 without triangles.
+    pub own_rays: i32,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
     /// The stage that traces rays.

@@ -89,7 +89,7 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, screen, followed, triangles, sky, trace, resolve, .. } = *setup;
+        let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, sky, trace, resolve, .. } = *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
         let orthographic = setup.projection.is_orthographic();
         let narrow = Over { list: NARROW_LIST, halved: false };
@@ -107,12 +107,12 @@ impl UnifiedGlossPass {
                 Some(reading) if screen => {
                     let fragment = |_| {
                         with_reading! { TraceNarrowConfirmedConstants of reading,
-                            strip, oracle, followed, sky, orthographic,
+                            strip, oracle, followed, sky, own_rays, orthographic,
                         }
                     };
                     let compute = |whole| {
                         with_reading! { TraceNarrowConfirmedComputeConstants of reading,
-                            strip, oracle, whole, followed, sky, orthographic,
+                            strip, oracle, whole, followed, sky, own_rays, orthographic,
                         }
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
@@ -120,19 +120,19 @@ impl UnifiedGlossPass {
                 }
                 Some(reading) if reading.queries => {
                     let constants =
-                        |whole| with_reading! { TraceNarrowQueriedConstants of reading, whole, orthographic };
+                        |whole| with_reading! { TraceNarrowQueriedConstants of reading, whole, own_rays, orthographic };
                     NarrowTraces::Triangles(ByTracer::Query(TiledCompute::new(gpu, narrow, constants)?))
                 }
                 Some(reading) => NarrowTraces::Triangles(ByTracer::Tree(TiledCompute::new(gpu, narrow, |whole| {
-                    with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, orthographic }
+                    with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, own_rays, orthographic }
                 })?)),
             },
             resolve_narrow: TiledPipeline::new(
                 gpu,
                 (resolve, narrow),
                 formats,
-                |whole| ResolveNarrowConstants { over, whole, composite, orthographic },
-                |whole| ResolveNarrowComputeConstants { over, whole, composite, beside, orthographic },
+                |whole| ResolveNarrowConstants { over, whole, composite, own_rays, orthographic },
+                |whole| ResolveNarrowComputeConstants { over, whole, composite, own_rays, beside, orthographic },
             )?,
             trace_wide: match triangles {
                 None => WideTraces::Screen(TiledPipeline::new(
@@ -168,15 +168,24 @@ impl UnifiedGlossPass {
                 gpu,
                 (resolve, halves),
                 || [LIT_COLOR; 2],
-                |whole| CellsConstants { strip, screen, over, whole, orthographic },
-                |whole| CellsComputeConstants { strip, screen, over, whole, orthographic },
+                |whole| CellsConstants { strip, screen, over, whole, own_rays, orthographic },
+                |whole| CellsComputeConstants { strip, screen, over, whole, own_rays, orthographic },
             )?,
             resolve_wide: TiledPipeline::new(
                 gpu,
                 (resolve, pixels),
                 formats,
-                |whole| ResolveWideConstants { strip, screen, over, whole, composite, orthographic },
-                |whole| ResolveWideComputeConstants { strip, screen, over, whole, composite, beside, orthographic },
+                |whole| ResolveWideConstants { strip, screen, over, whole, composite, own_rays, orthographic },
+                |whole| ResolveWideComputeConstants {
+                    strip,
+                    screen,
+                    over,
+                    whole,
+                    composite,
+                    own_rays,
+                    beside,
+                    orthographic,
+                },
             )?,
             between: BetweenPasses {
                 records: image("seen", RECORD, setup.extent)?,
@@ -258,7 +267,7 @@ impl UnifiedGlossPass {
         input: &UnifiedGlossInput,
         parameters: &UnifiedBlock,
     ) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, tiles, canvas, .. } = input;
+        let UnifiedGlossInput { gbuffer, tiles, canvas, beyond, .. } = input;
         let Some([color, reflection]) = canvas.stored() else { return Ok(()) };
         let programs = in_either_stage! {
             ResolveNarrow => canvas.targets(*tiles),
@@ -267,6 +276,8 @@ impl UnifiedGlossPass {
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
+            doubt_counts: beyond.counts,
+            doubts: beyond.rays,
         };
         self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), programs)
     }
@@ -333,7 +344,7 @@ impl UnifiedGlossPass {
     /// pixel's reflection between the cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         self.cells(frame, input, parameters)?;
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, .. } = input;
         let BetweenPasses { cell_reflection, cell_surface, .. } = &self.between;
         let Some([color, reflection]) = canvas.stored() else { return Ok(()) };
         let programs = in_either_stage! {
@@ -348,6 +359,8 @@ impl UnifiedGlossPass {
             cell_reflection: cell_reflection.all(),
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
+            doubt_counts: beyond.counts,
+            doubts: beyond.rays,
         };
         self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), programs)
     }
