@@ -99,8 +99,8 @@ const float FAR_SKY = 1e6;            // So far away, in units of ViewPoint, the
 const float LEAST_WEIGHT = 1e-4;
 // Pixels get rays of their own among triangles where those of their neighbours say so little (docs/unified.md):
 const int OWN_GROUP = 64;             // Such rays to a workgroup that follows them.
-const float DOUBT_ABOVE = 0.17;       // A narrow lobe's standard error, over the mean of what its neighbours' rays saw.
-const float AGREES_ABOVE = 0.25;      // Of the cells around a pixel with a wide lobe, the part that is of its surface.
+const float DOUBT_ABOVE = 0.17;       // A narrow lobe's standard error over the mean of what its neighbours' rays saw, above which it gets them.
+const float AGREES_ABOVE = 0.25;      // The part of the cells around a pixel with a wide lobe that is of its surface, below which it gets them.
 const float AGREED_RAYS = 16.0;       // Rays of its own that cells which all are of its surface stand for.
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
 const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where it would weigh nothing.

@@ -68,7 +68,7 @@ choices! {
 choices! {
     /// How many rays of its own a pixel gets whose neighbours' rays say little of its reflection.
     pub enum OwnRays {
-        /// 4 on a GPU, none on a CPU, where they take longer than all other rays together.
+        /// 8 on a GPU, none on a CPU, where they take up to twice the time of all else.
         Auto = "auto",
         /// None.
         None = "none",
@@ -87,8 +87,8 @@ impl OwnRays {
         match self {
             Self::Auto if gpu.info().is_cpu() => 0,
             Self::None => 0,
-            Self::Auto | Self::Four => 4,
-            Self::Eight => 8,
+            Self::Four => 4,
+            Self::Auto | Self::Eight => 8,
             Self::Sixteen => 16,
         }
     }

@@ -81,7 +81,7 @@ use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{Listed, LostRays, capture_block};
-use crate::passes::own_rays::OwnRaysPass;
+use crate::passes::own_rays::{OwnRaysInput, OwnRaysPass};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
 use crate::passes::triangle_scene::AmongTriangles;
@@ -418,6 +418,7 @@ impl Method for UnifiedMethod {
             self.trace.no_hits(frame)?
         };
         let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, among };
+        let own = OwnRaysInput { gbuffer, canvas, beyond, among };
         let between = self.gloss.between();
         if plan.narrow {
             self.clear_lost(frame)?;
@@ -427,7 +428,7 @@ impl Method for UnifiedMethod {
             }
             self.clear_doubts(frame)?;
             self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
-            self.own.record(frame, "own/narrow", &gloss, &parameters)?;
+            self.own.record(frame, "own/narrow", own, &parameters)?;
         }
         if plan.wide {
             self.clear_lost(frame)?;
@@ -437,7 +438,7 @@ impl Method for UnifiedMethod {
             }
             self.clear_doubts(frame)?;
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
-            self.own.record(frame, "own/wide", &gloss, &parameters)?;
+            self.own.record(frame, "own/wide", own, &parameters)?;
         }
 
         let reflection = canvas.reflection.map(Reflection);

@@ -2,14 +2,28 @@
 //! (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
 //! [`lost`](super::lost), whose rays have been followed by then.
 
+use super::lost::Beyond;
 use super::tiles::UnifiedSetup;
 use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::with_reading;
-use super::unified_gloss::UnifiedGlossInput;
+use super::triangle_scene::{AmongTriangles, with_reading};
+use super::{Canvas, GBuffer};
 use crate::error::Result;
 use crate::gpu::programs::{OwnRays, OwnRaysQueried};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Sampled};
+
+/// What the pass reads, and where it stores.
+#[derive(Clone, Copy)]
+pub struct OwnRaysInput<'a> {
+    /// Depth, normals, materials and lit colour.
+    pub gbuffer: GBuffer<'a>,
+    /// Where the passes that gather have stored.
+    pub canvas: Canvas<'a>,
+    /// The sky, and the list.
+    pub beyond: Beyond<'a>,
+    /// The triangles, where rays go among them.
+    pub among: Option<AmongTriangles<'a>>,
+}
 
 /// The pipeline, where pixels get rays of their own.
 pub struct OwnRaysPass(Option<Pipeline>);
@@ -36,15 +50,9 @@ impl OwnRaysPass {
     }
 
     /// Records one pass over the pixels on the list.
-    pub fn record(
-        &self,
-        frame: &mut Frame,
-        name: &str,
-        input: &UnifiedGlossInput,
-        parameters: &UnifiedBlock,
-    ) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, canvas, beyond, among, .. } = input;
-        let Some(((pipeline, among), [color, reflection])) = self.0.as_ref().zip(*among).zip(canvas.stored()) else {
+    pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
+        let OwnRaysInput { gbuffer, canvas, beyond, among } = input;
+        let Some(((pipeline, among), [color, reflection])) = self.0.as_ref().zip(among).zip(canvas.stored()) else {
             return Ok(());
         };
         let program = by_tracer! { OwnRays or OwnRaysQueried of among,
@@ -53,7 +61,7 @@ impl OwnRaysPass {
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-            triangle_buffer: beyond.triangle_of(gbuffer),
+            triangle_buffer: beyond.triangle_of(&gbuffer),
             captures: beyond.block,
             environment: beyond.sky,
             doubt_counts: beyond.counts,

@@ -21,6 +21,7 @@ mod listings;
 mod measured;
 mod motion;
 mod outlook;
+mod own_rays;
 mod published;
 mod records;
 mod stochastic;

@@ -11,7 +11,7 @@ use ssct::methods::{self, Setup, Wants, unified};
 use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
-use ssct::passes::lost::{LostRays, capture_block};
+use ssct::passes::lost::{Listed, LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::{TileStage, UnifiedSetup};
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
@@ -60,6 +60,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         screen: true,
         followed: false,
         triangles: None,
+        own_rays: 0,
         sky: false,
         trace: TileStage::Fragment,
         resolve: TileStage::Fragment,
@@ -86,7 +87,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     } else {
         classify.whole()
     };
-    let lost = LostRays::new(gpu, extent, false).unwrap();
+    let lost = LostRays::new(gpu, extent, Listed::Nothing).unwrap();
     let block = capture_block(&data.camera, None);
     let beyond = lost.beyond(&mut frame, &block, None, false).unwrap();
     let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond, among: None };

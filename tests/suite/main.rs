@@ -47,6 +47,7 @@ mod many;
 mod mirror;
 mod oracle_rooms;
 mod orthographic;
+mod own_rays;
 mod page;
 mod plain_words;
 mod planar;
