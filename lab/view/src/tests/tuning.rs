@@ -94,6 +94,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("layer-separation", "3"),
         ("layer-thickness", "20"),
         ("beyond", "none"),
+        ("tracer", "tree"),
+        ("own-rays", "16"),
         ("first", "triangles"),
         ("trace-stage", "compute"),
         ("resolve-stage", "compute"),
