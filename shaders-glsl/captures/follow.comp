@@ -9,7 +9,7 @@
 // shows (`--fallback`), or, without anything behind, what hides the point from the nearest capture: the ray most likely
 // hits that. Outside the scene's bounds there is nothing left to hit.
 
-#define LOST_ACCESS readonly
+#define LIST_ACCESS readonly
 #define FACES
 #include "captures/lost.glsl"
 

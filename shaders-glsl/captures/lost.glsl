@@ -5,6 +5,7 @@
 #define CAPTURES_LOST_GLSL
 
 #include "captures/captures.glsl"
+#include "captures/counts.glsl"
 
 // A ray from where the screen lost it.
 struct LostRay {
@@ -15,12 +16,7 @@ struct LostRay {
     uvec4 pixel;    // or cell that it is of: x, y; z: the triangle that it begins on, or NO_TRIANGLE; w unused
 };
 
-layout(std430, binding = 18) LOST_ACCESS buffer LostCounts {
-    uint groups[3]; // the arguments of an indirect dispatch: a workgroup for LOST_GROUP rays
-    uint count;
-} lost_counts;
-
-layout(std430, binding = 19) LOST_ACCESS buffer LostRays {
+layout(std430, binding = 19) LIST_ACCESS buffer LostRays {
     LostRay rays[];
 } lost;
 

@@ -3,18 +3,12 @@
 #ifndef CAPTURES_PUSH_GLSL
 #define CAPTURES_PUSH_GLSL
 
-#define LOST_ACCESS
+#include "captures/next_place.glsl"
 #include "captures/lost.glsl"
 
 // `start` in view space and metres, `direction` in view space and of any length; the rest as LostRay has it.
 void Push(uvec2 pixel, vec3 start, vec3 direction, float before, float spread, uint triangle) {
-    uint index = atomicAdd(lost_counts.count, 1u);
-    if (index % uint(LOST_GROUP) == 0u)
-        atomicAdd(lost_counts.groups[0], 1u);
-    if (index == 0u) {
-        lost_counts.groups[1] = 1u;
-        lost_counts.groups[2] = 1u;
-    }
+    uint index = NextPlace(uint(LOST_GROUP));
     if (index >= uint(lost.rays.length()))
         return;
     vec3 along = ToWorld(direction);

@@ -97,11 +97,13 @@ const float FAR_EYE = 1e6;            // Metres: so far away is the eye of an or
 const float FAR_SKY = 1e6;            // So far away, in units of ViewPoint, the point of a ray that the screen lets into the sky is put.
 // What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
 const float LEAST_WEIGHT = 1e-4;
-// Pixels get rays of their own among triangles where those of their neighbours say so little (docs/unified.md):
-const int OWN_GROUP = 64;             // Such rays to a workgroup that follows them.
-const float DOUBT_ABOVE = 0.17;       // A narrow lobe's standard error over the mean of what its neighbours' rays saw, above which it gets them.
-const float AGREES_ABOVE = 0.25;      // The part of the cells around a pixel with a wide lobe that is of its surface, below which it gets them.
-const float AGREED_RAYS = 16.0;       // Rays of its own that cells which all are of its surface stand for.
+const int OWN_GROUP = 64;             // Rays of pixels' own to a workgroup that follows them.
+// A pixel gets rays of its own where those of its neighbours say little of its reflection (docs/unified.md):
+// with a narrow lobe if the standard error of what these saw, over its mean, is above this,
+const float DOUBT_ABOVE = 0.17;
+// with a wide lobe if less than this part of the cells around it is of its surface,
+const float AGREES_ABOVE = 0.25;
+const float AGREED_RAYS = 16.0;       // and such cells stand for so many rays of its own where all are of its surface.
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
 const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where it would weigh nothing.
 const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.

@@ -1,26 +1,17 @@
-// The list of pixels whose neighbours' rays say little of their own reflection: what the passes that gather write, and what
-// triangles/own.comp reads, by DOUBT_ACCESS. Filled again for each pass that gathers; the buffers are those of captures/lost.glsl, whose rays have
-// been followed by then.
+// The list of pixels whose neighbours' rays say little of their own reflection: the passes that gather write it, and
+// triangles/own.comp reads it. It is filled again for each of these passes, in the buffers of the rays that the screen lost
+// (captures/lost.glsl), which have been followed by then.
 
 #ifndef TRIANGLES_DOUBT_GLSL
 #define TRIANGLES_DOUBT_GLSL
 
+#include "captures/counts.glsl"
 #include "common/constants.glsl"
+#include "triangles/own_rays.glsl"
 
-layout(constant_id = 12) const int OWN_RAYS = 0; // rays of its own that such a pixel gets; 0: there is no list
-
-#ifdef DOUBT_ACCESS
-
-layout(std430, binding = 18) DOUBT_ACCESS buffer DoubtCounts {
-    uint groups[3]; // the arguments of an indirect dispatch: a workgroup for PixelsToAGroup()
-    uint count;
-} doubt_counts;
-
-layout(std430, binding = 19) DOUBT_ACCESS buffer Doubts {
+layout(std430, binding = 19) LIST_ACCESS buffer Doubts {
     uvec4 pixels[]; // Doubt, packed
 } doubts;
-
-#endif
 
 // A pixel, and what its neighbours' rays say of its reflection.
 struct Doubt {
@@ -29,6 +20,7 @@ struct Doubt {
     float rays; // so many rays of its own would say as much
 };
 
+// Pixels to a workgroup that follows their rays.
 uint PixelsToAGroup() {
     return uint(OWN_GROUP / max(OWN_RAYS, 1));
 }

@@ -12,7 +12,7 @@
 #extension GL_EXT_ray_query : require
 #endif
 
-#define LOST_ACCESS readonly
+#define LIST_ACCESS readonly
 #include "captures/lost.glsl"
 
 layout(local_size_x = LOST_GROUP) in;

@@ -1,14 +1,14 @@
 #version 460
 #pragma program(OwnRays, NARROW, AMONG_TRIANGLES)
 #pragma program(OwnRaysQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
-// Gives rays of their own to the pixels whose neighbours' rays say little of their reflection, a thread a ray, and shows what these
-// say together with what the neighbours said.
+// Gives rays of their own to the pixels whose neighbours' rays say little of their reflection, a thread a ray, and shows
+// the mean of what these see and of what the neighbours' rays saw, by numbers of rays.
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require
 #endif
 
-#define DOUBT_ACCESS readonly
+#define LIST_ACCESS readonly
 #include "triangles/doubt.glsl"
 
 layout(local_size_x = OWN_GROUP) in;
@@ -22,8 +22,8 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
 shared vec3 colors[OWN_GROUP];
 
-// The point of the pattern over a lobe that is a ray's. It lies in the ray's stratum of the distance from the middle; around the
-// middle the rays lie at multiples of the golden ratio. Each pixel has the pattern at another place.
+// A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the lobe;
+// around the middle, one ray lies a golden angle behind the other. Each pixel has the pattern at another place.
 vec2 OwnPoint(ivec2 pixel, int ray) {
     vec2 shift = SequencePoint(pixel.x + 3331 * pixel.y) + SequencePoint(unified.turn);
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
@@ -42,7 +42,7 @@ void main() {
     uint index = gl_WorkGroupID.x * PixelsToAGroup() + thread / uint(OWN_RAYS);
     int ray = int(thread % uint(OWN_RAYS));
     bool is_listed = thread < PixelsToAGroup() * uint(OWN_RAYS)
-                  && index < min(doubt_counts.count, uint(doubts.pixels.length()));
+                  && index < min(lost_counts.count, uint(doubts.pixels.length()));
     Doubt doubt = UnpackDoubt(doubts.pixels[is_listed ? index : 0u]);
     colors[thread] = is_listed ? OwnColor(doubt.pixel, ray) : vec3(0.0);
     barrier();

@@ -99,13 +99,16 @@ ivec2 CellPixel(ivec2 cell) {
     return 2 * cell + ((cell.x + cell.y) & 1);
 }
 
-// The pixel that a cell's ray is of, CellPixel or another if that has no wide lobe, and its roughness; 0 if none has. A cell is
-// mixed if some of its pixels have wide lobes and others not.
-ivec2 WidePixel(ivec2 cell, out float roughness, out bool is_mixed) {
-    ivec2 pixel = CellPixel(cell);
-    ivec2 turned = pixel & 1;
-    roughness = 0.0;
-    is_mixed = false;
+// What has a wide lobe in a cell.
+struct WideCell {
+    ivec2 pixel;     // the one that the cell's ray is of: CellPixel, or another if that has no wide lobe
+    float roughness; // its own; 0 if no pixel of the cell has a wide lobe
+    bool is_mixed;   // some pixel of the cell has none
+};
+
+WideCell FindWide(ivec2 cell) {
+    WideCell wide = WideCell(CellPixel(cell), 0.0, false);
+    ivec2 turned = wide.pixel & 1;
     // Every pixel loads all four. Mesa 25 leaves out a load that no pixel inside the image waits for, though pixels beyond the
     // border, whose normals count in the derivatives of Turn, do.
     for (int i = 0; i < 4; ++i) {
@@ -113,13 +116,13 @@ ivec2 WidePixel(ivec2 cell, out float roughness, out bool is_mixed) {
         vec2 material = imageLoad(material_buffer, p).rg;
         float depth = DepthAt(p);
         bool is_wide = Reflects(material) && ListOf(material) == WIDE_LIST && depth > 0.0;
-        is_mixed = is_mixed || !is_wide;
-        if (is_wide && !(roughness > 0.0)) {
-            pixel = p;
-            roughness = material.g;
+        wide.is_mixed = wide.is_mixed || !is_wide;
+        if (is_wide && !(wide.roughness > 0.0)) {
+            wide.pixel = p;
+            wide.roughness = material.g;
         }
     }
-    return pixel;
+    return wide;
 }
 
 #endif

@@ -33,7 +33,7 @@ struct Shown {
 #endif
 
 #ifdef CELLS
-#include "triangles/doubt.glsl"
+#include "triangles/own_rays.glsl"
 #else
 #include "triangles/push_doubt.glsl"
 #endif
@@ -131,9 +131,9 @@ void Gather(inout Sum sum, Gathered own, Gathered r) {
 // beside the block, the two above or below it, and the one at its corner. The file that includes this one defines it.
 Gathered[9] Around(ivec2 pixel);
 
-// How many rays of a pixel's own its neighbours' rays stand for, by how much their weights differ (Kish's effective size of a
-// sample); negative if their colours differ so much that this is too few.
-float RaysGathered(Gathered rays[9], Sum sum) {
+// Whether the rays around a pixel are too few for how much their colours differ. They stand for so many rays of the pixel's own,
+// by how much their weights differ (the effective size of a weighted sample; Kish 1965).
+bool IsDoubtful(Gathered rays[9], Sum sum, out float stand_for) {
     vec3 total = vec3(0.0), squares = vec3(0.0);
     float count = 0.0;
     for (int i = 0; i < 9; ++i) {
@@ -144,9 +144,8 @@ float RaysGathered(Gathered rays[9], Sum sum) {
         count += counts;
     }
     vec3 mean = total / count, variance = squares / count - mean * mean;
-    float stand_for = sum.weight * sum.weight / sum.squares;
-    bool differ = dot(variance, vec3(1.0)) > stand_for * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
-    return differ ? -stand_for : stand_for;
+    stand_for = sum.weight * sum.weight / sum.squares;
+    return dot(variance, vec3(1.0)) > stand_for * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
 }
 
 // False for a pixel that is left as it is.
@@ -171,9 +170,9 @@ bool Show(ivec2 pixel, out Shown shown) {
     if (shows) {
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
-        float gathered = OWN_RAYS > 0 ? RaysGathered(rays, sum) : 1.0;
-        if (gathered < 0.0)
-            PushDoubt(Doubt(pixel, reflection.rgb, -gathered));
+        float stand_for;
+        if (OWN_RAYS > 0 && IsDoubtful(rays, sum, stand_for))
+            PushDoubt(Doubt(pixel, reflection.rgb, stand_for));
         float reflectivity = imageLoad(material_buffer, pixel).r;
         color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     }
@@ -280,13 +279,12 @@ void Gather(inout Sum sum, Here here, Gathered row[5]) {
 // A cell's square of 5 x 5 is of four kinds, as those of a block of 2 x 2 cells are: 3 x 3 lie two cells apart from
 // itself, and those are loaded. The others are such cells of the three that a device shades in step with it.
 Cell CellOf(ivec2 cell) {
-    float roughness;
-    bool is_mixed;
-    ivec2 pixel = WidePixel(cell, roughness, is_mixed);
+    WideCell wide = FindWide(cell);
+    ivec2 pixel = wide.pixel;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-    Lobe lobe = LobeOf(point, normal, roughness);
+    Lobe lobe = LobeOf(point, normal, wide.roughness);
     Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
     ivec2 outward = Outward(cell);
     Gathered inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
@@ -296,9 +294,9 @@ Cell CellOf(ivec2 cell) {
     Gather(sum, here, middle);
     Gather(sum, here, RowAcross(inner, cell, outward, -1));
     Gather(sum, here, Row(cell, outward, 1));
-    bool shows = roughness > 0.0;
+    bool shows = wide.roughness > 0.0;
     float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
-    z = OWN_RAYS > 0 && is_mixed ? -z : z;
+    z = OWN_RAYS > 0 && wide.is_mixed ? -z : z;
     return Cell(shows ? Reflection(sum) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
 }
 

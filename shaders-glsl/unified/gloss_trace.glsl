@@ -104,9 +104,9 @@ Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float foo
 #ifdef NARROW
 
 #if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
-#include "triangles/doubt.glsl"
-// Where pixels get rays of their own when neighbours disagree, the nine rays are spread over the whole lobe: fewer would
-// agree, and a triangle has no chain of colours that blurs what a ray sees into the rest of the lobe.
+#include "triangles/own_rays.glsl"
+// Where pixels in doubt get rays of their own, the nine rays are spread over the whole lobe. On triangles no chain of colours
+// blurs what a ray sees into the rest of the lobe.
 const bool SPREADS = OWN_RAYS > 0;
 #else
 const bool SPREADS = false;
@@ -150,21 +150,20 @@ struct CellRay {
 // The ray of a cell. A cell beyond the border has none, but its thread must call this as well: Turn takes part of it.
 CellRay RayOf(ivec2 cell) {
     CellRay traced = CellRay(vec4(0.0), vec4(0.0));
-    float roughness;
-    bool is_mixed;
-    ivec2 pixel = WidePixel(cell, roughness, is_mixed);
+    WideCell wide = FindWide(cell);
+    ivec2 pixel = wide.pixel;
     // The pixel of a cell at the edge that has no wide lobe may lie beyond the image.
     vec3 normal = all(lessThan(pixel, unified.size)) ? imageLoad(normal_buffer, pixel).xyz : vec3(0.0);
     vec3 turn_x, turn_y;
     Turn(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
-    if (roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
+    if (wide.roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
         // Cells of one direction in squares side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);
         float depth = DepthAt(pixel);
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-        Lobe lobe = LobeOf(point, normal, roughness);
+        Lobe lobe = LobeOf(point, normal, wide.roughness);
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         End end;
         Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);

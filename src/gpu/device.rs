@@ -34,8 +34,6 @@ pub struct DeviceQuery {
     /// Whether material maps are sampled without anisotropy. Each driver places the samples of an anisotropic filter as
     /// it likes, so that images of different drivers differ less without such a filter.
     pub isotropic: bool,
-    /// Whether ray queries are turned on where the device has them.
-    pub ray_queries: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
     /// Instance extensions that a window needs.
@@ -349,7 +347,7 @@ impl Gpu {
     /// Ray queries, by which the device itself finds the triangles that rays meet.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the device has none, or was opened without them.
+    /// [`Error::Usage`] where the device has none, and on a caller's device.
     pub(crate) fn ray_queries(&self) -> Result<&RayQueries> {
         self.shared.ray_queries.as_ref().map_err(|why| Error::Usage(why.clone()))
     }

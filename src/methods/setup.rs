@@ -223,11 +223,11 @@ parameters! {
         beyond: BeyondScreen = Parameter::new(BeyondScreen::Auto)
             .sweep(Preset::Published, &[BeyondScreen::None])
             .source("this project"),
-        /// What finds the triangle that a ray meets, where rays go among the triangles of the scene. The rays end alike but where
-        /// triangles are equally near within rounding.
+        /// What finds the triangle that a ray meets, where rays go among the triangles of the scene. The rays end alike
+        /// but where triangles are equally near within rounding.
         tracer: Tracer = Parameter::new(Tracer::Auto).source("this project (docs/unified.md)"),
-        /// Rays of its own that a pixel with a lobe gets among the triangles, where the rays of its neighbours say little of its
-        /// reflection: where they disagree, or are of another surface.
+        /// Rays of its own that a pixel with a lobe gets among the triangles, where the rays of its neighbours say little of
+        /// its reflection: where they disagree, or are of another surface.
         own_rays: OwnRays = Parameter::new(OwnRays::Auto).source("tuned (docs/unified.md)"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the

@@ -170,8 +170,6 @@ pub struct UnifiedMethod {
     gloss: UnifiedGlossPass,
     lost: LostRays,
     own: OwnRaysPass,
-    /// Whether pixels get rays of their own.
-    has_own: bool,
     beyond: Option<BeyondPass>,
     /// Whether rays walk over the screen before they go beyond it.
     screen: bool,
@@ -302,7 +300,6 @@ impl UnifiedMethod {
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
             own: OwnRaysPass::new(gpu, &parts)?,
             lost: LostRays::new(gpu, extent, listed)?,
-            has_own: parts.own_rays > 0,
             beyond,
             screen,
             composite: composite.then(|| image("composite")).transpose()?,
@@ -315,11 +312,6 @@ impl UnifiedMethod {
 }
 
 impl UnifiedMethod {
-    /// Empties the list of pixels that get rays of their own before a pass that fills it.
-    fn clear_doubts(&self, frame: &mut Frame) -> Result<()> {
-        if self.has_own { self.lost.clear(frame) } else { Ok(()) }
-    }
-
     /// Empties the list of lost rays before a pass that fills it.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
         if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
@@ -426,7 +418,7 @@ impl Method for UnifiedMethod {
             if let Some((pass, followed_in)) = followed {
                 pass.narrow(frame, followed_in, between)?;
             }
-            self.clear_doubts(frame)?;
+            self.own.clear(frame, &self.lost)?;
             self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
             self.own.record(frame, "own/narrow", own, &parameters)?;
         }
@@ -436,7 +428,7 @@ impl Method for UnifiedMethod {
             if let Some((pass, followed_in)) = followed {
                 pass.wide(frame, followed_in, between)?;
             }
-            self.clear_doubts(frame)?;
+            self.own.clear(frame, &self.lost)?;
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
             self.own.record(frame, "own/wide", own, &parameters)?;
         }

@@ -2,7 +2,8 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, TRIANGLE, WIDE_ABOVE, camera_block};
+use super::triangle_scene::TRIANGLE;
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::frame::Raster;
 use crate::gpu::pipeline::VertexInput;

@@ -75,9 +75,6 @@ pub const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of materials: reflectivity and roughness, as `unified` loads them.
 pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 
-/// Format of [`GBuffer::triangle`].
-pub const TRIANGLE: vk::Format = vk::Format::R32_UINT;
-
 /// An image of one level that is drawn into, read, and stored to by compute shaders.
 pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     use vk::ImageUsageFlags as U;

@@ -2,7 +2,7 @@
 //! (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
 //! [`lost`](super::lost), whose rays have been followed by then.
 
-use super::lost::Beyond;
+use super::lost::{Beyond, LostRays};
 use super::tiles::UnifiedSetup;
 use super::tracer::{ByTracer, by_tracer};
 use super::triangle_scene::{AmongTriangles, with_reading};
@@ -49,6 +49,11 @@ impl OwnRaysPass {
         })))
     }
 
+    /// Pass "lost/clear", where pixels get rays of their own: none stands on the list yet.
+    pub fn clear(&self, frame: &mut Frame, list: &LostRays) -> Result<()> {
+        if self.0.is_some() { list.clear(frame) } else { Ok(()) }
+    }
+
     /// Records one pass over the pixels on the list.
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
         let OwnRaysInput { gbuffer, canvas, beyond, among } = input;
@@ -64,7 +69,7 @@ impl OwnRaysPass {
             triangle_buffer: beyond.triangle_of(&gbuffer),
             captures: beyond.block,
             environment: beyond.sky,
-            doubt_counts: beyond.counts,
+            lost_counts: beyond.counts,
             doubts: beyond.rays,
             color_image: color.all(),
             reflection_image: reflection.all(),

@@ -1,7 +1,8 @@
 //! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
 //! reflection brought back to full size.
 
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, TRIANGLE, camera_block};
+use super::triangle_scene::TRIANGLE;
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};

@@ -250,9 +250,9 @@ impl SceneData {
         self.triangles_as_blocks = as_blocks;
     }
 
-    /// Makes ready the scene's triangles where its meshes stand now, with the structure for ray queries where `queries` are to
-    /// find what rays meet, and says how they are read; `None` if nobody said how their tree is built. To be asked before each frame that follows rays among them, which costs nothing unless a mesh has
-    /// moved.
+    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
+    /// their tree is built. With `queries`, the structure for ray queries is made ready as well. To be asked before each
+    /// frame that follows rays among them, which costs nothing unless a mesh has moved.
     ///
     /// # Errors
     /// What building the tree returns, [`Error::Usage`] for ray queries where there are none, and [`Error::Memory`] without

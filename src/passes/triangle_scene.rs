@@ -15,6 +15,9 @@ use crate::scene::{Camera, Encoding, Material, Surface};
 use ash::vk;
 use glam::{DVec3, Mat4};
 
+/// Format of [`GBuffer::triangle`](super::GBuffer::triangle).
+pub const TRIANGLE: vk::Format = vk::Format::R32_UINT;
+
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
 

@@ -223,6 +223,7 @@ impl UnifiedGlossPass {
                 };
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
             }
+            // The chain of colours is not made where hits are shaded as triangles.
             (NarrowTraces::Confirmed(pipeline), Some(among)) => {
                 let programs = in_either_stage! {
                     TraceNarrowConfirmed => [tiles.target(records)],
@@ -276,7 +277,7 @@ impl UnifiedGlossPass {
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
-            doubt_counts: beyond.counts,
+            lost_counts: beyond.counts,
             doubts: beyond.rays,
         };
         self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), programs)
@@ -359,7 +360,7 @@ impl UnifiedGlossPass {
             cell_reflection: cell_reflection.all(),
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
-            doubt_counts: beyond.counts,
+            lost_counts: beyond.counts,
             doubts: beyond.rays,
         };
         self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), programs)

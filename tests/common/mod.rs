@@ -37,9 +37,7 @@ pub fn gpu() -> Lent {
 
 /// A device as of [`gpu`], but new, and destroyed after use: for what must hold of a device's whole life.
 pub fn own_gpu() -> Gpu {
-    // Ray queries are on where the device has them, so that tests of them share these devices.
-    let (validation, gpu_assisted, ray_queries) = (true, is_gpu_assisted(), true);
-    Gpu::open(&DeviceQuery { validation, gpu_assisted, ray_queries, ..DeviceQuery::default() }).unwrap()
+    Gpu::open(&DeviceQuery { validation: true, gpu_assisted: is_gpu_assisted(), ..DeviceQuery::default() }).unwrap()
 }
 
 /// Devices that no test uses now.

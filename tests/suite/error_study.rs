@@ -87,6 +87,19 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
 }
 
 #[test]
+fn variants_of_one_method_have_pictures_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let what = ["error", "--scene", "rooms", "--view", "cylinder", "--roughness", "0.1", "--size", "96x54"];
+    let variants = ["--variant", "unified", "--variant", "unified --beyond none", "--samples", "1", "--rays", "2"];
+    ssct(&[&what[..], &variants, &["--json", "-o", folder.path().to_str().unwrap()]].concat());
+    let picture = |name: &str| {
+        let file = folder.path().join(format!("images/rooms-cylinder-96x54-r0.1-{name}.png"));
+        std::fs::read(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+    };
+    assert!(picture("unified") != picture("unified-none"), "on the screen alone, rays are lost");
+}
+
+#[test]
 fn unified_is_held_against_the_oracle_that_it_follows() {
     let what = ["error", "--scene", "rooms", "--view", "two-cylinders", "--method", "unified", "--roughness", "0"];
     let how = ["--size", "161x90", "--samples", "1", "--rays", "2", "--json", "--no-sweep", "--beyond", "none"];

@@ -6,7 +6,7 @@ use crate::common::{check_validation, gpu};
 use crate::triangles::{EXTENT, beyond, mirrors, traced};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
-use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::setup::Tracer;
 use ssct::methods::unified::{self, First};
 use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
@@ -163,19 +163,6 @@ fn refuses(gpu: &Gpu) {
     let name = &gpu.info().name;
     assert!(said.starts_with(&format!("{name} has no ray queries: it lacks ")), "{said}");
     check_validation(gpu).unwrap();
-}
-
-#[test]
-fn a_device_that_was_opened_without_them_has_none() {
-    let gpu = Gpu::open(&DeviceQuery::default()).unwrap();
-    assert!(!gpu.has_ray_queries());
-    let scene = library::scene("rooms").unwrap();
-    let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let camera = scene.views[0].camera(&scene, EXTENT);
-    let setup = by(&Setup::new(EXTENT), Tracer::Query);
-    let made = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, camera, mirrors(&scene, &scene.views[0].name));
-    let said = made.err().expect("refused").to_string();
-    assert!(said.starts_with("ray queries were not asked for when "), "{said}");
 }
 
 #[test]

@@ -60,10 +60,6 @@ impl StudyOptions for AgeOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<AgeStudy> {
         let place = &self.common.place;
         let scene = resolve::scene(place, "museum")?;

@@ -94,7 +94,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
         None => scene.views.first(),
     };
     let materials = view.map_or_else(|| scene.materials.clone(), |v| scene.materials_in(v));
-    let gpu = resolve::gpu(&options.device, false)?;
+    let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
     let of_face = (sky.side * sky.side) as usize;

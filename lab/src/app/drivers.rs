@@ -48,7 +48,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     };
     let setup = common.method_options.setup(options.size);
     let methods = methods::choose(&options.method, &setup)?;
-    let base = resolve::gpu(&common.device, common.method_options.asks_ray_queries())?;
+    let base = resolve::gpu(&common.device)?;
     let others = other_devices::others(&base, common.device.validation)?;
     if others.is_empty() {
         let message = format!("there is no device beside {} to compare with", base.info().name);

@@ -54,10 +54,6 @@ impl StudyOptions for ErrorOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries() || self.variants.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<ErrorStudy> {
         if self.samples == 0 || self.rays < 2 {
             return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));

@@ -25,7 +25,7 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     let globals = resolve::one_globals(place, "a G-buffer has one roughness a pixel")?;
     let scene = resolve::scene(place, "rooms")?;
     let view = resolve::view(&scene, place, None)?;
-    let gpu = resolve::gpu(&options.device, false)?;
+    let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = view.camera(&scene, options.size);
     let shot = Shot::of_scene(&mut stage, options.size, camera, globals.materials(&scene, &view))?;
@@ -50,7 +50,7 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     let whole = LoadOptions { scale: 1.0, texture_side: MAX_EXTENT };
     let is_among = !options.triangles.is_empty();
     let scene = is_among.then(|| resolve::load(&options.triangles, &whole)).transpose()?;
-    let gpu = resolve::gpu(&options.device, options.beside.method_options.asks_ray_queries())?;
+    let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
     let made = match &scene {

@@ -169,7 +169,7 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
 /// Measures, writes the folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
-    let gpu = resolve::gpu(&options.device, true)?;
+    let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
     let table_place = place(TABLE_VIEW)?;

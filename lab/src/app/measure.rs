@@ -27,11 +27,6 @@ pub trait StudyOptions: Sized {
     /// The device.
     fn device(&self) -> &DeviceOptions;
 
-    /// Whether some method is to ask ray queries.
-    fn asks_ray_queries(&self) -> bool {
-        false
-    }
-
     /// Measures what the flags ask for.
     ///
     /// # Errors
@@ -71,7 +66,7 @@ pub struct Measured<O: Args> {
 /// Errors of the flags, of the measurement and of files, and a row that has to pass and does not.
 pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> {
     let mut study = options.study()?;
-    let gpu = resolve::gpu(options.device(), options.asks_ray_queries())?;
+    let gpu = resolve::gpu(options.device())?;
     let list = engine::list(&study, &gpu, command_line(), to.shard);
     let mut run = Run::begin(to.output.as_deref(), to.resume)?;
     run.list(&list)?;

@@ -40,10 +40,6 @@ impl StudyOptions for MotionOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<MotionStudy> {
         let place = &self.common.place;
         if place.reflectivity != 1.0 || place.normal_deviation.is_some() {

@@ -1,7 +1,6 @@
 //! Parameters on the command line: the flags of methods, made from the methods' tables.
 
 use super::headings::METHOD;
-use crate::methods::setup::Tracer;
 use crate::methods::{self, EffectParams, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Values};
 use crate::study::error::Variant;
@@ -23,11 +22,6 @@ impl MethodOptions {
     /// How methods are set up at a size.
     pub fn setup(&self, extent: [u32; 2]) -> Setup {
         Setup { values: self.values.clone(), ..Setup::new(extent) }
-    }
-
-    /// Whether methods that follow rays among triangles ask ray queries.
-    pub fn asks_ray_queries(&self) -> bool {
-        self.setup([1, 1]).effect().tracer == Tracer::Query
     }
 
     /// From values as they are typed, by the names of the flags.
@@ -75,11 +69,6 @@ pub struct TypedVariant {
 }
 
 impl TypedVariant {
-    /// Whether the flags of its own say that ray queries are asked.
-    pub fn asks_ray_queries(&self) -> bool {
-        MethodOptions { values: self.values.clone() }.asks_ray_queries()
-    }
-
     /// The method, set up as a base is, but for the flags of its own.
     ///
     /// # Errors

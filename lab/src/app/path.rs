@@ -41,10 +41,6 @@ impl StudyOptions for PathOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<PathStudy> {
         let place = &self.common.place;
         if place.view.is_some() || place.eye.is_some() {

@@ -47,10 +47,6 @@ impl StudyOptions for PrecisionOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<PrecisionStudy> {
         let place = &self.common.place;
         let scene = resolve::scene(place, "rooms")?;

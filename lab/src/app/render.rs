@@ -32,7 +32,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
-    let gpu = resolve::gpu(&common.device, common.method_options.asks_ray_queries())?;
+    let gpu = resolve::gpu(&common.device)?;
 
     let inside = options.dump.is_some() || options.figure.is_some();
     let setup = setup(options);

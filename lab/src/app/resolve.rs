@@ -12,12 +12,11 @@ use crate::study::{Globals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Opens the device, with ray queries where they are asked for and it has them.
-pub fn gpu(options: &DeviceOptions, ray_queries: bool) -> Result<Gpu> {
+/// Opens the device.
+pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
     Gpu::open(&DeviceQuery {
         device: options.device.clone(),
         validation: options.validation,
-        ray_queries,
         watch: watch()?,
         ..DeviceQuery::default()
     })

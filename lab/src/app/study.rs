@@ -208,7 +208,7 @@ struct Study<'a> {
 pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let folder = &options.output;
     let plan = Plan::new(options)?;
-    let gpu = resolve::gpu(&options.device, false)?;
+    let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
     let parts = plan.parts(&gpu, &scenes)?;

@@ -89,10 +89,6 @@ impl StudyOptions for TimeOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries() || self.variant.iter().any(TypedVariant::asks_ray_queries)
-    }
-
     fn study(&self) -> Result<TimeStudy> {
         if self.samples == 0 {
             return Err(Error::Usage("--samples 0: at least one is needed".into()));

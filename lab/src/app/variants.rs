@@ -39,10 +39,3 @@ pub struct VariantOptions {
     #[arg(long, requires = "bounces", conflicts_with_all = ["captures_sweep", "fallback_sweep"])]
     pub bounces_sweep: bool,
 }
-
-impl VariantOptions {
-    /// Whether a variant asks ray queries.
-    pub fn asks_ray_queries(&self) -> bool {
-        self.variant.iter().any(TypedVariant::asks_ray_queries)
-    }
-}

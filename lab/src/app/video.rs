@@ -56,10 +56,6 @@ impl StudyOptions for VideoOptions {
         &self.common.device
     }
 
-    fn asks_ray_queries(&self) -> bool {
-        self.common.method_options.asks_ray_queries() || self.variants.asks_ray_queries()
-    }
-
     fn study(&self) -> Result<VideoStudy> {
         if !(self.fps.is_finite() && (1.0..=1000.0).contains(&self.fps)) {
             return Err(Error::Usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));

@@ -205,7 +205,11 @@ fn measure(
         let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
         head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
-        cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
+        let is_same = |other: &&Variant| other.method.name == variant.method.name;
+        let is_alone = spec.variants.iter().filter(is_same).count() == 1;
+        // Variants of one method have pictures of their own.
+        let name = if is_alone { variant.method.name.to_owned() } else { head.record.head.variant().replace(' ', "-") };
+        cell.strips.push(method_strip(&name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.

@@ -12,7 +12,7 @@ use crate::gpu::{DeviceQuery, Gpu, device};
 pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
     let listing = device::devices()?.into_iter();
     let usable = listing.filter(|d| d.unsuitable.is_none() && Some(d.index) != base.index());
-    usable.map(|d| open(base, Some(d.index), validation, false)).collect()
+    usable.map(|d| open(Some(d.index), validation, false)).collect()
 }
 
 /// Opens a device once more, under the validation layers.
@@ -20,14 +20,12 @@ pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
 /// # Errors
 /// Errors of opening a device; [`crate::error::Error::Usage`] where the layers are not installed.
 pub fn validated(gpu: &Gpu) -> Result<Gpu> {
-    open(gpu, gpu.index(), true, false)
+    open(gpu.index(), true, false)
 }
 
-/// Opens a device for what another one was opened for.
-fn open(like: &Gpu, index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
+fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
     let device = index.map(|index| index.to_string());
-    let ray_queries = like.has_ray_queries();
-    Gpu::open(&DeviceQuery { device, validation, isotropic, ray_queries, ..DeviceQuery::default() })
+    Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })
 }
 
 /// What devices make of the G-buffer that `base` draws, against what `base` makes of it.
@@ -55,7 +53,7 @@ pub fn compare<'g>(
 /// # Errors
 /// Errors of the devices.
 pub fn compare_drawn(devices: [&Gpu; 2], validation: bool, spec: &AgreementSpec) -> Result<Vec<DrawnRecord>> {
-    let again = |gpu: &Gpu| open(gpu, gpu.index(), validation, true);
+    let again = |gpu: &Gpu| open(gpu.index(), validation, true);
     let isotropic = [again(devices[0])?, again(devices[1])?];
     let plain = Globals { normal_deviation: Some(0.0), ..spec.globals };
     let mut records = Vec::new();

@@ -88,7 +88,6 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let gpu = Gpu::open(&DeviceQuery {
         device: common.device.device.clone(),
         validation: common.device.validation,
-        ray_queries: common.method_options.asks_ray_queries(),
         instance_extensions: swapchain::instance_extensions(&events)?,
         ..DeviceQuery::default()
     })?;

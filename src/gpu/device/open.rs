@@ -223,12 +223,8 @@ pub(super) fn open_device(
         names.push(ash::khr::swapchain::NAME.as_ptr());
     }
     let name = &listing.info.name;
-    let has_queries = if query.ray_queries {
-        ray_queries::found(&instance, physical, offers)
-            .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"))
-    } else {
-        Err(format!("ray queries were not asked for when {name} was opened; the tracer tree needs none"))
-    };
+    let has_queries = ray_queries::found(&instance, physical, offers)
+        .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
     if has_queries.is_ok() {
         names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
     }

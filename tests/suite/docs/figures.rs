@@ -118,3 +118,13 @@ pub fn figures(records: &[Value], method: &str, against: &str, roughness: &str, 
         .filter_map(|r| r[field].as_f64())
         .collect()
 }
+
+/// The commit that a folder's records are of.
+pub fn commit(folder: &Path) -> Result<String> {
+    for file in ["error.json", "time.json", "precision.json"] {
+        if let Some(commit) = json(folder, file).ok().as_ref().and_then(|r| r.first()?["commit"].as_str()) {
+            return Ok(format!("`{commit}`"));
+        }
+    }
+    Err("no record says its commit".to_owned())
+}

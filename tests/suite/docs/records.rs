@@ -1,8 +1,8 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
 use super::figures::{
-    ROUGHNESS, Result, Row, csv, figures, greatest, json, least, mean, median, median_and_greatest, median_and_range,
-    number, percent, ratio, shortest, table,
+    ROUGHNESS, Result, Row, commit, csv, figures, greatest, json, least, mean, median, median_and_greatest,
+    median_and_range, number, percent, ratio, shortest, table,
 };
 use super::{
     beside, beyond, captions, claims, complaints, dda, ends, errata, films, follow, gpu, large_gltf, layers, measured,
@@ -488,14 +488,4 @@ fn precision(folder: &Path) -> Result<String> {
         rows.push(row);
     }
     table(&["depth", "normals", "colour", "bytes", "oracle, wrong", "`unified`, wrong", "`ssct`, wrong"], rows)
-}
-
-/// The commit that a folder's records are of.
-fn commit(folder: &Path) -> Result<String> {
-    for file in ["error.json", "time.json", "precision.json"] {
-        if let Some(commit) = json(folder, file).ok().as_ref().and_then(|r| r.first()?["commit"].as_str()) {
-            return Ok(format!("`{commit}`"));
-        }
-    }
-    Err("no record says its commit".to_owned())
 }

@@ -28,7 +28,7 @@ use workshop::Workshop;
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let own = options.scene.as_deref().map(OwnScene::load).transpose()?;
     let wanted = wanted(&options.only, own.as_ref())?;
-    let gpu = resolve::gpu(&options.device, false)?;
+    let gpu = resolve::gpu(&options.device)?;
     let of_scene = own.as_ref().map(|own| own.digest.clone());
     let key = |plate: &Plate| {
         let settings = json!([settings(plate, options), of_scene]);

@@ -74,7 +74,7 @@ impl<'a> Gloss<'a> {
         self.is_of(pixel, true) && self.depth(pixel) > 0.0
     }
 
-    /// `WidePixel`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
+    /// The pixel of `FindWide`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
     pub(super) fn wide_pixel(&self, cell: IVec2) -> Option<IVec2> {
         let size = self.traversal.parameters.size;
         if cell.cmple(self.last_cell()).all() {

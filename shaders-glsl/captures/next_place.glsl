@@ -1,0 +1,21 @@
+// The next free place of a list.
+
+#ifndef CAPTURES_NEXT_PLACE_GLSL
+#define CAPTURES_NEXT_PLACE_GLSL
+
+#define LIST_ACCESS
+#include "captures/counts.glsl"
+
+// Takes a place on the list, whose dispatch has a workgroup for `to_a_group` entries. It may lie beyond the room that there is.
+uint NextPlace(uint to_a_group) {
+    uint place = atomicAdd(lost_counts.count, 1u);
+    if (place % to_a_group == 0u)
+        atomicAdd(lost_counts.groups[0], 1u);
+    if (place == 0u) {
+        lost_counts.groups[1] = 1u;
+        lost_counts.groups[2] = 1u;
+    }
+    return place;
+}
+
+#endif
