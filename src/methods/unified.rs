@@ -54,7 +54,8 @@
 //! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
 //! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
-//! is no randomness. Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
+//! is no randomness. Among triangles, pixels whose neighbours disagree can have rays of their own (`--own-rays`).
+//! Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
