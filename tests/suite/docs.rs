@@ -365,8 +365,8 @@ fn the_headline_plot_shows_what_the_records_say() {
 
 #[test]
 fn the_world_plot_shows_what_the_records_say() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    let [captured, fallbacks] = ["beyond", "fallbacks"].map(|name| root().join(&definitions(&readme)[name]));
+    let links = definitions(&fs::read_to_string(root().join("docs/findings.md")).unwrap());
+    let [captured, fallbacks] = ["beyond", "fallbacks"].map(|name| root().join("docs").join(&links[name]));
     keep(&root().join("docs/world.svg"), &world::plot(&captured, &fallbacks).unwrap());
 }
 
