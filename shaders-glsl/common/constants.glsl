@@ -102,8 +102,9 @@ const int OWN_GROUP = 64;             // Rays of pixels' own to a workgroup that
 // with a narrow lobe if the standard error of what these saw, over its mean, is above this,
 const float DOUBT_ABOVE = 0.17;
 // with a wide lobe if less than this part of the cells around it is of its surface,
-const float AGREES_ABOVE = 0.25;
-const float AGREED_RAYS = 16.0;       // and such cells stand for so many rays of its own where all are of its surface.
+const float AGREES_ABOVE = 0.75;
+const float AGREED_RAYS = 8.0;        // and such cells stand for so many rays of its own where all are of its surface;
+const float CONTACT = 10.0;           // or if a ray around it ended nearer than so many pixels measure there.
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
 const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where it would weigh nothing.
 const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.

@@ -106,7 +106,7 @@ Gathered Own(ivec2 pixel) {
     return Unpacked(NO_RECORD);
 }
 
-Gathered[9] Around(ivec2 pixel) {
+Gathered[9] RaysAround(ivec2 pixel) {
     ivec2 outward = Outward(pixel);
     ivec2 x = ivec2(outward.x, 0), y = ivec2(0, outward.y);
     Gathered own = Own(pixel), above = Own(pixel - y);

@@ -61,7 +61,7 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 
 #ifdef NARROW
 
-Gathered[9] Around(ivec2 pixel) {
+Gathered[9] RaysAround(ivec2 pixel) {
     // A block at the edge of an image of odd size reaches beyond the image.
     bool inside = all(lessThan(pixel, unified.size));
     Gathered own = Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);

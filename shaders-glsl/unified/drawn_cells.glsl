@@ -1,0 +1,40 @@
+// Which cells have been drawn: those of tiles on the list of wide lobes. Elsewhere their images hold anything. With
+// WHOLE every cell has been.
+
+#ifndef UNIFIED_DRAWN_CELLS_GLSL
+#define UNIFIED_DRAWN_CELLS_GLSL
+
+#include "unified/parameters.glsl"
+
+layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each tile, a bit for each list it stands on
+
+#define CELLS_TO_A_TILE (TILE_SIDE / 2) // along a side
+
+// The tile of a cell with a wide lobe, which is drawn, and whether those beside it are.
+struct TilesAround {
+    ivec2 home;
+    bool across, along, corner;
+} drawn;
+
+bool IsListed(ivec2 tile) {
+    ivec2 at = clamp(tile, ivec2(0), TileCount() - 1);
+    return (imageLoad(listed_image, at).r >> WIDE_LIST & 1u) != 0u;
+}
+
+// Before IsDrawn: around a cell, the tiles to a side, 1 or -1 along each axis.
+void LookAround(ivec2 cell, ivec2 side) {
+    if (WHOLE)
+        return;
+    ivec2 home = cell / CELLS_TO_A_TILE;
+    drawn = TilesAround(home, IsListed(home + ivec2(side.x, 0)), IsListed(home + ivec2(0, side.y)), IsListed(home + side));
+}
+
+// A cell of the home tile or of one to that side.
+bool IsDrawn(ivec2 cell) {
+    if (WHOLE)
+        return true;
+    bvec2 beside = notEqual(cell / CELLS_TO_A_TILE, drawn.home);
+    return beside.x ? (beside.y ? drawn.corner : drawn.across) : !beside.y || drawn.along;
+}
+
+#endif

@@ -1,0 +1,55 @@
+// A ray as pixels and cells gather it, and the reflection that a weighted mean of rays makes.
+
+#ifndef UNIFIED_GATHERED_GLSL
+#define UNIFIED_GATHERED_GLSL
+
+#include "unified/blocks.glsl"
+#include "unified/parameters.glsl"
+
+layout(constant_id = 2) const bool OVER = false;  // another reflection shows where this one misses
+
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+
+// What the pixels of a block of 2 x 2 hand each other. A device shades the pixels of a fragment program together, in
+// step, so that v +- dFdx(v) is what v is in the pixel beside: an exchange costs a subtraction and an addition, and what
+// the four have all loaded for themselves is loaded once. The result is good to the last bits of the greater of the two
+// values. The threads of a compute program share memory instead, and round their values in the same way.
+
+// A ray as it is gathered. All is 0 for no ray.
+struct Gathered {
+    vec4 key;   // what its weight goes by; 0 in w for no ray, negative for a miss
+    vec4 color; // of the hit, and its fade in a
+};
+
+// A pixel's or a cell's reflection is a weighted mean of rays.
+struct Sum {
+    vec4 color;    // and fade
+    float weight;  // of all rays
+    float hits;    // of those that hit
+    float squares; // of the weights of all rays
+};
+
+const Sum NO_RAYS = Sum(vec4(0.0), 0.0, 0.0, 0.0);
+
+void Add(inout Sum sum, float weight, bool hit, vec4 color) {
+    float hits = hit ? weight : 0.0;
+    sum.weight += weight;
+    sum.color += hits * color;
+    sum.hits += hits;
+    sum.squares += weight * weight;
+}
+
+// Reflection colour, and its fade in a. What rays missed is black. Over another reflection it is not: what the
+// rays hit has its own colour, and fades by how many miss. The product is the same, by the fade that 16 bits hold.
+vec4 Reflection(Sum sum) {
+    if (!(sum.hits > 0.0))
+        return vec4(0.0);
+    vec4 reflection = vec4(sum.color.rgb / sum.weight, sum.color.a / sum.hits);
+    if (OVER) {
+        float fade = unpackHalf2x16(packHalf2x16(vec2(sum.color.a / sum.weight, 0.0))).x;
+        reflection = fade > 0.0 ? vec4(reflection.rgb * (reflection.a / fade), fade) : vec4(0.0);
+    }
+    return reflection;
+}
+
+#endif

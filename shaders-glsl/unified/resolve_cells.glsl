@@ -1,0 +1,113 @@
+// The reflection of a cell with a wide lobe, from the rays of the 5 x 5 cells around it.
+// CPU twin: reference::unified::gather.
+
+#ifndef UNIFIED_RESOLVE_CELLS_GLSL
+#define UNIFIED_RESOLVE_CELLS_GLSL
+
+#include "triangles/own_rays.glsl"
+#include "unified/drawn_cells.glsl"
+#include "unified/gathered.glsl"
+
+layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
+
+#define GATHERS
+#include "unified/gloss.glsl"
+
+layout(binding = 5, rgba32f) uniform readonly image2D place_image; // TraceWide
+layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
+
+struct Cell {
+    vec4 reflection;
+    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none. Negative where
+                  // no pixel can rely on what the cell gathered, if pixels may get rays of their own.
+};
+
+// The cell itself, or the nearest one that the image has.
+ivec2 Nearest(ivec2 cell) {
+    return clamp(cell, ivec2(0), (unified.size - 1) >> 1);
+}
+
+// What the ray of a cell of the image saw, by its place and density (TraceWide). Of a cell that has not been drawn the
+// images hold anything.
+Gathered Load(ivec2 at, bool is_drawn) {
+    return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0),
+                    is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
+}
+
+struct Here {
+    vec3 point;
+    Lobe lobe;
+    float peak; // LogDensity in the middle of the lobe
+};
+
+// The rays that a cell gathers.
+struct CellSum {
+    Sum rays;
+    float nearest; // squared distance from here of the hit that is nearest
+};
+
+// Adds a ray by what is seen of it from here. Its weight is lobe / density, bounded:
+// 2 f / (f + q) is f / q where they agree, and never above 2, however little a neighbour expected what matters
+// here (the balance heuristic between the two pixels; Veach and Guibas 1995). Densities of different roughness
+// compare as they stand. The weight alone keeps foreign surfaces apart.
+void Gather(inout CellSum sum, Here here, Gathered ray) {
+    float density = ray.key.w;
+    vec3 to = density > 0.0 ? ray.key.xyz - here.point : ray.key.xyz;
+    // For wide lobes the cosine of an angle tells it well enough.
+    float log_cos = LogCos(1.0 - dot(to, here.lobe.mirror) * inversesqrt(dot(to, to)));
+    float weight = 2.0 / (1.0 + exp2(abs(density) - here.peak - LOG2_E * (here.lobe.power - 1.0) * log_cos));
+    weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
+    // What was handed on may be a last bit below 0.
+    Add(sum.rays, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(ray.color, 0.0));
+    sum.nearest = density > 0.0 ? min(sum.nearest, dot(to, to)) : sum.nearest;
+}
+
+// The five rays of a row around a cell, from the inside of its block outwards. `y` is -1, 0 or 1: the row two cells
+// inwards, the cell's own, or the row two cells outwards. The file that includes this one defines it and RowAcross.
+Gathered[5] Row(ivec2 cell, ivec2 outward, int y);
+
+// The five rays of a row between those: the row that the other cell of the block along y has as its Row for this `y`.
+// `row` is what Row gives for this cell and `y`.
+Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y);
+
+void Gather(inout CellSum sum, Here here, Gathered row[5]) {
+    Gather(sum, here, row[0]);
+    Gather(sum, here, row[1]);
+    Gather(sum, here, row[2]);
+    Gather(sum, here, row[3]);
+    Gather(sum, here, row[4]);
+}
+
+// Whether a ray ended so near that the pixels around a point do not see alike. What stands there hides other things from one
+// pixel than from the next, which no weight of a neighbour's ray knows.
+bool IsContact(vec3 point, float squared_distance) {
+    float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : point.z);
+    return squared_distance < CONTACT * CONTACT * pixel * pixel;
+}
+
+// A cell's square of 5 x 5 is of four kinds, as those of a block of 2 x 2 cells are: 3 x 3 lie two cells apart from
+// itself, and those are loaded. The others are such cells of the three that a device shades in step with it.
+Cell CellOf(ivec2 cell) {
+    WideCell wide = FindWide(cell);
+    ivec2 pixel = wide.pixel;
+    float depth = DepthAt(pixel);
+    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
+    vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
+    Lobe lobe = LobeOf(point, normal, wide.roughness);
+    Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
+    ivec2 outward = Outward(cell);
+    Gathered inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
+    CellSum sum = CellSum(NO_RAYS, FAR_SKY * FAR_SKY);
+    Gather(sum, here, inner);
+    Gather(sum, here, RowAcross(middle, cell, outward, 0));
+    Gather(sum, here, middle);
+    Gather(sum, here, RowAcross(inner, cell, outward, -1));
+    Gather(sum, here, Row(cell, outward, 1));
+    bool shows = wide.roughness > 0.0;
+    float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
+    z = OWN_RAYS > 0 && (wide.is_mixed || IsContact(point, sum.nearest)) ? -z : z;
+    return Cell(shows ? Reflection(sum.rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
+}
+
+#endif

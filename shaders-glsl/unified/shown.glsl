@@ -1,0 +1,27 @@
+// What the programs that resolve gloss show of a pixel.
+
+#ifndef UNIFIED_SHOWN_GLSL
+#define UNIFIED_SHOWN_GLSL
+
+layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+
+struct Shown {
+    vec4 color;      // the composite, or the reflection
+    vec4 reflection; // colour, and fade in a
+};
+
+// A pixel whose reflection is that, with a colour and a fade; its surface reflects so much of it.
+Shown ShownOf(ivec2 pixel, vec4 reflection, float reflectivity) {
+    vec4 color = texelFetch(color_buffer, pixel, 0);
+    color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
+    return Shown(COMPOSITE ? color : reflection, reflection);
+}
+
+// A reflection without NaN, infinity or a fade above 1.
+vec4 SoundReflection(vec4 reflection) {
+    return vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
+}
+
+#endif
