@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# Measures unified with four captures, captures alone and ssct, on the same frames: errors against the world, and times, of
-# the views behind "What captures gain" in docs/findings.md. With METHODS=ssct,traced,unified and BEYOND="--beyond triangles"
-# it measures what triangles gain instead.
+# Measures methods against the world on 26 views of the built-in scenes, and on nine of two other scenes: errors, and times of
+# the same frames. By default these are unified with four captures, captures alone and ssct, as in "What captures gain"
+# (docs/findings/world.md).
 #
 #   scripts/beyond.sh OUT [SCENES]     SCENES contains ssct-rooms/ and sponza/; without it, only built-in scenes are used
 #
-# The environment may set BEYOND (by default "--captures 4"), SIZE, ERROR_SIZE, ROUGHNESS, SAMPLES, RAYS and METHODS; WHAT=time or WHAT=error selects one of
-# the two measurements. Interrupted, the same command goes on with the errors where it was.
+# The environment may set METHODS and BEYOND, the options that all methods have (by default "--captures 4"); or instead of
+# both VARIANTS, methods with options of their own, as in VARIANTS="ssct;ssct --fallback pccm;traced". It may set SIZE,
+# ERROR_SIZE, ROUGHNESS, SAMPLES and RAYS; WHAT=time or WHAT=error selects one of the two measurements. Interrupted, the same
+# command goes on with the errors where it was.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -16,13 +18,23 @@ scenes=${2:-}
 mkdir -p "$out"
 times=$out/times
 read -r -a beyond <<<"${BEYOND:---captures 4}"
-common=(--method "${METHODS:-ssct,unified,captures}" "${beyond[@]}" --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}")
+common=(--roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}")
+if [ -n "${VARIANTS:-}" ]; then
+    IFS=';' read -r -a variants <<<"$VARIANTS"
+    for variant in "${variants[@]}"; do
+        common+=(--variant "$variant")
+    done
+    sweep=()
+else
+    common+=(--method "${METHODS:-ssct,unified,captures}" "${beyond[@]}")
+    sweep=(--no-sweep)
+fi
 
 views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2
     if [ "${WHAT:-error}" = error ]; then # both are made unless WHAT selects one
-        "$ssct" error --scene "$scene" "${common[@]}" --size "${ERROR_SIZE:-480x270}" --no-sweep \
+        "$ssct" error --scene "$scene" "${common[@]}" --size "${ERROR_SIZE:-480x270}" "${sweep[@]}" \
             --samples 1 --rays "${RAYS:-16}" -o "$out/$name" --resume
     fi
     if [ "${WHAT:-time}" = time ]; then
@@ -47,19 +59,33 @@ else
     echo 'beyond: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi
 
-# The times in one table, a view and roughness and method a row.
-[ ! -d "$times" ] || python3 - "$times" "$out/times.csv" <<'PYTHON'
+# The times and the errors against the world in one table each, a view and roughness and variant a row.
+python3 - "$out" <<'PYTHON'
 import csv, json, sys
 from pathlib import Path
 
-folder, table = map(Path, sys.argv[1:])
-with open(table, "w", newline="") as file:
-    rows = csv.writer(file)
-    rows.writerow(["commit", "scene", "view", "width", "height", "roughness", "method", "median_ms", "min_ms", "p95_ms", "samples"])
-    for path in sorted(folder.glob("*.json")):
-        for r in json.loads(path.read_text()):
-            total = [r["total"][k] for k in ("median_ms", "min_ms", "p95_ms", "samples")]
-            scene = path.stem.removesuffix("-" + r["view"])
+out = Path(sys.argv[1])
+kept = ("beyond", "fallback", "captures", "own_rays")
+
+
+def write(table, figures, rows):
+    with open(out / table, "w", newline="") as file:
+        lines = csv.writer(file)
+        lines.writerow(["commit", "scene", "view", "width", "height", "roughness", "method", *kept, *figures])
+        for scene, r, values in rows:
             head = [r[k] for k in ("view", "width", "height", "roughness", "method")]
-            rows.writerow([r["commit"], scene, *head, *total])
+            lines.writerow([r["commit"], scene, *head, *(r["setup"].get(k, "") for k in kept), *values])
+
+
+figures = ("median_ms", "min_ms", "p95_ms", "samples")
+times = [(path, r) for path in sorted((out / "times").glob("*.json")) for r in json.loads(path.read_text())]
+if times:
+    rows = ((path.stem.removesuffix("-" + r["view"]), r, [r["total"][k] for k in figures]) for path, r in times)
+    write("times.csv", figures, rows)
+
+figures = ("rmse", "standard_error", "place_agreement")
+errors = [(path, r) for path in sorted(out.glob("*/error.json")) for r in json.loads(path.read_text())]
+if errors:
+    against = ((path, r) for path, r in errors if r["against"] == "world")
+    write("errors.csv", figures, ((path.parent.name, r, [r[k] for k in figures]) for path, r in against))
 PYTHON

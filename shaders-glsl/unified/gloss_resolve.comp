@@ -2,11 +2,18 @@
 #pragma program(ResolveNarrowCompute, NARROW)
 #pragma program(CellsCompute, CELLS)
 #pragma program(ResolveWideCompute)
-// The reflections of glossy pixels and cells, a thread each, over tiles or over the whole image. A workgroup loads the
-// rays of its texels and of those around them once, into memory that its threads share.
+// What gloss_resolve.frag makes, a thread a pixel or cell, over tiles or over the whole image. A workgroup loads the rays of
+// its texels and of those around them once, into memory that its threads share.
 
 #include "unified/groups.glsl"
-#include "unified/gloss_resolve.glsl"
+
+#if defined(NARROW)
+#include "unified/resolve_narrow.glsl"
+#elif defined(CELLS)
+#include "unified/resolve_cells.glsl"
+#else
+#include "unified/resolve_wide.glsl"
+#endif
 
 #if defined(NARROW) || defined(CELLS)
 

@@ -2,12 +2,19 @@
 #pragma program(ResolveNarrow, NARROW)
 #pragma program(Cells, CELLS)
 #pragma program(ResolveWide)
-// The reflections of glossy pixels and cells, drawn over tiles as points or over the whole image. Pixels of a block of
-// 2 x 2 hand each other the rays that they loaded.
+// From the rays of gloss_trace.glsl to the image: the reflection of each pixel with a narrow lobe (NARROW), of each cell
+// with a wide lobe (CELLS), and of each pixel with a wide lobe between such cells, drawn over tiles as points or over the
+// whole image. Pixels of a block of 2 x 2 hand each other the rays that they loaded.
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#include "unified/gloss_resolve.glsl"
+#if defined(NARROW)
+#include "unified/resolve_narrow.glsl"
+#elif defined(CELLS)
+#include "unified/resolve_cells.glsl"
+#else
+#include "unified/resolve_wide.glsl"
+#endif
 
 #if defined(NARROW) || defined(CELLS)
 

@@ -1,4 +1,6 @@
-// What the programs that resolve gloss show of a pixel.
+// What the programs that resolve gloss show of a pixel. Over tiles, a pixel that is not of the list is left as it is: the
+// images already hold what it shows. With WHOLE they hold nothing, all that reflects is of the list, and the other pixels
+// show their lit colour.
 
 #ifndef UNIFIED_SHOWN_GLSL
 #define UNIFIED_SHOWN_GLSL
