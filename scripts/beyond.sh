@@ -53,8 +53,12 @@ views corridor corridor corridor floor wall back
 views cathedral cathedral nave pillars clerestory rose
 views atrium atrium atrium lion hall
 if [ -n "$scenes" ]; then
-    views "$scenes/ssct-rooms/rooms.scene.toml" ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
-    views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
+    for name in ssct-rooms sponza; do
+        [ -e "$scenes/$name" ] || echo "beyond: $scenes has no folder $name" >&2
+    done
+    [ ! -e "$scenes/ssct-rooms" ] || views "$scenes/ssct-rooms/rooms.scene.toml" \
+        ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
+    [ ! -e "$scenes/sponza" ] || views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
 else
     echo 'beyond: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi
