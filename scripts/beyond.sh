@@ -7,8 +7,8 @@
 #
 # The environment may set METHODS and BEYOND, the options that all methods have (by default "--captures 4"); or instead of
 # both VARIANTS, methods with options of their own, as in VARIANTS="ssct;ssct --fallback pccm;traced". It may set SIZE,
-# ERROR_SIZE, ROUGHNESS, SAMPLES and RAYS; WHAT=time or WHAT=error selects one of the two measurements. Interrupted, the same
-# command goes on with the errors where it was.
+# ERROR_SIZE, ROUGHNESS, SAMPLES and RAYS; ONLY=rooms,museum selects scenes; WHAT=time or WHAT=error selects one of the two
+# measurements. Interrupted, the same command goes on with the errors where it was.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -33,6 +33,7 @@ fi
 views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2
+    [[ ,${ONLY:-$name}, = *,$name,* ]] || return 0
     if [ "${WHAT:-error}" = error ]; then # both are made unless WHAT selects one
         "$ssct" error --scene "$scene" "${common[@]}" --size "${ERROR_SIZE:-480x270}" "${sweep[@]}" \
             --samples 1 --rays "${RAYS:-16}" -o "$out/$name" --resume

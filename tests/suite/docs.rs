@@ -1,6 +1,7 @@
 //! The pages that people read: their links lead somewhere, their citations name sections that exist, and what they quote
 //! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
 
+mod against_world;
 mod beside;
 mod beyond;
 mod captions;
@@ -365,9 +366,8 @@ fn the_headline_plot_shows_what_the_records_say() {
 
 #[test]
 fn the_world_plot_shows_what_the_records_say() {
-    let links = definitions(&fs::read_to_string(root().join("docs/findings.md")).unwrap());
-    let [captured, fallbacks] = ["beyond", "fallbacks"].map(|name| root().join("docs").join(&links[name]));
-    keep(&root().join("docs/world.svg"), &world::plot(&captured, &fallbacks).unwrap());
+    let links = definitions(&fs::read_to_string(root().join("README.md")).unwrap());
+    keep(&root().join("docs/world.svg"), &world::plot(&root().join(&links["world"])).unwrap());
 }
 
 /// The options of all methods, as the methods' own tables declare them.

@@ -199,54 +199,6 @@ pub fn fallbacks(folders: &[PathBuf]) -> Result<String> {
     table(&head, rows)
 }
 
-/// The scenes of the plot of the world.
-const PLOTTED: [&str; 3] = ["rooms", "museum", "corridor"];
-
-/// A method in the plot of the world: median over the views of its time and of its error over those of `ssct`.
-#[derive(Debug, Clone)]
-pub struct WorldPoint {
-    /// What it is called.
-    pub name: String,
-    /// Whether its rays go on in captures.
-    pub is_captured: bool,
-    /// Time and error.
-    pub at: [f64; 2],
-}
-
-/// The points of the plot at a roughness, each over the `ssct` of its own run.
-pub fn world_points(captured: &Path, fallbacks: &Path, roughness: &str) -> Result<Vec<WorldPoint>> {
-    let point = |folder: &Path, (method, behind): (&str, &str)| -> Result<WorldPoint> {
-        let mut over = [Vec::new(), Vec::new()];
-        for scene in PLOTTED {
-            let records = of_scene(&[folder.to_owned()], scene)?;
-            let over_ssct = |field: &str| {
-                let [own, base] = [(method, behind), ALONE].map(|of| by_view(&records, of, roughness, field));
-                if own.is_empty() || own.keys().ne(base.keys()) {
-                    return Err(format!("{scene}: not every view has {method} + {behind}"));
-                }
-                Ok(own.values().zip(base.values()).map(|(a, b)| a / b).collect())
-            };
-            over[0].extend(match folder == captured {
-                true => times_over(&[folder.to_owned()], scene, method, roughness)?,
-                false => over_ssct("time_ms")?,
-            });
-            over[1].extend::<Vec<f64>>(over_ssct("rmse")?);
-        }
-        let is_captured = folder == captured;
-        let name = match (method, behind) {
-            ("unified", _) if is_captured => "unified with four captures".to_owned(),
-            ("captures", _) => "four captures alone".to_owned(),
-            (method, "none") => method.to_owned(),
-            (method, behind) => format!("{method} + {behind}"),
-        };
-        Ok(WorldPoint { name, is_captured, at: [median(&over[0])?, median(&over[1])?] })
-    };
-    let screen = ["ssct", "hzct", "unified"].into_iter();
-    let behind = screen.flat_map(|method| ["none", "environment", "pccm"].map(|behind| (method, behind)));
-    let alone = behind.chain([("pccm", "none")]).map(|of| point(fallbacks, of));
-    alone.chain([CAPTURED, ("captures", "none")].map(|of| point(captured, of))).collect()
-}
-
 /// On how many of all views `unified` with captures has more than so many times the error of `ssct` with a fallback.
 pub fn views_above(folders: &[PathBuf], limit: &str, behind: &str, roughness: &str) -> Result<String> {
     let limit: f64 = limit.parse().map_err(|_| format!("{limit} is no number"))?;

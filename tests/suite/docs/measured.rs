@@ -1,7 +1,7 @@
 //! Numbers of `cargo bench --bench claims`: counts, images on both sides of a change, and times of variants.
 
 use super::figures::{Result, Row, csv, greatest, json, least, mean, median, number, percent, ratio};
-use super::{own_rays, stress};
+use super::{against_world, own_rays, stress};
 use serde_json::Value;
 use std::path::Path;
 
@@ -21,6 +21,9 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
+        ["against-world"] => against_world::methods(folder),
+        ["beaten", method] => against_world::beaten(folder, method),
+        ["scenes-of", method] => against_world::errors_of(folder, method),
         ["own-times"] => own_rays::times(folder),
         ["own-errors"] => own_rays::errors(folder),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),

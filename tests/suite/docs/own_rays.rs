@@ -12,17 +12,16 @@ const OWN: [&str; 3] = ["none", "4", "8"];
 /// least and greatest time; a roughness a row.
 pub fn times(folder: &Path) -> Result<String> {
     let mut all = BTreeMap::new();
-    for own in OWN {
-        for row in csv(folder, &format!("times-{own}.csv"))? {
-            let of = (row["roughness"].clone(), own, row["scene"].clone(), row["view"].clone(), row["method"].clone());
-            all.insert(of, number(&row, "median_ms")?);
-        }
+    for row in csv(folder, "times.csv")? {
+        let [roughness, own, scene, view, method] =
+            ["roughness", "own_rays", "scene", "view", "method"].map(|field| row[field].clone());
+        all.insert((roughness, own, scene, view, method), number(&row, "median_ms")?);
     }
-    let cell = |roughness: &str, own: &'static str| -> Result<[String; 2]> {
-        let here = all.iter().filter(|((r, o, _, _, method), _)| r == roughness && *o == own && method == "traced");
+    let cell = |roughness: &str, own: &str| -> Result<[String; 2]> {
+        let here = all.iter().filter(|((r, o, _, _, method), _)| r == roughness && o == own && method == "traced");
         let (mut ratios, mut ms) = (Vec::new(), Vec::new());
-        for ((r, o, scene, view, _), time) in here {
-            let base = (r.clone(), *o, scene.clone(), view.clone(), "ssct".to_owned());
+        for ((r, _, scene, view, _), time) in here {
+            let base = (r.clone(), "auto".to_owned(), scene.clone(), view.clone(), "ssct".to_owned());
             ratios.push(time / all.get(&base).ok_or_else(|| format!("no time of ssct on {scene} {view}"))?);
             ms.push(*time);
         }

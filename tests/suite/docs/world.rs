@@ -1,6 +1,6 @@
 //! The README's first plot: time and error against the world of every method over those of `ssct`, mirrors and a roughness.
 
-use super::beyond::{WorldPoint, world_points};
+use super::against_world::{Beyond, Point, points};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -9,15 +9,23 @@ const SIZE: [f64; 2] = [760.0, 400.0];
 const MARGIN: [f64; 4] = [70.0, 16.0, 250.0, 50.0];
 
 /// What is shown of the ratios, by their logarithm.
-const TIMES: [f64; 2] = [0.15, 4.0];
-const ERRORS: [f64; 2] = [0.15, 4.0];
+const TIMES: [f64; 2] = [0.03, 4.0];
+const ERRORS: [f64; 2] = [0.08, 3.0];
 
 /// The roughness values, of dots and of rings.
-const ROUGHNESS: [&str; 2] = ["0", "0.1"];
+const ROUGHNESS: [&str; 2] = ["0.0", "0.1"];
 
-/// Colours of methods that follow rays in captures, and of the others.
-const CAPTURED: &str = "#d62728";
-const OTHER: &str = "#3b528b";
+/// Numbers on the axes.
+const TICKS: [f64; 7] = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0];
+
+/// The colour of a method, by what its rays go on in.
+fn color(beyond: Beyond) -> &'static str {
+    match beyond {
+        Beyond::Nothing => "#3b528b",
+        Beyond::Captures => "#d62728",
+        Beyond::Triangles => "#1a7f37",
+    }
+}
 
 fn along(value: f64, [least, most]: [f64; 2]) -> f64 {
     (value / least).ln() / (most / least).ln()
@@ -29,17 +37,16 @@ fn place(at: [f64; 2]) -> [f64; 2] {
 }
 
 /// Points that no other beats in both, in the order of their times.
-fn front(points: &[WorldPoint]) -> Vec<[f64; 2]> {
+fn front(points: &[Point]) -> Vec<[f64; 2]> {
     let beaten = |p: &[f64; 2]| points.iter().any(|o| o.at != *p && o.at[0] <= p[0] && o.at[1] <= p[1]);
     let mut front: Vec<_> = points.iter().map(|p| p.at).filter(|p| !beaten(p)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     front
 }
 
-/// The plot of records with captures, and of records with fallbacks, as SVG.
-pub fn plot(captured: &Path, fallbacks: &Path) -> Result<String, String> {
-    let all = ROUGHNESS.map(|r| world_points(captured, fallbacks, r));
-    let [mirrors, rough] = [all[0].clone()?, all[1].clone()?];
+/// The plot of a folder's records, as SVG.
+pub fn plot(folder: &Path) -> Result<String, String> {
+    let [mirrors, rough] = [points(folder, ROUGHNESS[0])?, points(folder, ROUGHNESS[1])?];
     let mut svg = String::new();
     let [width, height] = SIZE;
     let mut line = |text: String| {
@@ -50,12 +57,12 @@ pub fn plot(captured: &Path, fallbacks: &Path) -> Result<String, String> {
     ));
     line(format!(r#"<rect width="{width}" height="{height}" fill="white"/>"#));
     let ([left, bottom], [right, top]) = (place([TIMES[0], ERRORS[0]]), place([TIMES[1], ERRORS[1]]));
-    for tick in [0.2, 0.5, 1.0, 2.0, 4.0] {
+    for tick in TICKS.into_iter().filter(|tick| (TIMES[0]..=TIMES[1]).contains(tick)) {
         let [at, _] = place([tick, 1.0]);
         line(format!(r##"<path d="M{at:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
         line(format!(r#"<text x="{at:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
     }
-    for tick in [0.2, 0.5, 1.0, 2.0, 4.0] {
+    for tick in TICKS.into_iter().filter(|tick| (ERRORS[0]..=ERRORS[1]).contains(tick)) {
         let [_, at] = place([1.0, tick]);
         line(format!(r##"<path d="M{left:.1} {at:.1}H{right:.1}" stroke="#ddd"/>"##));
         line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, at + 4.0));
@@ -81,7 +88,7 @@ pub fn plot(captured: &Path, fallbacks: &Path) -> Result<String, String> {
                 return Err(format!("{point:?} lies outside the plot"));
             }
         }
-        let color = if mirror.is_captured { CAPTURED } else { OTHER };
+        let color = color(mirror.beyond);
         let ([x, y], [rough_x, rough_y]) = (place(mirror.at), place(rough.at));
         let (name_x, name_y) = (right + 28.0, top + 30.0 + 20.0 * n as f64);
         line(format!(
