@@ -19,6 +19,8 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["judged-median", claim, roughness, field] => judged_median(folder, [claim, roughness, field]),
         ["timed", claim, method, variant] => timed(folder, [claim, method, variant, "ratio"]),
         ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
+        ["ordered", claim, method, roughness, variant] => ordered(folder, [claim, method, roughness, variant]),
+        ["popped", method, variant, scene] => popped(folder, [method, variant, scene]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
         ["own-times"] => own_rays::times(folder),
@@ -107,6 +109,20 @@ fn timed(folder: &Path, [claim, method, variant, field]: [&str; 4]) -> Result<St
     let fields = [("claim", claim), ("method", method), ("variant", variant)];
     let ratios = column(&rows(folder, "times.csv", &fields)?, field)?;
     Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// The time of the pass that traces, with its rays in another order, over that in the order of pixels: the median of the
+/// views, and the least and the greatest of them.
+fn ordered(folder: &Path, [claim, method, roughness, variant]: [&str; 4]) -> Result<String> {
+    let fields = [("claim", claim), ("method", method), ("roughness", roughness), ("variant", variant)];
+    let ratios = column(&rows(folder, "rays.csv", &fields)?, "ratio")?;
+    Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// The greatest change from one frame of a walk to the next, over the median one.
+fn popped(folder: &Path, [method, variant, scene]: [&str; 3]) -> Result<String> {
+    let fields = [("method", method), ("variant", variant), ("scene", scene)];
+    mean(&column(&rows(folder, "popping.csv", &fields)?, "value")?).map(|n| format!("{n:.1}"))
 }
 
 /// The record of a method's times.
