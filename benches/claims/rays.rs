@@ -5,12 +5,14 @@
 //!
 //! - `order`: each pixel follows the ray of another one. `pixels`: its own. `kinds`: within a tile of 64×64 pixels, rays
 //!   towards the camera come first. `steps`: within a tile, by direction, and then by the number of steps, so that rays that
-//!   run in step are as long as each other. `mixed`: within a tile, in any order. `scattered`: rays stay in their group of
-//!   eight, and the groups stand anywhere in the image.
+//!   run in step are as long as each other. `mixed`: within a tile, in any order; `mixed-kinds`: the same, and then rays
+//!   towards the camera come first. `scattered`: rays stay in their group of eight, and the groups stand anywhere in the image.
 //! - `alone`: one ray in eight is alive, in turn each of a group; the mean over that of the whole image. Where groups lose
 //!   nothing by waiting it is 1, and where the longest ray is all that counts, an eighth.
-//! - `normals`: rays are reflected at the normals of shading, at those of the geometry, or at the world's up, each in its own
-//!   place; and `steps-…`, by how much the number of steps changes.
+//! - `in-step`: the mean number of steps over the number for which a group of 8 or 32 rays runs, counted, not timed: the
+//!   longest ray of each direction, since rays of different directions take different branches one after the other.
+//! - `normals`: rays are reflected at the normals of shading, with all of their bumps, at those of the geometry, or at the
+//!   world's up; and `steps-…`, by how much the mean number of steps changes.
 
 use super::edited::Edits;
 use super::times::spread;
@@ -23,8 +25,8 @@ use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::PathCode;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::trace_normals::TraceNormals;
-use ssct_lab::scene::{Camera, GBufferData, Scene, View};
-use ssct_lab::study::{Shot, Stage, gbuffer, image};
+use ssct_lab::scene::{Camera, GBufferData, Material, Scene, View};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 
 const SIZE: [u32; 2] = [960, 540];
 const TURNS: usize = 7;
@@ -35,7 +37,7 @@ const TILE: u32 = 64;
 const METHODS: [(&str, f32); 4] = [("ssct", 0.0), ("hzct", 0.0), ("sslr", 0.0), ("sslr", 0.1)];
 const PLACES: [(&str, &str); 4] =
     [("rooms", "two-cylinders"), ("rooms", "window-floor"), ("rooms", "corridor"), ("atrium", "hall")];
-const ORDERS: [&str; 5] = ["pixels", "kinds", "steps", "mixed", "scattered"];
+const ORDERS: [&str; 6] = ["pixels", "kinds", "steps", "mixed", "mixed-kinds", "scattered"];
 const PIXEL: &str = "thesis/pixel.glsl";
 const READ: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;";
 const OF_MATERIAL: &str = "pixel.roughness = material.g;";
@@ -99,12 +101,10 @@ fn traced_ms(report: &FrameReport) -> f64 {
 type Work = Option<(bool, u32)>;
 
 /// The work of every pixel's ray, with what changes the setup.
-fn work(bench: &Bench, stage: &mut Stage, name: &str, at: (&Scene, &View, f32), setup: &Setup) -> Vec<Work> {
-    let (scene, view, roughness) = at;
-    let materials = globals(roughness, 0.1).materials(scene, view);
+fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
     let hits = bench.shaders.with(&bench.gpu, COUNTING, || {
-        let camera = view.camera(scene, SIZE);
-        let shot = Shot::new(stage, method(name), setup, Wants::HITS, camera, materials).expect("a shot");
+        let (info, camera) = (method(place.method), place.camera());
+        let shot = Shot::new(stage, info, setup, Wants::HITS, camera, materials.to_vec()).expect("a shot");
         let made = image::render(stage, &shot, true).expect("an image");
         made.intermediates.expect("intermediates").into_iter().find(|(name, ..)| name == "hits").expect("hits").2
     });
@@ -156,10 +156,12 @@ fn order(name: &str, work: &[Work]) -> Vec<usize> {
     let mut shuffle = Shuffle(1);
     let mut rays = tiles.clone();
     for tile in &mut rays {
+        if name.starts_with("mixed") {
+            shuffle.all(tile);
+        }
         match name {
-            "kinds" => tile.sort_by_key(|&i| work[i].map(|(towards, _)| !towards)),
+            "kinds" | "mixed-kinds" => tile.sort_by_key(|&i| work[i].map(|(towards, _)| !towards)),
             "steps" => tile.sort_by_key(|&i| work[i].map(|(towards, steps)| (!towards, steps))),
-            "mixed" => shuffle.all(tile),
             _ => (),
         }
     }
@@ -233,16 +235,35 @@ fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData])
     })
 }
 
+/// The mean number of steps over that for which groups of some size run.
+fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
+    let [columns, rows] = SIZE.map(|side| side as usize);
+    let (mut sum, mut most) = (0.0, 0.0);
+    for (top, left) in (0..rows / height).flat_map(|y| (0..columns / width).map(move |x| (y * height, x * width))) {
+        let rays = (0..width * height).filter_map(|i| work[(top + i / width) * columns + left + i % width]);
+        let mut longest = [0; 2];
+        for (towards, steps) in rays {
+            sum += f64::from(steps);
+            longest[usize::from(towards)] = steps.max(longest[usize::from(towards)]);
+        }
+        most += f64::from(longest[0] + longest[1]) * (width * height) as f64;
+    }
+    sum / most
+}
+
 /// Rays in other orders, and one in eight of them.
 fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
-    let of = (place.scene, place.view, place.roughness);
-    let work = work(bench, stage, place.method, of, &Setup::new(SIZE));
-    let materials = globals(place.roughness, 0.1).materials(place.scene, place.view);
-    let setup = Setup::new(SIZE);
+    let (setup, materials) = (Setup::new(SIZE), globals(place.roughness, 0.1).materials(place.scene, place.view));
+    let work = work(bench, stage, place, &setup, &materials);
     let shot = Shot::new(stage, method(place.method), &setup, Wants::IMAGE, place.camera(), materials).expect("a shot");
     stage.run(&shot, Mode::Plain).expect("a frame");
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
     let alive = |i: usize| work[i].map(|_| i);
+    if bench.wants("in-step") {
+        for (variant, group) in [("8", [4, 2]), ("32", [8, 4])] {
+            place.row("in-step", variant, [in_step(&work, group); 3]);
+        }
+    }
     if bench.wants("order") {
         let parts = ORDERS.map(|name| following(&data, order(name, &work).into_iter().map(alive)));
         let turns = turns(bench, stage, place, &parts);
@@ -269,15 +290,15 @@ fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
         ("geometric", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Geometric)),
         ("up", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Up)),
     ];
+    let bumpy = Globals { roughness: Some(place.roughness), ..Globals::default() };
+    let materials = bumpy.materials(place.scene, place.view);
     let steps = changes.map(|(_, change)| {
-        let of = (place.scene, place.view, place.roughness);
-        let work = work(bench, stage, place.method, of, &change(&Setup::new(SIZE)));
+        let work = work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
         super::mean(work.into_iter().flatten().map(|(_, steps)| f64::from(steps)))
     });
     let shots = changes.map(|(_, change)| {
-        let materials = globals(place.roughness, 0.1).materials(place.scene, place.view);
-        let setup = change(&split(&Setup::new(SIZE)));
-        Shot::new(stage, method(place.method), &setup, Wants::IMAGE, place.camera(), materials).expect("a shot")
+        let (info, setup) = (method(place.method), change(&split(&Setup::new(SIZE))));
+        Shot::new(stage, info, &setup, Wants::IMAGE, place.camera(), materials.clone()).expect("a shot")
     });
     let mut turn = || shots.each_ref().map(|shot| traced_ms(&stage.run(shot, Mode::Timed).expect("a frame").0));
     turn();
@@ -297,7 +318,7 @@ pub fn run(bench: &Bench) {
         let view = scene.view(view).expect("a view");
         for (method, roughness) in METHODS {
             let place = Place { scene: &scene, view, roughness, method };
-            if bench.wants("order") || bench.wants("alone") {
+            if ["order", "alone", "in-step"].iter().any(|claim| bench.wants(claim)) {
                 orders(bench, &mut stage, &place);
             }
             if bench.wants("normals") {

@@ -61,7 +61,8 @@ impl StudyOptions for VideoOptions {
             return Err(Error::Usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));
         }
         let place = &self.common.place;
-        let scene = resolve::scene(place, "rooms")?;
+        let mut scene = resolve::scene(place, "rooms")?;
+        scene.lens = resolve::lens(place, scene.lens)?;
         let way = named(self, &scene)?;
         let globals = resolve::globals(place)?;
         let sizes = if self.size.is_empty() { vec![[320, 180]] } else { self.size.clone() };
