@@ -134,7 +134,7 @@ fn in_groups() -> Vec<Vec<usize>> {
     boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels).collect()
 }
 
-/// The same disorder each time.
+/// A disorder that is alike in every run.
 struct Shuffle(u64);
 
 impl Shuffle {
