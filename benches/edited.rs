@@ -3,28 +3,35 @@
 use ssct::gpu::shader::Shader;
 use ssct::gpu::{Gpu, glsl, programs};
 use ssct_lab::report::images::Rgb;
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// File below `shaders-glsl`, the text that stands there once, and what stands in its place.
 pub type Edits = &'static [(&'static str, &'static str, &'static str)];
 
+/// Programs whose code some edits change, with their new code.
+type Replaced = Vec<(&'static Shader, Arc<[u8]>)>;
+
 /// The folder of shaders, and a compiler for changed copies of it.
 pub struct Shaders {
     root: PathBuf,
     compiler: shaderc::Compiler,
+    /// What was compiled before: every program is compiled to find those that some edits change.
+    compiled: RefCell<HashMap<Edits, Replaced>>,
 }
 
 impl Shaders {
     /// The shaders as they stand.
     pub fn new() -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl");
-        Self { root, compiler: shaderc::Compiler::new().expect("a compiler") }
+        Self { root, compiler: shaderc::Compiler::new().expect("a compiler"), compiled: RefCell::default() }
     }
 
     /// Does something while every pipeline that is made has the changed shaders.
     pub fn with<T>(&self, gpu: &Gpu, edits: Edits, act: impl FnOnce() -> T) -> T {
-        let replaced = self.edited(edits);
+        let replaced = self.compiled.borrow_mut().entry(edits).or_insert_with(|| self.edited(edits)).clone();
         for (shader, code) in &replaced {
             gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
         }
@@ -36,7 +43,7 @@ impl Shaders {
     }
 
     /// The programs whose code some edits change, with their new code.
-    fn edited(&self, edits: Edits) -> Vec<(&'static Shader, Arc<[u8]>)> {
+    fn edited(&self, edits: Edits) -> Replaced {
         if edits.is_empty() {
             return Vec::new();
         }

@@ -118,7 +118,33 @@ pub const TRUE_MINIMA: Edits = &[(
     "float z_min = z0.r;\n    for (int y = 0; y <= hiz.Offset.y; ++y)\n        for (int x = 0; x <= hiz.Offset.x; ++x)\n            z_min = min(z_min, ReadDepth(P_sample + ivec2(x, y)).r);",
 )];
 
+/// The cone's angle by Eq. 4.5 with another ξ, for the exponent of the lobe that a roughness stands for.
+macro_rules! xi {
+    ($value:literal) => {
+        edited(
+            concat!("xi-", $value),
+            "ssct",
+            &[0.1, 0.3, 0.6],
+            &[(
+                "thesis/cone_angle.glsl",
+                "return 0.5 * max(roughness, 0.0);",
+                concat!("return acos(pow(cos(0.5 * max(roughness, 0.0)), log(", $value, ") / log(0.244)));"),
+            )],
+        )
+    };
+}
+
 const CLAIMS: &[Claim] = &[
+    xi!("0.01"),
+    xi!("0.05"),
+    xi!("0.1"),
+    xi!("0.15"),
+    xi!("0.2"),
+    xi!("0.3"),
+    xi!("0.4"),
+    xi!("0.5"),
+    xi!("0.7"),
+    xi!("0.9"),
     edited(
         "visibility-7-bits",
         "ssct",

@@ -6,8 +6,10 @@
 //! - `judged`: a method as it stands and with one thing changed, each held against the exact image of the same screen or
 //!   against the world: see [`judged`].
 //! - `times`: the time of variants over that of the first one of the same turn: see [`times`].
+//! - `rays`: the time of the pass that traces, where only the order of its rays differs: see [`rays`].
+//! - `popping`: how much the picture jumps where a method goes over to another cube map: see [`popping`].
 //!
-//! Usage: `cargo bench --bench claims -- counts|judged|times [CLAIM…]`
+//! Usage: `cargo bench --bench claims -- counts|judged|times|rays|popping [CLAIM…]`
 
 #![allow(clippy::expect_used)]
 
@@ -17,6 +19,8 @@ mod edited;
 mod judged;
 #[path = "../masked.rs"]
 mod masked;
+mod popping;
+mod rays;
 mod times;
 
 use edited::Shaders;
@@ -83,6 +87,8 @@ fn main() {
         Some("counts") => counts::run(&bench),
         Some("judged") => judged::run(&bench),
         Some("times") => times::run(&bench),
-        _ => println!("# say which: counts, judged or times"),
+        Some("rays") => rays::run(&bench),
+        Some("popping") => popping::run(&bench),
+        _ => println!("# say which: counts, judged, times, rays or popping"),
     }
 }

@@ -52,12 +52,17 @@ fn at(mut values: Vec<f64>, share: f64) -> f64 {
     values[((values.len() - 1) as f64 * share).round() as usize]
 }
 
+/// Median and ends of the middle half.
+pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
+    let values: Vec<_> = values.into_iter().collect();
+    [0.5, 0.25, 0.75].map(|share| at(values.clone(), share))
+}
+
 /// Prints a row for each variant of the turns.
 fn print(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
     for (n, variant) in variants.iter().enumerate() {
-        let over = |part: usize| turns.iter().map(|t| t[n][part] / t[0][part]).collect::<Vec<_>>();
-        let [least, ratio, greatest] = [0.25, 0.5, 0.75].map(|share| at(over(0), share));
-        let drawn = at(over(1), 0.5);
+        let over = |part: usize| spread(turns.iter().map(|t| t[n][part] / t[0][part]));
+        let ([ratio, least, greatest], [drawn, ..]) = (over(0), over(1));
         let drawn = if drawn.is_finite() { format!("{drawn:.3}") } else { String::new() };
         println!("{claim},{method},{scene},{view},{variant},{ratio:.3},{least:.3},{greatest:.3},{drawn}");
     }

@@ -15,4 +15,13 @@ vec3 Sound(vec3 color) {
     return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
 }
 
+// Keeps what is negative, which is no light either, but which 16 bits hold.
+float Finite(float v) {
+    return abs(v) <= GREATEST_HALF ? v : v > 0.0 ? GREATEST_HALF : v < 0.0 ? -GREATEST_HALF : 0.0;
+}
+
+vec3 Finite(vec3 color) {
+    return vec3(Finite(color.r), Finite(color.g), Finite(color.b));
+}
+
 #endif

@@ -6,6 +6,7 @@
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "common/octahedral.glsl"
+#include "common/sound.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -68,8 +69,9 @@ void main() {
     vec2 stored = vec2(texelFetch(reflectivity_source, pixel, 0)[max(channels.x, 0)],
                        texelFetch(roughness_source, pixel, 0)[max(channels.y, 0)]);
     vec2 material = mix(stored, import_block.constants, lessThan(channels, ivec2(0)));
-    // Images of 32-bit floats may hold what those of 16 bits do not.
-    vec3 color = clamp(texelFetch(color_source, pixel, 0).rgb, vec3(-GREATEST_HALF), vec3(GREATEST_HALF));
+    // Images of 32-bit floats may hold what those of 16 bits do not, and any of them what is no number: a blurred chain would
+    // spread it over the image.
+    vec3 color = Finite(texelFetch(color_source, pixel, 0).rgb);
     bool is_sky = depth == 0.0;
     imageStore(depth_image, pixel, vec4(depth));
     imageStore(normal_image, pixel, vec4(is_sky ? vec3(0.0) : Normal(pixel, depth), 0.0));

@@ -116,8 +116,19 @@ impl GBufferImages {
         })
     }
 
-    /// Images with the content of a G-buffer on the host, rounded to their formats.
+    /// Images with the content of a G-buffer on the host, rounded to their formats. What is no number in a colour is no
+    /// light, as where the images of another renderer are taken over: a blurred chain would spread it over the image.
     pub fn upload(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
+        if data.color.iter().all(|color| !color.is_nan()) {
+            return Self::upload_unsound(context, data);
+        }
+        let lit = |v: f32| if v.is_nan() { 0.0 } else { v };
+        let color = data.color.iter().map(|color| Vec3::from(color.to_array().map(lit))).collect();
+        Self::upload_unsound(context, &GBufferData { color, ..data.clone() })
+    }
+
+    /// Uploads as [`GBufferImages::upload`] does, with what is no number in colours: to try how methods stand it.
+    pub fn upload_unsound(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half_bits)).collect();
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
         let shown = data.surface.iter().zip(&data.depth);

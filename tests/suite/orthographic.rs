@@ -3,6 +3,7 @@
 //! through the door; methods that need a perspective say so.
 
 use crate::common::engine::{Convention, Engine, NATIVE, Theirs, bits, info, rmse};
+use crate::common::folder::Folder;
 use crate::common::{check_validation, clutter, gpu, is_gpu_assisted};
 use crate::{gloss_twin, triangles, unified as on_screen};
 use glam::{Mat4, Vec3};
@@ -296,6 +297,36 @@ fn methods_that_need_a_perspective_say_so() {
     let mut frame = context.begin(Mode::Plain).unwrap();
     let said = made.record(&mut frame, &methods::Input::of_screen(images.gbuffer(), &data.camera)).err().unwrap();
     assert!(said.to_string().contains("the camera is orthographic"), "{said}");
+}
+
+#[test]
+fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
+    let folder = Folder::new();
+    let (at, beside) = ("1,0,-3", "1,-0.5,0");
+    let aimed = ["--eye", at, "--look-at", beside];
+    let few = ["--scene", "rooms", "--size", "32x32", "--roughness", "0", "--json"];
+    for (command, taken) in [
+        ([&["time", "--samples", "1", "--warmup", "0"], &aimed[..]].concat(), 6),
+        ([&["error", "--no-sweep", "--samples", "1", "--rays", "2"], &aimed[..]].concat(), 6),
+        ([&["motion", "--frames", "2", "--rays", "2"], &aimed[..]].concat(), 6),
+        ([&["precision", "--rays", "2"], &aimed[..]].concat(), 1),
+        (vec!["path", "--frames", "2", "--warmup", "0"], 6),
+        (vec!["video", "--way", "views", "--frames", "2", "--rays", "2", "-o", "film"], 6),
+    ] {
+        let output = folder.run(&[&command[..], &few, &["--orthographic-height", "3"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command:?}: {said}");
+        let left_out: Vec<&str> = said.lines().filter(|line| line.contains("need a perspective")).collect();
+        assert!(matches!(left_out[..], [line] if line.contains("ssct, ") || line.ends_with("ssct")), "{said}");
+        let records: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
+        let names: std::collections::BTreeSet<&str> = records.iter().filter_map(|r| r["method"].as_str()).collect();
+        let known = |name: &&&str| methods::find(name).is_ok_and(|method| method.takes_orthographic);
+        assert_eq!(names.iter().filter(known).count(), taken, "{command:?}: {names:?}");
+        assert!(!names.contains("ssct"), "{command:?}: {names:?}");
+    }
+    let plain =
+        folder.run(&[&["time", "--samples", "1", "--warmup", "0", "--method", "ssct"], &aimed[..], &few].concat());
+    assert!(plain.status.success() && !String::from_utf8_lossy(&plain.stderr).contains("need a perspective"));
 }
 
 #[test]

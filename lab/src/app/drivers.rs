@@ -3,7 +3,6 @@
 use super::cli::{CommonOptions, size};
 use super::{progress, resolve};
 use crate::error::Error;
-use crate::methods;
 use crate::report::{files, tables};
 use crate::study::agreement::{AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::study::{Globals, other_devices};
@@ -47,7 +46,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
         _ => resolve::globals(&common.place)?,
     };
     let setup = common.method_options.setup(options.size);
-    let methods = methods::choose(&options.method, &setup)?;
+    let methods = resolve::methods(&options.method, &setup, &resolve::lenses(&scene, [&view]))?;
     let base = resolve::gpu(&common.device)?;
     let others = other_devices::others(&base, common.device.validation)?;
     if others.is_empty() {

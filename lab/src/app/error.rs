@@ -78,7 +78,6 @@ impl StudyOptions for ErrorOptions {
             sizes => sizes.to_vec(),
         };
         let base = self.common.method_options.setup(sizes[0]);
-        let variants = resolve::variants(&self.variants, &base, !self.quick && !self.no_sweep)?;
         let views = |scene: &Scene| -> Result<Vec<View>> {
             if place.view.is_some() || place.eye.is_some() {
                 return Ok(vec![resolve::view(scene, place, None)?]);
@@ -88,6 +87,8 @@ impl StudyOptions for ErrorOptions {
         };
         let with_views = |scene| views(&scene).map(|views| (scene, views));
         let scenes = scenes.into_iter().map(with_views).collect::<Result<Vec<_>>>()?;
+        let lenses: Vec<_> = scenes.iter().flat_map(|(scene, views)| resolve::lenses(scene, views)).collect();
+        let variants = resolve::variants(&self.variants, &base, &lenses, !self.quick && !self.no_sweep)?;
         ErrorStudy::new(scenes, sizes, globals, variants, (self.samples, self.rays))
     }
 }

@@ -4,7 +4,6 @@ use super::cli::{CommonOptions, DeviceOptions, size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::methods;
 use crate::study::stress::motion::MotionStudy;
 use clap::Args;
 
@@ -56,7 +55,7 @@ impl StudyOptions for MotionOptions {
             _ => resolve::globals(place)?.iter().filter_map(|g| g.roughness).collect(),
         };
         let setup = self.common.method_options.setup(self.size);
-        let methods = methods::choose(&self.method, &setup)?;
+        let methods = resolve::methods(&self.method, &setup, &resolve::lenses(&scene, &views))?;
         let (frames, rays) = (self.frames, self.rays);
         Ok(MotionStudy { scene, views, methods, setup, roughness, frames, rays, lineup: None })
     }

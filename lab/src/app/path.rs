@@ -4,7 +4,6 @@ use super::cli::{CommonOptions, DeviceOptions, size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::methods;
 use crate::study::path::PathStudy;
 use clap::Args;
 use std::path::PathBuf;
@@ -50,8 +49,8 @@ impl StudyOptions for PathOptions {
         let path = resolve::path(&scene, &self.path, "--path")?;
         let sizes = if self.size.is_empty() { vec![[960, 540]] } else { self.size.clone() };
         let setup = self.common.method_options.setup(sizes[0]);
-        let methods = methods::choose(&self.method, &setup)?;
         scene.lens = resolve::lens(place, scene.lens)?;
+        let methods = resolve::methods(&self.method, &setup, &[scene.lens])?;
         Ok(PathStudy {
             scene,
             path,

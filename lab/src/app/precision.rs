@@ -65,7 +65,10 @@ impl StudyOptions for PrecisionOptions {
         };
         let size = self.size.unwrap_or(if self.quick { QUICK_SIZE } else { [480, 270] });
         let methods = match &self.method[..] {
-            [] => [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+            [] => {
+                let both = [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?;
+                resolve::taking(both, &resolve::lenses(&scene, &views))
+            }
             names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
         };
         if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {

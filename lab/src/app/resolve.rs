@@ -177,13 +177,36 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     }
 }
 
+/// The methods of some names; without names, every method that can be set up so and that takes the cameras.
+pub fn methods(names: &[String], setup: &Setup, lenses: &[Lens]) -> Result<Vec<&'static MethodInfo>> {
+    let chosen = methods::choose(names, setup)?;
+    Ok(if names.is_empty() { taking(chosen, lenses) } else { chosen })
+}
+
+/// Leaves out of a default list the methods that do not take every camera, and says so.
+pub fn taking(methods: Vec<&'static MethodInfo>, lenses: &[Lens]) -> Vec<&'static MethodInfo> {
+    let is_orthographic = lenses.iter().any(|lens| lens.kind().is_orthographic());
+    let (taken, others): (Vec<_>, Vec<_>) =
+        methods.into_iter().partition(|method| method.takes_orthographic || !is_orthographic);
+    if !others.is_empty() {
+        let names: Vec<&str> = others.iter().map(|method| method.name).collect();
+        eprintln!("ssct: a camera is orthographic; left out, as they need a perspective: {}", names.join(", "));
+    }
+    taken
+}
+
+/// The lenses of some views of a scene.
+pub fn lenses<'a>(scene: &Scene, views: impl IntoIterator<Item = &'a View>) -> Vec<Lens> {
+    views.into_iter().map(|view| view.lens.unwrap_or(scene.lens)).collect()
+}
+
 /// What is compared: the variants that flags name, or those of a sweep, or each method as the base sets it up. Where no
 /// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
-pub fn variants(options: &VariantOptions, base: &Setup, swept: bool) -> Result<Vec<Variant>> {
+pub fn variants(options: &VariantOptions, base: &Setup, lenses: &[Lens], swept: bool) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
         return options.variant.iter().map(|typed| typed.over(base)).collect();
     }
-    let methods = methods::choose(&options.method, base)?;
+    let methods = methods(&options.method, base, lenses)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
     Ok(if options.captures_sweep {
         let of = |method: &&'static MethodInfo| match method.takes_captures {

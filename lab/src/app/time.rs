@@ -115,7 +115,7 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let view = resolve::view(&scene, &common.place, is_table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if is_table => table_5_8::methods(),
-        names => methods::choose(names, &common.method_options.setup([1, 1]))?,
+        names => resolve::methods(names, &common.method_options.setup([1, 1]), &resolve::lenses(&scene, [&view]))?,
     };
     let globals = if is_table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, is_table)?;

@@ -61,12 +61,17 @@ impl StudyOptions for VideoOptions {
             return Err(Error::Usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));
         }
         let place = &self.common.place;
-        let scene = resolve::scene(place, "rooms")?;
+        let mut scene = resolve::scene(place, "rooms")?;
+        scene.lens = resolve::lens(place, scene.lens)?;
         let way = named(self, &scene)?;
         let globals = resolve::globals(place)?;
         let sizes = if self.size.is_empty() { vec![[320, 180]] } else { self.size.clone() };
         let base = self.common.method_options.setup(sizes[0]);
-        let variants = resolve::variants(&self.variants, &base, false)?;
+        let lenses = match &way {
+            Way::Path(_) => vec![scene.lens],
+            Way::Walk(view) | Way::Turn(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
+        };
+        let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
         resolve::moving(&scene, &self.moving)?;
         Ok(VideoStudy {
             scene,

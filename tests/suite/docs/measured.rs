@@ -19,6 +19,12 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["judged-median", claim, roughness, field] => judged_median(folder, [claim, roughness, field]),
         ["timed", claim, method, variant] => timed(folder, [claim, method, variant, "ratio"]),
         ["timed-scene", claim, method, variant] => timed(folder, [claim, method, variant, "scene_ratio"]),
+        ["ordered", claim, method, roughness, variant] => ordered(folder, [claim, method, roughness, variant]),
+        ["ordered-in", claim, method, variant, view] => {
+            ordered_in(folder, [claim, method, variant, view]).map(|share| format!("{share:.2}"))
+        }
+        ["wider", method, other, view] => wider(folder, [method, other, view]),
+        ["popped", method, variant, scene] => popped(folder, [method, variant, scene]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
         ["against-world"] => against_world::methods(folder),
@@ -110,6 +116,35 @@ fn timed(folder: &Path, [claim, method, variant, field]: [&str; 4]) -> Result<St
     let fields = [("claim", claim), ("method", method), ("variant", variant)];
     let ratios = column(&rows(folder, "times.csv", &fields)?, field)?;
     Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// The time of the pass that traces, with its rays in another order, over that in the order of pixels: the median of the
+/// views, and the least and the greatest of them.
+fn ordered(folder: &Path, [claim, method, roughness, variant]: [&str; 4]) -> Result<String> {
+    let fields = [("claim", claim), ("method", method), ("roughness", roughness), ("variant", variant)];
+    let ratios = column(&rows(folder, "rays.csv", &fields)?, "ratio")?;
+    Ok(format!("{} ({} to {})", ratio(median(&ratios)?), ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// A ratio of mirrors in one view.
+fn ordered_in(folder: &Path, [claim, method, variant, view]: [&str; 4]) -> Result<f64> {
+    let fields = [("claim", claim), ("method", method), ("variant", variant), ("view", view), ("roughness", "0")];
+    mean(&column(&rows(folder, "rays.csv", &fields)?, "ratio")?)
+}
+
+/// What groups of 32 rays in place of 8 make of a method's time over another's, by the steps for which groups run.
+fn wider(folder: &Path, [method, other, view]: [&str; 3]) -> Result<String> {
+    let longer = |method: &str| {
+        let share = |variant| ordered_in(folder, ["in-step", method, variant, view]);
+        Ok::<_, String>(share("8")? / share("32")?)
+    };
+    Ok(ratio(longer(other)? / longer(method)?))
+}
+
+/// The greatest change from one frame of a walk to the next, over the median one.
+fn popped(folder: &Path, [method, variant, scene]: [&str; 3]) -> Result<String> {
+    let fields = [("method", method), ("variant", variant), ("scene", scene)];
+    mean(&column(&rows(folder, "popping.csv", &fields)?, "value")?).map(|n| format!("{n:.1}"))
 }
 
 /// The record of a method's times.

@@ -1,12 +1,32 @@
 //! Tables of the thesis: its table 5.8 beside what was measured, and what its numbers and formulas cost, to which its
 //! errata point.
 
-use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio, table, text};
+use super::figures::{Result, csv, figures, greatest, json, least, mean, median, number, percent, ratio, table, text};
 use serde_json::Value;
 use std::path::Path;
 
-/// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other.
+/// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other. The methods take turns, so
+/// that their ratios here are medians over the turns, which other programs disturb less than they disturb the times.
 pub fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
+    let mut rows = printed_rows(folder)?;
+    let samples = csv(folder, "time-samples.csv")?;
+    for row in &mut rows {
+        for (column, method) in [(9, "hzct"), (11, "sslr")] {
+            let of = |method: &str| {
+                let here = samples.iter().filter(|s| {
+                    let roughness = s["roughness"].parse::<f64>().is_ok_and(|r| format!("{r:.1}") == row[1]);
+                    s["method"] == method && format!("{}×{}", s["width"], s["height"]) == row[0] && roughness
+                });
+                here.map(|s| number(s, "effect_ms")).collect::<Result<Vec<_>>>()
+            };
+            let turns: Vec<_> = of(method)?.iter().zip(of("ssct")?).map(|(other, ssct)| other / ssct).collect();
+            row[column] = median(&turns).map(ratio)?;
+        }
+    }
+    Ok(rows)
+}
+
+fn printed_rows(folder: &Path) -> Result<Vec<Vec<String>>> {
     let text = text(folder, "time.txt")?;
     let mut rows = Vec::new();
     for line in text.lines() {

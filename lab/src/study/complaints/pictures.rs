@@ -57,8 +57,9 @@ fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     for y in 0..height {
         for (extent, own) in &pictures {
             let row = 3 * extent[0] as usize;
-            let black = vec![0; row];
-            bytes.extend(own.get(y as usize * row..(y as usize + 1) * row).unwrap_or(&black));
+            // White, since what is black in a picture has no reflection.
+            let beside = vec![255; row];
+            bytes.extend(own.get(y as usize * row..(y as usize + 1) * row).unwrap_or(&beside));
         }
     }
     Content::Picture([whole, height], bytes)

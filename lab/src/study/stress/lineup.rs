@@ -7,7 +7,7 @@ use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
 use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::Drawn;
-use crate::scene::{Camera, GBufferData, Material, Scene};
+use crate::scene::{Camera, GBufferData, Material, ProjectionKind, Scene};
 use crate::study::gbuffer::{self, reflection};
 use crate::study::{Shot, Stage};
 use glam::Vec3;
@@ -76,6 +76,8 @@ pub struct SceneLineup {
     pub scene: Scene,
     /// Width and height in pixels.
     pub extent: [u32; 2],
+    /// The cameras that the methods are made for: those of the kind of the scene's first view.
+    pub(super) kind: ProjectionKind,
     /// How the methods are set up.
     pub(super) setup: Setup,
     stage: Stage,
@@ -105,7 +107,8 @@ impl SceneLineup {
         for method in methods {
             shots.push((*method, Shot::new(&mut stage, method, setup, wants, camera, materials.clone())?));
         }
-        Ok(Self { scene, extent, setup: setup.clone(), stage, shots, drawn: Drawn::default() })
+        let kind = camera.kind();
+        Ok(Self { scene, extent, kind, setup: setup.clone(), stage, shots, drawn: Drawn::default() })
     }
 
     /// The methods, in order.

@@ -256,9 +256,14 @@ impl Study for MotionStudy {
     }
 
     fn measure(&mut self, cell: &MotionCell, bench: &mut Bench) -> Result<Vec<MotionRecord>> {
-        let made = match self.lineup.take() {
+        let view = &self.views[cell.0];
+        let kind = view.lens.unwrap_or(self.scene.lens).kind();
+        let made = match self.lineup.take().filter(|made| made.kind == kind) {
             Some(made) => made,
-            None => SceneLineup::new(bench.gpu, self.scene.clone(), &self.setup, &self.methods)?,
+            None => {
+                let scene = Scene { views: vec![view.clone()], ..self.scene.clone() };
+                SceneLineup::new(bench.gpu, scene, &self.setup, &self.methods)?
+            }
         };
         let mut lineup = made;
         let rows = run(bench.gpu, &self.spec(cell), cell.2, &mut lineup);

@@ -1,0 +1,88 @@
+//! How much the picture jumps where a method goes over to another cube map (thesis §3.1.3). Columns: claim, method, scene,
+//! variant; `value`: the greatest change from one frame to the next over the median one, on walks of half a metre past
+//! every place that is as far from two of the maps; `past`: the walk with the greatest change, as the places of its two maps
+//! in the scene's order.
+//!
+//! - `one`: the map captured nearest to the camera, alone. `pixels`: the two nearest, each pixel by its own distances, as the
+//!   methods stand. `camera`: the two nearest, all pixels by the camera's distances.
+//! - `traced`, which knows no maps, says how much the scene itself changes.
+
+use super::edited::{Edits, difference};
+use super::{Bench, globals, method, scene};
+use glam::Vec3;
+use ssct::methods::{Setup, Wants};
+use ssct_lab::report::images::{Rgb, display};
+use ssct_lab::scene::{Scene, View};
+use ssct_lab::study::{Shot, Stage, gbuffer};
+
+const SIZE: [u32; 2] = [320, 180];
+/// Metres from one frame to the next: 1.4 m/s at 60 frames a second.
+const STEP_M: f32 = 1.4 / 60.0;
+/// Frames of a walk before its middle, and after.
+const HALF: i32 = 11;
+const ROUGHNESS: f32 = 0.1;
+const SHADER: &str = "schmidt/pccm.frag";
+const WEIGHED: &str = "float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);";
+const DISTANCE: &str = "distances[k] = distance(pixel.position, map.position.xyz);";
+const INSIDE: &str = "if (inside[0] != inside[1]) {";
+/// Boxes are left aside: whose map counts, the camera says.
+const BY_CAMERA: (&str, &str, &str) = (SHADER, INSIDE, "if (false) {");
+const ONE: Edits = &[BY_CAMERA, (SHADER, WEIGHED, "float second = 0.0;")];
+const CAMERA: Edits =
+    &[BY_CAMERA, (SHADER, DISTANCE, "distances[k] = distance(camera.view_to_world[3].xyz, map.position.xyz);")];
+const VARIANTS: [(&str, Edits); 3] = [("one", ONE), ("pixels", &[]), ("camera", CAMERA)];
+
+/// Past the middle between two maps: their places in the scene's order, and the views of the walk, which looks ahead and
+/// down.
+fn walks(scene: &Scene) -> Vec<(String, Vec<View>)> {
+    let places: Vec<Vec3> = scene.probes.iter().map(|probe| probe.position).collect();
+    let ahead = (places[places.len() - 1] - places[0]).normalize();
+    let seen = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
+    let past = |a: usize, b: usize| {
+        let middle = 0.5 * (places[a] + places[b]);
+        // The frames stand beside the middle and never on it.
+        let steps = (-HALF..HALF).map(|n| seen(middle + (n as f32 + 0.5) * STEP_M * ahead));
+        (format!("{a}-{b}"), steps.collect())
+    };
+    (0..places.len()).flat_map(|a| (a + 1..places.len()).map(move |b| past(a, b))).collect()
+}
+
+/// The reflections of a method along a walk, as they are shown.
+fn shown(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk): (&Scene, &[View])) -> Vec<Rgb> {
+    let materials = globals(ROUGHNESS, 0.1).materials(scene, &walk[0]);
+    let camera = |view: &View| view.camera(scene, SIZE);
+    let mut shot = bench.shaders.with(&bench.gpu, edits, || {
+        let setup = Setup::new(SIZE);
+        Shot::new(stage, method(name), &setup, Wants::REFLECTION, camera(&walk[0]), materials).expect("a shot")
+    });
+    let image = |view: &View| {
+        shot.camera = camera(view);
+        let (.., output) = stage.output(&shot).expect("a frame");
+        display(&gbuffer::reflection(&mut stage.context, &output).expect("a reflection"))
+    };
+    walk.iter().map(image).collect()
+}
+
+/// Walks through the scenes with several maps in a row.
+pub fn run(bench: &Bench) {
+    println!("claim,method,scene,variant,value,past");
+    for name in ["corridor", "street"] {
+        let scene = scene(name);
+        let walks = walks(&scene);
+        let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+        let mut row = |name: &str, variant: &str, edits: Edits| {
+            let mut changes = Vec::new();
+            for (past, walk) in &walks {
+                let images = shown(bench, &mut stage, name, edits, (&scene, walk));
+                changes.extend(images.windows(2).map(|two| (difference(&two[0], &two[1]).1, past)));
+            }
+            changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let ((greatest, past), (median, _)) = (changes[changes.len() - 1], changes[changes.len() / 2]);
+            println!("popping,{name},{},{variant},{:.2},{past}", scene.name, greatest / median);
+        };
+        for name in ["local-map", "pccm"] {
+            VARIANTS.into_iter().for_each(|(variant, edits)| row(name, variant, edits));
+        }
+        row("traced", "none", &[]);
+    }
+}

@@ -1,0 +1,329 @@
+//! What rays lose by waiting for their neighbours, and by reading memory far from what their neighbours read: times of the
+//! pass that traces, where only the order of the rays differs, frame by frame in turn. Columns: claim, method, scene, view,
+//! roughness, variant; `ratio`, `least` and `greatest`: median and ends of the middle half of the pass's time over that of the
+//! first variant in the same turn.
+//!
+//! - `order`: each pixel follows the ray of another one. `pixels`: its own. `kinds`: within a tile of 64×64 pixels, rays
+//!   towards the camera come first. `steps`: within a tile, by direction, and then by the number of steps, so that rays that
+//!   run in step are as long as each other. `mixed`: within a tile, in any order; `mixed-kinds`: the same, and then rays
+//!   towards the camera come first. `scattered`: rays stay in their group of eight, and the groups stand anywhere in the image.
+//! - `alone`: one ray in eight is alive, in turn each of a group; the mean over that of the whole image. Where groups lose
+//!   nothing by waiting it is 1, and where the longest ray is all that counts, an eighth.
+//! - `in-step`: the mean number of steps over the number for which a group of 8 or 32 rays runs, counted, not timed: the
+//!   longest ray of each direction, since rays of different directions take different branches one after the other.
+//! - `normals`: rays are reflected at the normals of shading, with all of their bumps, at those of the geometry, or at the
+//!   world's up; and `steps-…`, by how much the mean number of steps changes.
+
+use super::edited::Edits;
+use super::times::spread;
+use super::{Bench, SAME, globals, method, scene};
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Mode;
+use ssct::methods::setup::EffectParams;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{Effect, Input, Setup, Wants};
+use ssct::passes::PathCode;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::trace_normals::TraceNormals;
+use ssct_lab::scene::{Camera, GBufferData, Material, Scene, View};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+
+const SIZE: [u32; 2] = [960, 540];
+const TURNS: usize = 7;
+/// Pixels that run in step on lavapipe, and the tile that one of its threads fills.
+const GROUP: [u32; 2] = [4, 2];
+const TILE: u32 = 64;
+/// Methods with a roughness, which only the steps of `sslr` depend on.
+const METHODS: [(&str, f32); 4] = [("ssct", 0.0), ("hzct", 0.0), ("sslr", 0.0), ("sslr", 0.1)];
+const PLACES: [(&str, &str); 4] =
+    [("rooms", "two-cylinders"), ("rooms", "window-floor"), ("rooms", "corridor"), ("atrium", "hall")];
+const ORDERS: [&str; 6] = ["pixels", "kinds", "steps", "mixed", "mixed-kinds", "scattered"];
+const PIXEL: &str = "thesis/pixel.glsl";
+const READ: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;";
+const OF_MATERIAL: &str = "pixel.roughness = material.g;";
+
+/// A pixel's material says whose ray it follows: column, and row and 1. Its roughness is a constant.
+const ELSEWHERE: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;\n    coord = max(ivec2(material.g, \
+                         material.r - 1.0), 0);\n    fragCoord = vec2(coord) + 0.5;";
+const MIRRORS: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.0;")];
+const ROUGH: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.1;")];
+
+/// The place of a hit becomes the number of steps: of the traversal, of the marches and of the search.
+const COUNTING: Edits = &[
+    (
+        "thesis/linear_ray_march.glsl",
+        "#define INVALID_RAY vec3(-1.0)",
+        "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
+    ),
+    (
+        "thesis/linear_ray_march.glsl",
+        "        // 9-11: Check if ray steps",
+        "        counted += 1.0;\n        // 9-11: Check if ray steps",
+    ),
+    (
+        "thesis/linear_ray_march.glsl",
+        "        // 37-40: Check if",
+        "        counted += 1.0;\n        // 37-40: Check if",
+    ),
+    (
+        "thesis/linear_ray_march.glsl",
+        "        // 15-19: Check if",
+        "        counted += 1.0;\n        // 15-19: Check if",
+    ),
+    (
+        "thesis/hi_z_ray_trace.glsl",
+        "        cellCount = GetCellCount(thesis.resolution, level);\n        cellIndex = GetCell(ray.xy, cellCount);\n\n        // 4",
+        "        counted += 1.0;\n        cellCount = GetCellCount(thesis.resolution, level);\n        cellIndex = GetCell(ray.xy, cellCount);\n\n        // 4",
+    ),
+    ("thesis/ssct.frag", "out_hit = vec4(trace.hit, trace.path);", "out_hit = vec4(counted, 0.0, 0.0, trace.path);"),
+    (
+        "thesis/sslr_ray_trace.frag",
+        "out_hit = vec4(hit, PATH_LINEAR_MISS);",
+        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
+    ),
+    (
+        "thesis/sslr_ray_trace.frag",
+        "out_hit = vec4(hit, PATH_LINEAR);",
+        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
+    ),
+];
+
+/// Traces in a pass of its own.
+fn split(setup: &Setup) -> Setup {
+    setup.with(|p: &mut ThesisDrawing| p.split = true)
+}
+
+fn traced_ms(report: &FrameReport) -> f64 {
+    report.passes.iter().filter(|p| p.name == "ray trace").map(|p| p.ms).sum()
+}
+
+/// What a pixel's ray does: nothing, or whether it runs towards the camera, and how many steps it takes.
+type Work = Option<(bool, u32)>;
+
+/// The work of every pixel's ray, with what changes the setup.
+fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
+    let hits = bench.shaders.with(&bench.gpu, COUNTING, || {
+        let (info, camera) = (method(place.method), place.camera());
+        let shot = Shot::new(stage, info, setup, Wants::HITS, camera, materials.to_vec()).expect("a shot");
+        let made = image::render(stage, &shot, true).expect("an image");
+        made.intermediates.expect("intermediates").into_iter().find(|(name, ..)| name == "hits").expect("hits").2
+    });
+    let of = |texel: &[f32]| {
+        let code = PathCode::from_channel(texel[3]).filter(|code| *code != PathCode::None)?;
+        let steps = if code == PathCode::Untraced { 0 } else { texel[0] as u32 };
+        Some((matches!(code, PathCode::Linear | PathCode::LinearMiss | PathCode::Untraced), steps))
+    };
+    hits.texels().map(of).collect()
+}
+
+/// All pixels, tile by tile, and in a tile group by group.
+fn in_groups() -> Vec<Vec<usize>> {
+    let [width, height] = SIZE;
+    let boxes = |[left, top, right, bottom]: [u32; 4], [w, h]: [u32; 2]| {
+        let rows = (top..bottom).step_by(h as usize);
+        let all = move |y: u32| {
+            let (end, columns) = ((y + h).min(bottom), (left..right).step_by(w as usize));
+            columns.map(move |x| [x, y, (x + w).min(right), end]).collect::<Vec<_>>()
+        };
+        rows.flat_map(all).collect::<Vec<_>>()
+    };
+    let pixels = |tile: [u32; 4]| {
+        let groups = boxes(tile, GROUP).into_iter().flat_map(|group| boxes(group, [1, 1]));
+        groups.map(|[x, y, ..]| (y * width + x) as usize).collect()
+    };
+    boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels).collect()
+}
+
+/// A disorder that is alike in every run.
+struct Shuffle(u64);
+
+impl Shuffle {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % end as u64) as usize
+    }
+
+    fn all<T>(&mut self, items: &mut [T]) {
+        for end in (1..items.len()).rev() {
+            items.swap(end, self.below(end + 1));
+        }
+    }
+}
+
+/// Whose ray every pixel follows in an order.
+fn order(name: &str, work: &[Work]) -> Vec<usize> {
+    let tiles = in_groups();
+    let mut shuffle = Shuffle(1);
+    let mut rays = tiles.clone();
+    for tile in &mut rays {
+        if name.starts_with("mixed") {
+            shuffle.all(tile);
+        }
+        match name {
+            "kinds" | "mixed-kinds" => tile.sort_by_key(|&i| work[i].map(|(towards, _)| !towards)),
+            "steps" => tile.sort_by_key(|&i| work[i].map(|(towards, steps)| (!towards, steps))),
+            _ => (),
+        }
+    }
+    let mut rays = rays.concat();
+    if name == "scattered" {
+        let mut groups: Vec<_> = rays.chunks((GROUP[0] * GROUP[1]) as usize).map(<[usize]>::to_vec).collect();
+        shuffle.all(&mut groups);
+        rays = groups.concat();
+    }
+    let mut followed = vec![0; work.len()];
+    for (place, ray) in tiles.into_iter().flatten().zip(rays) {
+        followed[place] = ray;
+    }
+    followed
+}
+
+/// A G-buffer whose material says which pixel's ray each pixel follows, if any.
+fn following(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) -> GBufferData {
+    let mut changed = data.clone();
+    let materials = changed.reflectivity.iter_mut().zip(&mut changed.roughness);
+    for ((reflectivity, roughness), ray) in materials.zip(followed) {
+        let place = ray.map(|ray| [ray as u32 % data.width, ray as u32 / data.width + 1]);
+        [*roughness, *reflectivity] = place.unwrap_or([0; 2]).map(|n| n as f32);
+    }
+    changed
+}
+
+/// Where something is measured.
+struct Place<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    roughness: f32,
+    method: &'a str,
+}
+
+impl Place<'_> {
+    fn row(&self, claim: &str, variant: &str, values: [f64; 3]) {
+        let [ratio, least, greatest] = values;
+        let Self { scene, view, roughness, method } = self;
+        println!(
+            "{claim},{method},{},{},{roughness},{variant},{ratio:.3},{least:.3},{greatest:.3}",
+            scene.name, view.name
+        );
+    }
+
+    fn camera(&self) -> Camera {
+        self.view.camera(self.scene, SIZE)
+    }
+}
+
+/// Times of the trace for G-buffers on the device, which take turns.
+fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
+    let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
+    let setup = split(&Setup::new(SIZE));
+    let images: Vec<_> =
+        parts.iter().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload")).collect();
+    bench.shaders.with(&bench.gpu, edits, || {
+        let info = method(place.method);
+        let effect = Effect::new(&mut stage.context, info, &setup, Wants::IMAGE, None).expect("the effect");
+        let mut turn = || {
+            let one = |images: &GBufferImages| {
+                let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
+                frame.begin_effect();
+                effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &place.camera())).expect("the effect");
+                traced_ms(&frame.finish().expect("the frame's end"))
+            };
+            images.iter().map(one).collect::<Vec<_>>()
+        };
+        turn();
+        (0..TURNS).map(|_| turn()).collect()
+    })
+}
+
+/// The mean number of steps over that for which groups of some size run.
+fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
+    let [columns, rows] = SIZE.map(|side| side as usize);
+    let (mut sum, mut most) = (0.0, 0.0);
+    for (top, left) in (0..rows / height).flat_map(|y| (0..columns / width).map(move |x| (y * height, x * width))) {
+        let rays = (0..width * height).filter_map(|i| work[(top + i / width) * columns + left + i % width]);
+        let mut longest = [0; 2];
+        for (towards, steps) in rays {
+            sum += f64::from(steps);
+            longest[usize::from(towards)] = steps.max(longest[usize::from(towards)]);
+        }
+        most += f64::from(longest[0] + longest[1]) * (width * height) as f64;
+    }
+    sum / most
+}
+
+/// Rays in other orders, and one in eight of them.
+fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
+    let (setup, materials) = (Setup::new(SIZE), globals(place.roughness, 0.1).materials(place.scene, place.view));
+    let work = work(bench, stage, place, &setup, &materials);
+    let shot = Shot::new(stage, method(place.method), &setup, Wants::IMAGE, place.camera(), materials).expect("a shot");
+    stage.run(&shot, Mode::Plain).expect("a frame");
+    let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+    let alive = |i: usize| work[i].map(|_| i);
+    if bench.wants("in-step") {
+        for (variant, group) in [("8", [4, 2]), ("32", [8, 4])] {
+            place.row("in-step", variant, [in_step(&work, group); 3]);
+        }
+    }
+    if bench.wants("order") {
+        let parts = ORDERS.map(|name| following(&data, order(name, &work).into_iter().map(alive)));
+        let turns = turns(bench, stage, place, &parts);
+        for (n, name) in ORDERS.into_iter().enumerate() {
+            place.row("order", name, spread(turns.iter().map(|t| t[n] / t[0])));
+        }
+    }
+    if bench.wants("alone") {
+        let group = |i: usize| [i % SIZE[0] as usize % 4, i / SIZE[0] as usize % 2];
+        let own = |lane: usize| {
+            let is_own = move |i: usize| group(i) == [lane % 4, lane / 4];
+            following(&data, (0..work.len()).map(|i| alive(i).filter(|i| is_own(*i))))
+        };
+        let parts: Vec<_> = [following(&data, (0..work.len()).map(alive))].into_iter().chain((0..8).map(own)).collect();
+        let turns = turns(bench, stage, place, &parts);
+        place.row("alone", "1/8", spread(turns.iter().map(|t| super::mean(t[1..].iter().copied()) / t[0])));
+    }
+}
+
+/// Rays that are reflected at other normals.
+fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
+    let changes: [(&str, super::Change); 3] = [
+        ("shading", SAME),
+        ("geometric", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Geometric)),
+        ("up", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Up)),
+    ];
+    let bumpy = Globals { roughness: Some(place.roughness), ..Globals::default() };
+    let materials = bumpy.materials(place.scene, place.view);
+    let steps = changes.map(|(_, change)| {
+        let work = work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
+        super::mean(work.into_iter().flatten().map(|(_, steps)| f64::from(steps)))
+    });
+    let shots = changes.map(|(_, change)| {
+        let (info, setup) = (method(place.method), change(&split(&Setup::new(SIZE))));
+        Shot::new(stage, info, &setup, Wants::IMAGE, place.camera(), materials.clone()).expect("a shot")
+    });
+    let mut turn = || shots.each_ref().map(|shot| traced_ms(&stage.run(shot, Mode::Timed).expect("a frame").0));
+    turn();
+    let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+    for (n, (name, _)) in changes.into_iter().enumerate() {
+        place.row("normals", name, spread(turns.iter().map(|t| t[n] / t[0])));
+        place.row(&format!("steps-{name}"), name, [steps[n] / steps[0]; 3]);
+    }
+}
+
+/// Times what is asked for.
+pub fn run(bench: &Bench) {
+    println!("claim,method,scene,view,roughness,variant,ratio,least,greatest");
+    for (name, view) in PLACES {
+        let scene = scene(name);
+        let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+        let view = scene.view(view).expect("a view");
+        for (method, roughness) in METHODS {
+            let place = Place { scene: &scene, view, roughness, method };
+            if ["order", "alone", "in-step"].iter().any(|claim| bench.wants(claim)) {
+                orders(bench, &mut stage, &place);
+            }
+            if bench.wants("normals") {
+                normals(bench, &mut stage, &place);
+            }
+        }
+    }
+}
