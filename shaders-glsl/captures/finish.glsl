@@ -14,11 +14,14 @@ layout(binding = 5) uniform sampler2D color_buffer;                  // lit colo
 layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
 layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
 layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image of this format without HITS
-#elif defined(NARROW)
+#else
+#include "unified/ends.glsl"
+#ifdef NARROW
 layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
 #else
 layout(binding = 6, rgba32f) uniform image2D place_image; // TraceWide
 layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
+#endif
 #endif
 
 // What a ray saw.
@@ -27,7 +30,14 @@ struct Saw {
     bool shows;  // false where nothing is known and another reflection shows instead
     vec3 place;  // where it ended, relative to the eye, world axes
     int code;    // PATH_*
+    uint met;    // the number of a triangle, or NO_TRIANGLE
 };
+
+#ifndef MIRRORS
+uvec2 Told(LostRay ray, vec3 place, uint met) {
+    return uvec2(floatBitsToUint((ray.before + distance(ray.start, place)) / captures.view_unit), met);
+}
+#endif
 
 void Finish(LostRay ray, Saw saw) {
     ivec2 pixel = ivec2(ray.pixel.xy);
@@ -54,12 +64,14 @@ void Finish(LostRay ray, Saw saw) {
         words.z = packHalf2x16(saw.color.rg);
         words.w = packHalf2x16(vec2(saw.color.b, 1.0));
         imageStore(seen_image, pixel, words);
+        TellEnd(pixel, Told(ray, place, saw.met));
     }
 #else
     if (saw.shows) {
         float density = abs(imageLoad(place_image, pixel).w);
         imageStore(place_image, pixel, vec4(ToView(place) / captures.view_unit, density));
         imageStore(seen_image, pixel, vec4(saw.color, 1.0));
+        TellEnd(2 * pixel, Told(ray, place, saw.met));
     }
 #endif
 }

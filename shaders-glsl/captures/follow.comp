@@ -113,5 +113,5 @@ void main() {
     LostRay ray = lost.rays[index];
     Answer answer = FollowRay(ray);
     bool is_known = answer.code == PATH_SKY || answer.code >= PATH_CAPTURE;
-    Finish(ray, Saw(Shown(answer, ray), is_known || !OVER, answer.place, answer.code));
+    Finish(ray, Saw(Shown(answer, ray), is_known || !OVER, answer.place, answer.code, NO_TRIANGLE));
 }

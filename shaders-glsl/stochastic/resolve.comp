@@ -16,7 +16,7 @@ layout(binding = 5) uniform sampler2D seen_buffer;
 layout(binding = 6, rgba32f) uniform image2D sum_image;                  // of all turns so far: colours, and fades
 layout(binding = 7, rgba32f) uniform image2D weight_image;               // weights of rays, of hits, and hits times distance
 layout(binding = 8, rgba16f) uniform writeonly image2D reflection_image; // colour, and fade in a
-layout(binding = 9, r32f) uniform writeonly image2D distance_image;      // to what is reflected, in units of ViewPoint; 0 for nothing
+layout(binding = 9, rg32ui) uniform writeonly uimage2D ends_image;       // how far away what is reflected is (unified/ends.glsl)
 
 layout(constant_id = 0) const bool OVER = false; // another reflection shows where this one misses
 
@@ -87,5 +87,6 @@ void main() {
         reflection = fade > 0.0 ? vec4(reflection.rgb * (reflection.a / fade), fade) : vec4(0.0);
     }
     imageStore(reflection_image, pixel, vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0)));
-    imageStore(distance_image, pixel, vec4(weights.y > 0.0 ? weights.z / weights.y : 0.0));
+    float away = weights.y > 0.0 ? weights.z / weights.y : 0.0;
+    imageStore(ends_image, pixel, uvec4(floatBitsToUint(away), NO_TRIANGLE, 0u, 0u));
 }

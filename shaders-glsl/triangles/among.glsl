@@ -11,6 +11,7 @@ struct Among {
     vec3 color;
     vec3 place; // relative to the eye, world axes; for the sky a point far along the ray
     int code;   // PATH_TRIANGLE or PATH_SKY
+    uint met;   // number of the triangle; NO_TRIANGLE for the sky
 };
 
 // What a ray sees that meets a triangle or nothing; `width` measures its footprint there.
@@ -18,7 +19,8 @@ Among SeeMet(TreeRay ray, Met met, bool leaves, float width) {
     bool is_met = met.id != NO_TRIANGLE;
     vec3 color = ColorMet(ray, met, width);
     precise vec3 place = ray.origin + (is_met ? met.t : SKY_DISTANCE) * ray.direction - triangles.eye;
-    return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY);
+    uint number = is_met ? met.id & ~ASKS_MATERIAL : NO_TRIANGLE;
+    return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY, number);
 }
 
 // The width of a ray's footprint that measures `spread` for each metre from where the ray begins: as in the references, all

@@ -28,5 +28,5 @@ void main() {
     bool leaves;
     TreeRay tree_ray = BeginRay(ray.start, ray.direction, ray.pixel.z, leaves);
     Among seen = See(tree_ray, leaves, ray.spread);
-    Finish(ray, Saw(seen.color, true, seen.place, seen.code));
+    Finish(ray, Saw(seen.color, true, seen.place, seen.code, seen.met));
 }

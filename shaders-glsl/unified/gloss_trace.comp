@@ -15,6 +15,7 @@
 
 #include "unified/groups.glsl"
 #include "unified/gloss_trace.glsl"
+#include "unified/ends.glsl"
 
 #ifdef NARROW
 
@@ -24,7 +25,9 @@ void main() {
     ivec2 pixel;
     if (!ThreadTexel(NARROW_LIST, 0, pixel) || !IsInside(pixel, 0))
         return;
-    imageStore(record_image, pixel, RecordOf(pixel));
+    uvec2 told;
+    imageStore(record_image, pixel, RecordOf(pixel, told));
+    TellEnd(pixel, told);
 }
 
 #else
@@ -52,6 +55,7 @@ void main() {
         return;
     imageStore(place_image, cell, traced.place);
     imageStore(seen_image, cell, traced.color);
+    TellEnd(2 * cell, traced.told);
 }
 
 #endif

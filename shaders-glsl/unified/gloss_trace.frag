@@ -6,13 +6,17 @@
 // The rays of glossy pixels and cells, drawn over tiles as points or over the whole image.
 
 #include "unified/gloss_trace.glsl"
+#include "unified/ends.glsl"
 
 #ifdef NARROW
 
 layout(location = 0) out uvec4 out_record;
 
 void main() {
-    out_record = RecordOf(ivec2(gl_FragCoord.xy));
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    uvec2 told;
+    out_record = RecordOf(pixel, told);
+    TellEnd(pixel, told);
 }
 
 #else
@@ -27,7 +31,9 @@ void Turn(vec3 unit, out vec3 across, out vec3 along) {
 }
 
 void main() {
-    CellRay traced = RayOf(ivec2(gl_FragCoord.xy));
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    CellRay traced = RayOf(cell);
+    TellEnd(2 * cell, traced.told);
     out_place = traced.place;
     out_color = traced.color;
 }

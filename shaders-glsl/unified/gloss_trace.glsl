@@ -28,6 +28,7 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 struct End {
     vec3 place;
     bool beside;
+    uint met; // the number of a triangle, or NO_TRIANGLE
 };
 
 // What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
@@ -36,7 +37,7 @@ struct End {
 bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
     Among seen = SeeFrom(ray, spread);
     color = vec4(seen.color, 1.0);
-    end = End(ToView(seen.place) / captures.view_unit, false);
+    end = End(ToView(seen.place) / captures.view_unit, false, seen.met);
     return true;
 }
 
@@ -49,7 +50,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
     if (!shows)
         PushFromPixel(uvec2(at), ray, spread);
     color = shows ? vec4(seen.color, 1.0) : vec4(0.0);
-    end = End(shows ? ToView(seen.place) / captures.view_unit : vec3(0.0), false);
+    end = End(shows ? ToView(seen.place) / captures.view_unit : vec3(0.0), false, seen.met);
     return shows;
 }
 
@@ -60,7 +61,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
     vec3 along = SkyAlong(ray.direction);
     vec3 point = ViewPoint(ray.start, ray.depth);
     color = vec4(0.0);
-    end = End(point + FAR_SKY * ray.direction, false);
+    end = End(point + FAR_SKY * ray.direction, false, NO_TRIANGLE);
     if (EndsInSky(ray, hit)) {
         color = vec4(along, 1.0);
         return true;
@@ -70,7 +71,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
-    end = End(there, max(away.x, away.y) < NEAR_HIT);
+    end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
     float level = FootprintLevel(point, there, density, share);
     color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
     return true;
@@ -83,7 +84,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 // part is, the fewer, down to one in the middle that stands for the whole lobe.
 // `at` is the pixel or cell whose record the ray is for.
 Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part, out End end) {
-    end = End(vec3(0.0), false);
+    end = End(vec3(0.0), false, NO_TRIANGLE);
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
@@ -101,6 +102,11 @@ Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float foo
     return seen;
 }
 
+// What a history is told of where a ray ended (unified/ends.glsl).
+uvec2 Told(vec3 point, Seen seen, End end) {
+    return seen.density > 0.0 ? uvec2(floatBitsToUint(distance(point, end.place)), end.met) : uvec2(0u);
+}
+
 #ifdef NARROW
 
 #if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
@@ -114,7 +120,8 @@ const bool SPREADS = false;
 const float PATTERN_PART = SPREADS ? 1.0 : NARROW_PART;
 const float PATTERN_FOOTPRINTS = SPREADS ? 9.0 : NARROW_FOOTPRINTS;
 
-uvec4 RecordOf(ivec2 pixel) {
+uvec4 RecordOf(ivec2 pixel, out uvec2 told) {
+    told = uvec2(0u);
     vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
@@ -126,6 +133,7 @@ uvec4 RecordOf(ivec2 pixel) {
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     End end;
     Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * PATTERN_PART, u.y), PATTERN_FOOTPRINTS, 1.0, end);
+    told = Told(point, seen, end);
     float root = sqrt(lobe.power);
     return Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }
@@ -145,11 +153,12 @@ vec3 Place(vec3 point, Seen seen, End end) {
 struct CellRay {
     vec4 place; // and the ray's density; all is 0 for no ray
     vec4 color;
+    uvec2 told;
 };
 
 // The ray of a cell. A cell beyond the border has none, but its thread must call this as well: Turn takes part of it.
 CellRay RayOf(ivec2 cell) {
-    CellRay traced = CellRay(vec4(0.0), vec4(0.0));
+    CellRay traced = CellRay(vec4(0.0), vec4(0.0), uvec2(0u));
     WideCell wide = FindWide(cell);
     ivec2 pixel = wide.pixel;
     // The pixel of a cell at the edge that has no wide lobe may lie beyond the image.
@@ -167,7 +176,7 @@ CellRay RayOf(ivec2 cell) {
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         End end;
         Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
-        traced = CellRay(vec4(Place(point, seen, end), seen.density), seen.color);
+        traced = CellRay(vec4(Place(point, seen, end), seen.density), seen.color, Told(point, seen, end));
     }
     return traced;
 }

@@ -246,6 +246,9 @@ impl Image {
     pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        // Every device stores to these formats, and a load costs less than a sample on some.
+        let is_loaded = [vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_UINT].contains(&format);
+        let usage = if is_loaded { usage | U::STORAGE } else { usage };
         Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
     }
 

@@ -36,7 +36,8 @@ impl CapturesMethod {
         let extent = making.setup.extent;
         let (hits, behind) = (making.hits, making.behind);
         let projection = making.setup.projection;
-        let wants = FollowWants { over: false, composite: false, reflection: true, hits, behind, projection };
+        let wants =
+            FollowWants { over: false, composite: false, reflection: true, hits, tells: false, behind, projection };
         Ok(Self {
             lost: LostRays::new(gpu, extent, Listed::Rays)?,
             follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,

@@ -288,10 +288,13 @@ impl Effect {
             scaled,
             fallback: fallback.transpose()?,
             history: history
-                .then(|| HistoryPass::new(&gpu, extent, projection, (effect.history_frames, effect.history_deviations)))
+                .then(|| {
+                    let averaged = (effect.history_frames, effect.history_deviations);
+                    HistoryPass::new(&gpu, extent, projection, averaged, wants.composite)
+                })
                 .transpose()?,
             bounces,
-            composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
+            composite: (wants.composite && !history).then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
             triangles: triangles.map(|reading| PreparedTriangles { reading, table: None }),
             prepared: Prepared::default(),
@@ -415,7 +418,8 @@ impl Effect {
             None => shading,
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
-        let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
+        let standing = || input.scene.map_or(Vec::new(), |scene| scene.data.standing());
+        let turns = self.history.as_ref().map(|history| history.begin(input.camera, standing())).unwrap_or_default();
         let behind = match &self.second_layer {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
@@ -424,7 +428,8 @@ impl Effect {
             (Some(prepared), None) => Some(prepared.bound(input.scene()?.data)?),
             (_, given) => given,
         };
-        let mut input = Input { captures, triangles, gbuffer, behind, frame: frames, ..*input };
+        let mut input =
+            Input { captures, triangles, gbuffer, behind, frame: turns.drawn, rested: turns.rested, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
@@ -435,10 +440,10 @@ impl Effect {
             traced = self.reflect(frame, &input, &shading)?;
         }
         if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
-            // The distances of smaller pixels are of another grid.
-            let distance = traced.distance.filter(|_| self.scaled.is_none());
-            let averaged = history.record(frame, &gbuffer, input.camera, reflection, distance)?;
-            traced = Traced { reflection: Some(averaged), composite: None, ..traced };
+            // The ends of smaller pixels are of another grid.
+            let ends = traced.ends.filter(|_| self.scaled.is_none());
+            let (averaged, composite) = history.record(frame, &gbuffer, input.camera, reflection, ends)?;
+            traced = Traced { reflection: Some(averaged), composite, ..traced };
         }
         let composite = match (traced.composite, traced.reflection, &self.composite) {
             (Some(made), ..) => made,

@@ -61,8 +61,11 @@ pub struct Input<'a, 's> {
     pub behind: Option<GBuffer<'a>>,
     /// The reflection that stands in front of what the method makes, for one that is a fallback.
     pub in_front: Option<Reflection<'a>>,
-    /// How many frames came before this one since the history began; 0 without a history, so that frames are equal.
+    /// How many frames with other directions of rays came before this one since the history began; 0 without a history, so that
+    /// frames are equal.
     pub frame: u32,
+    /// Such frames since the camera last moved; 0 while it moves.
+    pub rested: u32,
     /// How many bounces came before this one in the frame. After the first, the lit colour has the reflections of the
     /// bounce before in it, and all else is as it was: what a method made of it then still stands.
     pub bounce: u32,
@@ -81,6 +84,7 @@ impl<'a, 's> Input<'a, 's> {
             behind: None,
             in_front: None,
             frame: 0,
+            rested: 0,
             bounce: 0,
         }
     }
@@ -128,9 +132,8 @@ pub struct Traced<'a> {
     pub composite: Option<&'a Image>,
     /// Where each ray ended.
     pub hits: Option<Hits<'a>>,
-    /// How far away what is reflected is from each pixel's point, in units of [`unit`](crate::passes::lost::unit), if the
-    /// method knows it; 0 for nothing.
-    pub distance: Option<&'a Image>,
+    /// Where the rays of each pixel ended ([`ENDS`](crate::passes::lost::ENDS)), if the method knows it and a history asks for it.
+    pub ends: Option<&'a Image>,
     /// What else there is to see.
     pub intermediates: Vec<Intermediate<'a>>,
 }
@@ -138,12 +141,12 @@ pub struct Traced<'a> {
 impl<'a> Traced<'a> {
     /// A reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
-        Self { reflection: Some(reflection), composite: None, hits: None, distance: None, intermediates: Vec::new() }
+        Self { reflection: Some(reflection), composite: None, hits: None, ends: None, intermediates: Vec::new() }
     }
 
     /// No reflection: the image is the lit colour.
     pub fn nothing(gbuffer: &GBuffer<'a>) -> Self {
-        Self { reflection: None, composite: Some(gbuffer.color), hits: None, distance: None, intermediates: Vec::new() }
+        Self { reflection: None, composite: Some(gbuffer.color), hits: None, ends: None, intermediates: Vec::new() }
     }
 }
 

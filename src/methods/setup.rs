@@ -207,12 +207,14 @@ parameters! {
         /// image with those of the bounce before in it (docs/definitions.md, "Bounces"). With 1, what is reflected does not
         /// reflect. The references follow rays over as many bounces.
         bounces: u32 = Parameter::new(1).within(1, 8).unit("bounces").source("Hermanns 2015, §4.2.11"),
-        /// Reflections are averaged over frames. Earlier frames are reprojected, rejected where they were occluded, and
-        /// clamped to what the pixels around show now. An image at rest is shown after `history_frames` frames.
+        /// Reflections are averaged over frames. What a pixel reflects is looked for where the frame before showed it, taken
+        /// over as far as it agrees, and clamped to what the pixels around show now (docs/definitions.md, "Histories"). Mirrors
+        /// have no history. An image at rest is shown after `history_frames` frames.
         history: HistoryUse = Parameter::new(HistoryUse::Off).source("Hermanns 2015, §4.2.11; Salvi 2016"),
-        /// Frames that the history averages at most.
+        /// Frames that the history averages at most while the camera moves, and that bring other rays once it rests.
         history_frames: u32 = Parameter::new(16).within(1, 256).unit("frames").source("tuned (docs/findings.md)"),
-        /// How far from the mean of what the pixels around show the history may lie.
+        /// How far from the mean of what the pixels around show the history may lie where what is reflected is not known: four times
+        /// as far where it is known to agree, and eight times where nothing moves.
         history_deviations: f32 =
             Parameter::new(1.0).between(0.0, 100.0).unit("standard deviations").source("Salvi 2016"),
         /// What unified hits on the screen alone, and the oracle that methods are held against: 1, any block that a ray meets; 2, only

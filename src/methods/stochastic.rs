@@ -180,7 +180,7 @@ impl Method for StochasticMethod {
                 trace.hits()
             }
         };
-        let (reflection, distance) = self.resolve.resolved();
-        Ok(Traced { hits, intermediates, distance: Some(distance), ..Traced::new(reflection) })
+        let (reflection, ends) = self.resolve.resolved();
+        Ok(Traced { hits, intermediates, ends: Some(ends), ..Traced::new(reflection) })
     }
 }

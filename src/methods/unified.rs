@@ -73,6 +73,7 @@
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
 //! plain twins in `reference::unified`.
 
+use super::setup::HistoryUse;
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -178,6 +179,8 @@ pub struct UnifiedMethod {
     /// Where the image is finished by the passes that know the reflection.
     composite: Option<Image>,
     reflection: Option<Image>,
+    /// Whether a history asks where rays ended.
+    tells: bool,
     fade: bool,
     /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
     sky: bool,
@@ -214,17 +217,16 @@ impl BeyondPass {
     }
 
     fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
+        let images = [&between.records, &between.ends];
         match (self, input) {
-            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, &between.records),
-            (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
-                pass.record_narrow(frame, *input, &between.records)
-            }
+            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, images),
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_narrow(frame, *input, images),
             _ => Ok(()),
         }
     }
 
     fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
-        let images = [&between.place, &between.seen];
+        let images = [&between.place, &between.seen, &between.ends];
         match (self, input) {
             (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),
@@ -257,6 +259,7 @@ impl UnifiedMethod {
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let sky = effect.definitions == DefinitionsVersion::V2;
+        let tells = effect.history == HistoryUse::On;
         let parts = UnifiedSetup {
             extent,
             projection,
@@ -270,6 +273,7 @@ impl UnifiedMethod {
             followed,
             triangles: making.triangles,
             own_rays: making.triangles.map_or(0, |_| effect.own_rays.on(gpu)),
+            tells,
             // A ray that goes on and ends in the sky shows it by either version.
             sky: sky || followed,
             trace,
@@ -278,12 +282,12 @@ impl UnifiedMethod {
         let image = |name| parts.target(gpu, name, LIT_COLOR);
         let beyond = match (making.triangles, making.captures) {
             (Some(triangles), _) if screen => {
-                let wanted = TriangleWants { composite, reflection, hits, projection };
+                let wanted = TriangleWants { composite, reflection, hits, tells, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
             }
             (None, Some(face)) => {
                 let over = parts.over;
-                let wanted = FollowWants { over, composite, reflection, hits, behind: false, projection };
+                let wanted = FollowWants { over, composite, reflection, hits, tells, behind: false, projection };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
             // What goes among the triangles at once stands on no list.
@@ -304,6 +308,7 @@ impl UnifiedMethod {
             lost: LostRays::new(gpu, extent, listed)?,
             beyond,
             screen,
+            tells,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             sky,
@@ -363,7 +368,7 @@ impl Method for UnifiedMethod {
         let plan = Plan::new(gbuffer.reflectors);
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
-        parameters.turn = input.frame as i32;
+        parameters.turn = input.rested as i32;
         parameters.sky = i32::from(self.sky && input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let lit = input.triangles.zip(input.scene);
@@ -436,7 +441,8 @@ impl Method for UnifiedMethod {
         }
 
         let reflection = canvas.reflection.map(Reflection);
-        Ok(Traced { reflection, composite: canvas.composite, hits, distance: None, intermediates: Vec::new() })
+        let ends = self.tells.then_some(&between.ends);
+        Ok(Traced { reflection, composite: canvas.composite, hits, ends, intermediates: Vec::new() })
     }
 }
 

@@ -28,6 +28,8 @@ pub struct FollowWants {
     pub reflection: bool,
     /// Where each ray ended.
     pub hits: bool,
+    /// Where each ray of a glossy pixel ended, for a history.
+    pub tells: bool,
     /// Rays begin only where another reflection does not cover all.
     pub behind: bool,
     /// The screen's projection.
@@ -50,14 +52,14 @@ impl FollowPass {
     /// followed from its beginning stands behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
-        let FollowWants { over, composite, reflection, hits, behind, projection } = wanted;
+        let FollowWants { over, composite, reflection, hits, tells, behind, projection } = wanted;
         let begin = programs::BeginInCapturesConstants { behind, orthographic: projection.is_orthographic() };
         let mirrors = programs::FollowMirrorsConstants { strip, over, composite, reflection, hits };
         Ok(Self {
             begin: ComputePipeline::with(gpu, &begin)?,
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
-            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over })?,
-            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over })?,
+            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over, tells })?,
+            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over, tells })?,
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
@@ -121,7 +123,7 @@ impl FollowPass {
         &self,
         frame: &mut Frame,
         FollowInput { captures, beyond }: FollowInput,
-        records: &Image,
+        [records, ends]: [&Image; 2],
     ) -> Result<()> {
         let program = programs::FollowNarrow {
             unified: captures.face,
@@ -129,6 +131,7 @@ impl FollowPass {
             normal_buffer: captures.normal.all(),
             color_cubes: Sampled::trilinear(captures.color.all()),
             seen_image: records.all(),
+            ends_image: ends.all(),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,
@@ -142,7 +145,7 @@ impl FollowPass {
         &self,
         frame: &mut Frame,
         FollowInput { captures, beyond }: FollowInput,
-        [place, seen]: [&Image; 2],
+        [place, seen, ends]: [&Image; 3],
     ) -> Result<()> {
         let program = programs::FollowWide {
             unified: captures.face,
@@ -151,6 +154,7 @@ impl FollowPass {
             color_cubes: Sampled::trilinear(captures.color.all()),
             place_image: place.all(),
             seen_image: seen.all(),
+            ends_image: ends.all(),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,

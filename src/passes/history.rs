@@ -1,24 +1,32 @@
 //! Temporal filtering (thesis §4.2.11): the reflection of earlier frames, found again in this one, and averaged with it.
 
-use super::{GBuffer, LIT_COLOR, Reflection};
+use super::scene_data::Standing;
+use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
-use crate::gpu::shader::HistoryBlock;
+use crate::gpu::shader::{HistoryBlock, MoverData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::passes::lost::unit;
+use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
+use crate::passes::lost::{ENDS, unit};
 use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
-use std::cell::Cell;
+use glam::{DMat4, Vec3};
+use std::cell::{Cell, RefCell};
 
-/// Reversed depth, the number of frames, and the normal.
-const GUIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+/// Format of what guides the search: `Guide` of `shaders-glsl/common/history.frag`, packed.
+const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
 /// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
     pipeline: GraphicsPipeline<programs::History<'static>>,
     kept: [Kept; 2],
-    /// How many frames there were, and what the last one was seen from.
+    composite: Option<Image>,
+    /// In place of the ends of rays, where the method does not know them.
+    no_ends: Image,
+    /// In place of the triangles of a G-buffer that has none: one texel, which says so.
+    no_triangle: Image,
+    /// What is known of the frames so far.
+    past: RefCell<Past>,
     frames: Cell<u32>,
-    camera: Cell<Option<Camera>>,
     averaged: u32,
     deviations: f32,
 }
@@ -29,31 +37,84 @@ struct Kept {
     guide: Image,
 }
 
+/// What the last frame was seen from and showed, and how long that has been so.
+#[derive(Default)]
+struct Past {
+    camera: Option<Camera>,
+    standing: Vec<Standing>,
+    /// Whether something moved in the last frame.
+    moved: bool,
+    turns: Turns,
+    /// What this frame says, until it is recorded.
+    movers: Vec<Mover>,
+    rests: bool,
+    repeats: bool,
+    before: Option<Camera>,
+}
+
+/// A thing that moved since the frame before.
+struct Mover {
+    triangles: [u32; 2],
+    /// From where it stands now to where it stood, in metres along the world's axes.
+    back: Vec3,
+}
+
+/// In which directions the rays of a frame leave.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Turns {
+    /// Frames with other directions before this one since the history began. It no longer grows once the picture has been at rest
+    /// for as many frames as are averaged.
+    pub drawn: u32,
+    /// Such frames since the camera last moved: 0 while it moves.
+    pub rested: u32,
+    /// Frames with other directions that are still to come if nothing moves.
+    left: u32,
+}
+
+impl Turns {
+    /// The frame after this one: whether the camera moved since, and whether the last thing that moved has come to rest.
+    fn next(self, moved: bool, has_stopped: bool, averaged: u32) -> Self {
+        let Self { drawn, rested, left } = self;
+        let most = averaged.saturating_sub(1);
+        let left = if moved || has_stopped { most } else { left };
+        match (moved, left) {
+            (true, _) => Self { drawn: drawn.wrapping_add(1), rested: 0, left },
+            (false, 0) => self,
+            (false, _) => Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left: left - 1 },
+        }
+    }
+}
+
 impl HistoryPass {
     /// For a size in pixels and a projection: how many frames are averaged at most, and how many standard deviations of what is seen
-    /// around a pixel its history may lie from their mean.
+    /// around a pixel its history may lie from their mean. With `composite` the pass also makes the finished image.
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, (averaged, deviations): (u32, f32)) -> Result<Self> {
-        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic() };
+    pub fn new(
+        gpu: &Gpu,
+        extent: [u32; 2],
+        kind: ProjectionKind,
+        (averaged, deviations): (u32, f32),
+        composite: bool,
+    ) -> Result<Self> {
+        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic(), composite };
+        let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
         let image = |name, format| Image::target(gpu, name, format, extent);
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE], &constants)?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], &constants)?,
             kept: [kept()?, kept()?],
+            composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
+            no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
+            no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
+            past: RefCell::default(),
             frames: Cell::new(0),
-            camera: Cell::new(None),
             averaged,
             deviations,
         })
-    }
-
-    /// How many frames there were since the history began.
-    pub fn frames(&self) -> u32 {
-        self.frames.get()
     }
 
     /// How many frames are averaged at most.
@@ -64,11 +125,27 @@ impl HistoryPass {
     /// Forgets all frames: the next one is the first.
     pub fn restart(&self) {
         self.frames.set(0);
-        self.camera.set(None);
+        self.past.take();
     }
 
-    /// Pass "history". `distance` is from each pixel's point to what it reflects, in units of
-    /// [`unit()`], where the method knows it: a mirror's image moves as what it shows, not as the mirror.
+    /// Begins a frame that is seen from a camera, with things where they stand now. Says in which directions its rays leave.
+    pub fn begin(&self, camera: &Camera, standing: Vec<Standing>) -> Turns {
+        let mut past = self.past.borrow_mut();
+        past.movers = movers(&past.standing, &standing);
+        past.before = past.camera.replace(*camera);
+        past.rests = past.before == Some(*camera);
+        let moves = !past.movers.is_empty();
+        let turns = match past.before {
+            None => Turns { left: self.averaged.saturating_sub(1), ..Turns::default() },
+            Some(_) => past.turns.next(!past.rests, past.moved && !moves, self.averaged),
+        };
+        past.repeats = past.rests && turns == past.turns;
+        (past.turns, past.moved, past.standing) = (turns, moves, standing);
+        turns
+    }
+
+    /// Pass "history", of the frame that [`Self::begin`] began: the averaged reflection, and the finished image if it makes one. `ends` says where the rays of each pixel ended, in units of
+    /// [`unit()`], where the method knows it.
     ///
     /// # Errors
     /// Errors of the device.
@@ -78,52 +155,108 @@ impl HistoryPass {
         gbuffer: &GBuffer,
         camera: &Camera,
         reflection: Reflection,
-        distance: Option<&Image>,
-    ) -> Result<Reflection<'_>> {
-        let before = self.camera.replace(Some(*camera));
+        ends: Option<&Image>,
+    ) -> Result<(Reflection<'_>, Option<&Image>)> {
+        let past = self.past.borrow();
         let turn = self.frames.get() as usize % 2;
-        self.frames.set(self.frames.get() + 1);
+        self.frames.set(self.frames.get().wrapping_add(1));
         let [now, earlier] = [&self.kept[turn], &self.kept[1 - turn]];
-        if before.is_none() {
+        if past.before.is_none() {
             // Read by nobody, and yet bound.
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
+            frame.clear("history/no triangle", self.no_triangle.all(), [f32::from_bits(NO_TRIANGLE); 4])?;
         }
+        let block =
+            HistoryBlock { has_ends: i32::from(ends.is_some()), ..self.block(camera, &past, gbuffer.depth.extent()) };
         let program = programs::History {
-            history: &HistoryBlock {
-                has_distance: i32::from(distance.is_some()),
-                ..self.block(camera, before.as_ref(), gbuffer.depth.extent())
-            },
+            history: &block,
             depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: Sampled::nearest(gbuffer.normal.all()),
-            reflection_buffer: Sampled::nearest(reflection.0.all()),
-            material_buffer: Sampled::nearest(gbuffer.material.all()),
-            color_before: Sampled::nearest(earlier.reflection.all()),
-            guide_before: Sampled::nearest(earlier.guide.all()),
-            // Not read where it is not known.
-            distance_buffer: Sampled::nearest(distance.unwrap_or(gbuffer.depth).all()),
+            reflection_buffer: reflection.0.all(),
+            material_buffer: gbuffer.material.all(),
+            color_before: earlier.reflection.all(),
+            guide_before: earlier.guide.all(),
+            color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+            // Not read where they are not known.
+            ends_image: ends.unwrap_or(&self.no_ends).all(),
+            triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
         };
-        let targets = [Target::overwrite(now.reflection.all()), Target::overwrite(now.guide.all())];
+        let composite = self.composite.as_ref();
+        let targets = [
+            Target::overwrite(now.reflection.all()),
+            Target::overwrite(now.guide.all()),
+            composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
+        ];
         frame.fullscreen("history", &self.pipeline, targets, &program)?;
-        Ok(Reflection(&now.reflection))
+        Ok((Reflection(&now.reflection), composite))
     }
 
-    fn block(&self, camera: &Camera, before: Option<&Camera>, extent: [u32; 2]) -> HistoryBlock {
-        let earlier = before.unwrap_or(camera);
-        let array = |m: glam::DMat4| m.as_mat4().to_cols_array_2d();
+    fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2]) -> HistoryBlock {
+        let earlier = past.before.as_ref().unwrap_or(camera);
+        let array = |m: DMat4| m.as_mat4().to_cols_array_2d();
         let [clip, clip_before] = [camera, earlier].map(|c| c.view_to_clip_reversed().as_dmat4());
         let [world, world_before] = [camera, earlier].map(|c| c.world_to_view.as_dmat4());
-        HistoryBlock {
+        let to_world = world.inverse();
+        let mut block = HistoryBlock {
             clip_to_view: array(clip.inverse()),
-            view_to_view_before: array(world_before * world.inverse()),
+            view_to_view_before: array(world_before * to_world),
             view_to_clip_before: array(clip_before),
             clip_to_view_before: array(clip_before.inverse()),
             resolution: extent.map(|v| v as f32),
             unit: unit(camera),
             frames: self.averaged as f32,
             deviations: self.deviations,
-            begins: i32::from(before.is_none()),
+            begins: i32::from(past.before.is_none()),
+            rests: i32::from(past.rests),
+            repeats: i32::from(past.repeats),
             ..HistoryBlock::default()
+        };
+        for (data, mover) in block.movers.iter_mut().zip(&past.movers) {
+            let [first, end] = mover.triangles;
+            let back = DMat4::from_translation(mover.back.as_dvec3());
+            *data = MoverData { to_before: array(world_before * back * to_world), triangles: [first, end, 0, 0] };
+            block.mover_count += 1;
         }
+        block
+    }
+}
+
+/// The things that stand elsewhere than before. Of more than a block has room for, only the first.
+fn movers(before: &[Standing], now: &[Standing]) -> Vec<Mover> {
+    let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.offset != b.offset);
+    let moved = pairs.map(|(a, b)| Mover { triangles: b.triangles, back: a.offset - b.offset });
+    moved.take(MOST_MOVERS as usize).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_turn_once_through_their_directions_after_each_stop() {
+        let averaged = 4;
+        let begun = Turns { left: averaged - 1, ..Turns::default() };
+        let rest = |turns: Turns| turns.next(false, false, averaged);
+        let rested: Vec<u32> =
+            std::iter::successors(Some(begun), |t| Some(rest(*t))).take(7).map(|t| t.rested).collect();
+        assert_eq!(rested, [0, 1, 2, 3, 3, 3, 3]);
+        let settled = (0..6).fold(begun, |turns, _| rest(turns));
+        // A thing that rests again has been seen in other directions than now.
+        let stopped = settled.next(false, true, averaged);
+        assert_eq!((stopped.rested, stopped.drawn), (4, settled.drawn + 1));
+        let moved = settled.next(true, false, averaged);
+        assert_eq!((moved.rested, moved.drawn), (0, settled.drawn + 1));
+        assert_eq!(rest(moved).rested, 1);
+    }
+
+    #[test]
+    fn movers_are_the_things_that_stand_elsewhere_than_before() {
+        let standing = |first: u32, x: f32| Standing { triangles: [first, first + 2], offset: Vec3::X * x };
+        let before = [standing(0, 0.0), standing(2, 1.0), standing(4, 0.0)];
+        let now = [standing(0, 0.0), standing(2, 1.5), standing(4, 0.0)];
+        let moved = movers(&before, &now);
+        assert_eq!(moved.iter().map(|m| (m.triangles, m.back)).collect::<Vec<_>>(), [([2, 4], Vec3::X * -0.5)]);
+        assert!(movers(&[], &now).is_empty(), "nothing is known of a frame before the first");
     }
 }

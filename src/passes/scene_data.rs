@@ -67,6 +67,15 @@ pub struct Placed {
     pub time_ms: f64,
 }
 
+/// A thing of the scene that may move: the numbers of its triangles, and where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// The numbers of its triangles: the first, and the one behind the last.
+    pub triangles: [u32; 2],
+    /// Metres along the world's axes from where it stood at first.
+    pub offset: Vec3,
+}
+
 /// A mesh in device memory.
 pub(super) struct MeshData {
     pub vertices: Buffer,
@@ -217,6 +226,15 @@ impl SceneData {
             return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
         }
         Ok(())
+    }
+
+    /// The meshes, where they stand.
+    pub fn standing(&self) -> Vec<Standing> {
+        let of = |m: &MeshData| Standing {
+            triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
+            offset: m.offset,
+        };
+        self.meshes.iter().map(of).collect()
     }
 
     /// Replaces the captures that the scene names itself; without any, they are found.

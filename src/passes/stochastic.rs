@@ -1,7 +1,7 @@
 //! Trace and resolve of `stochastic`: a ray for each pixel, drawn from its lobe, and what pixels make of the rays around
 //! them (Stachowiak 2015).
 
-use super::lost::Beyond;
+use super::lost::{Beyond, ENDS};
 use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
 use crate::error::Result;
 use crate::gpu::program::Fragment;
@@ -163,7 +163,7 @@ pub struct StochasticResolvePass {
     sum: Image,
     weight: Image,
     reflection: Image,
-    distance: Image,
+    ends: Image,
 }
 
 impl StochasticResolvePass {
@@ -178,7 +178,7 @@ impl StochasticResolvePass {
             sum: stored("ray sums", vk::Format::R32G32B32A32_SFLOAT)?,
             weight: stored("ray weights", vk::Format::R32G32B32A32_SFLOAT)?,
             reflection: stored("reflection", LIT_COLOR)?,
-            distance: stored("reflected distance", vk::Format::R32_SFLOAT)?,
+            ends: stored("ends", ENDS)?,
         })
     }
 
@@ -203,15 +203,15 @@ impl StochasticResolvePass {
             sum_image: self.sum.all(),
             weight_image: self.weight.all(),
             reflection_image: self.reflection.all(),
-            distance_image: self.distance.all(),
+            ends_image: self.ends.all(),
             stochastic,
         };
         let [width, height] = gbuffer.depth.extent();
         frame.compute("resolve", &self.pipeline, &program, [width, height, 1])
     }
 
-    /// What the last turn made: the reflection, and how far away it is, in units of [`unit`](super::lost::unit).
+    /// What the last turn made: the reflection, and how far away it is ([`ENDS`]).
     pub fn resolved(&self) -> (Reflection<'_>, &Image) {
-        (Reflection(&self.reflection), &self.distance)
+        (Reflection(&self.reflection), &self.ends)
     }
 }

@@ -56,6 +56,8 @@ pub struct UnifiedSetup {
     pub triangles: Option<TriangleReading>,
     /// Rays of its own that a pixel with a lobe gets among the triangles where its neighbours disagree; 0 without triangles.
     pub own_rays: i32,
+    /// Whether a history asks where rays ended.
+    pub tells: bool,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
     /// The stage that traces rays.

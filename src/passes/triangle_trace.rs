@@ -30,6 +30,8 @@ pub struct TriangleWants {
     pub reflection: bool,
     /// Where each ray ended.
     pub hits: bool,
+    /// Where each ray of a glossy pixel ended, for a history.
+    pub tells: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
 }
@@ -77,14 +79,16 @@ impl TriangleTracePass {
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
-        let TriangleWants { composite, reflection, hits, projection } = wanted;
+        let TriangleWants { composite, reflection, hits, tells, projection } = wanted;
         let orthographic = projection.is_orthographic();
         Ok(Self {
             mirrors: pipeline! { TriangleMirrorsConstants or TriangleMirrorsQueriedConstants of (gpu, reading),
                 composite, reflection, hits, orthographic,
             },
-            narrow: pipeline! { TriangleNarrowConstants or TriangleNarrowQueriedConstants of (gpu, reading), orthographic },
-            wide: pipeline! { TriangleWideConstants or TriangleWideQueriedConstants of (gpu, reading), orthographic },
+            narrow: pipeline! { TriangleNarrowConstants or TriangleNarrowQueriedConstants of (gpu, reading),
+                tells, orthographic,
+            },
+            wide: pipeline! { TriangleWideConstants or TriangleWideQueriedConstants of (gpu, reading), tells, orthographic },
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
@@ -112,14 +116,18 @@ impl TriangleTracePass {
     }
 
     /// Pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
-    pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, records: &Image) -> Result<()> {
-        let program = follow_program! { TriangleNarrow or TriangleNarrowQueried of input, seen_image: records.all() };
+    pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, [records, ends]: [&Image; 2]) -> Result<()> {
+        let program = follow_program! { TriangleNarrow or TriangleNarrowQueried of input,
+            seen_image: records.all(), ends_image: ends.all(),
+        };
         self.narrow.follow(frame, "triangles/narrow", &program, input.beyond.counts)
     }
 
     /// Pass "triangles/wide": the same for the rays of cells with wide lobes.
-    pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen]: [&Image; 2]) -> Result<()> {
-        let program = follow_program! { TriangleWide or TriangleWideQueried of input, place_image: place.all(), seen_image: seen.all() };
+    pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen, ends]: [&Image; 3]) -> Result<()> {
+        let program = follow_program! { TriangleWide or TriangleWideQueried of input,
+            place_image: place.all(), seen_image: seen.all(), ends_image: ends.all(),
+        };
         self.wide.follow(frame, "triangles/wide", &program, input.beyond.counts)
     }
 }

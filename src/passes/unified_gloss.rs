@@ -2,7 +2,7 @@
 //! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
-use super::lost::Beyond;
+use super::lost::{Beyond, ENDS};
 use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
 use super::tracer::{ByTracer, by_tracer};
 use super::triangle_scene::{AmongTriangles, with_reading};
@@ -60,6 +60,8 @@ pub struct BetweenPasses {
     pub cell_reflection: Image,
     /// The normal and depth of the surface that a cell's reflection is of.
     pub cell_surface: Image,
+    /// Where each ray ended ([`ENDS`]); a single texel where nobody asks.
+    pub ends: Image,
 }
 
 /// What the passes read, and where they draw.
@@ -89,7 +91,8 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, sky, trace, resolve, .. } = *setup;
+        let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, tells, sky, trace, resolve, .. } =
+            *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
         let orthographic = setup.projection.is_orthographic();
         let narrow = Over { list: NARROW_LIST, halved: false };
@@ -101,30 +104,29 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, narrow),
                     || [RECORD],
-                    |_| TraceNarrowConstants { strip, oracle, followed, sky, orthographic },
-                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky, orthographic },
+                    |_| TraceNarrowConstants { strip, oracle, followed, sky, tells, orthographic },
+                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky, tells, orthographic },
                 )?),
                 Some(reading) if screen => {
                     let fragment = |_| {
                         with_reading! { TraceNarrowConfirmedConstants of reading,
-                            strip, oracle, followed, sky, own_rays, orthographic,
+                            strip, oracle, followed, sky, tells, own_rays, orthographic,
                         }
                     };
                     let compute = |whole| {
                         with_reading! { TraceNarrowConfirmedComputeConstants of reading,
-                            strip, oracle, whole, followed, sky, own_rays, orthographic,
+                            strip, oracle, whole, followed, sky, tells, own_rays, orthographic,
                         }
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
                     NarrowTraces::Confirmed(pipeline)
                 }
                 Some(reading) if reading.queries => {
-                    let constants =
-                        |whole| with_reading! { TraceNarrowQueriedConstants of reading, whole, own_rays, orthographic };
+                    let constants = |whole| with_reading! { TraceNarrowQueriedConstants of reading, whole, own_rays, tells, orthographic };
                     NarrowTraces::Triangles(ByTracer::Query(TiledCompute::new(gpu, narrow, constants)?))
                 }
                 Some(reading) => NarrowTraces::Triangles(ByTracer::Tree(TiledCompute::new(gpu, narrow, |whole| {
-                    with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, own_rays, orthographic }
+                    with_reading! { TraceNarrowAmongTrianglesConstants of reading, whole, own_rays, tells, orthographic }
                 })?)),
             },
             resolve_narrow: TiledPipeline::new(
@@ -139,29 +141,30 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, halves),
                     || [PLACE, LIT_COLOR],
-                    |_| TraceWideConstants { strip, oracle, followed, sky, orthographic },
-                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky, orthographic },
+                    |_| TraceWideConstants { strip, oracle, followed, sky, tells, orthographic },
+                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky, tells, orthographic },
                 )?),
                 Some(reading) if screen => {
                     let fragment = |_| {
                         with_reading! { TraceWideConfirmedConstants of reading,
-                            strip, oracle, followed, sky, orthographic,
+                            strip, oracle, followed, sky, tells, orthographic,
                         }
                     };
                     let compute = |whole| {
                         with_reading! { TraceWideConfirmedComputeConstants of reading,
-                            strip, oracle, whole, followed, sky, orthographic,
+                            strip, oracle, whole, followed, sky, tells, orthographic,
                         }
                     };
                     let formats = || [PLACE, LIT_COLOR];
                     WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
                 }
                 Some(reading) if reading.queries => {
-                    let constants = |whole| with_reading! { TraceWideQueriedConstants of reading, whole, orthographic };
+                    let constants =
+                        |whole| with_reading! { TraceWideQueriedConstants of reading, whole, tells, orthographic };
                     WideTraces::Triangles(ByTracer::Query(TiledCompute::new(gpu, halves, constants)?))
                 }
                 Some(reading) => WideTraces::Triangles(ByTracer::Tree(TiledCompute::new(gpu, halves, |whole| {
-                    with_reading! { TraceWideAmongTrianglesConstants of reading, whole, orthographic }
+                    with_reading! { TraceWideAmongTrianglesConstants of reading, whole, tells, orthographic }
                 })?)),
             },
             cells: TiledPipeline::new(
@@ -193,6 +196,7 @@ impl UnifiedGlossPass {
                 seen: image("seen color", LIT_COLOR, cells)?,
                 cell_reflection: image("cell reflection", LIT_COLOR, cells)?,
                 cell_surface: image("cell surface", LIT_COLOR, cells)?,
+                ends: image("ends", ENDS, if tells { setup.extent } else { [1, 1] })?,
             },
         })
     }
@@ -218,6 +222,7 @@ impl UnifiedGlossPass {
                     color_buffer: Sampled::trilinear(gbuffer.color.all()),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                     lost_counts: beyond.counts,
                     lost: beyond.rays,
                 };
@@ -237,6 +242,7 @@ impl UnifiedGlossPass {
                     triangle_buffer: beyond.triangle_of(gbuffer),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                     lost_counts: beyond.counts,
                     lost: beyond.rays,
                 };
@@ -254,6 +260,7 @@ impl UnifiedGlossPass {
                     triangle_buffer: beyond.triangle_of(gbuffer),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                 };
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), &program)
             }
@@ -299,6 +306,7 @@ impl UnifiedGlossPass {
                     color_buffer: Sampled::trilinear(gbuffer.color.all()),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                     lost_counts: beyond.counts,
                     lost: beyond.rays,
                 };
@@ -317,6 +325,7 @@ impl UnifiedGlossPass {
                     triangle_buffer: beyond.triangle_of(gbuffer),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                     lost_counts: beyond.counts,
                     lost: beyond.rays,
                 };
@@ -334,6 +343,7 @@ impl UnifiedGlossPass {
                     triangle_buffer: beyond.triangle_of(gbuffer),
                     captures: beyond.block,
                     environment: beyond.sky,
+                    ends_image: self.between.ends.all(),
                 };
                 pipeline.run(frame, "trace/wide", (parameters, *tiles), &program)
             }

@@ -61,6 +61,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         followed: false,
         triangles: None,
         own_rays: 0,
+        tells: false,
         sky: false,
         trace: TileStage::Fragment,
         resolve: TileStage::Fragment,
@@ -102,7 +103,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     frame.finish().unwrap();
     let mut read = |image: &Image| context.read(image.level(0)).unwrap();
     let vec4 = |t: &[f32]| Vec4::from_slice(t);
-    let BetweenPasses { records, place, seen, cell_reflection, cell_surface } = gloss.between();
+    let BetweenPasses { records, place, seen, cell_reflection, cell_surface, .. } = gloss.between();
     let [narrow, place, seen, cell_reflection, cell_surface] =
         [records, place, seen, cell_reflection, cell_surface].map(&mut read);
     let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {

@@ -37,6 +37,7 @@ mod gloss;
 mod gloss_twin;
 mod golden;
 mod hi_z_ray_trace;
+mod history;
 mod ibr;
 mod impostors;
 #[cfg(unix)]

@@ -59,6 +59,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "fps",
             "moving",
             "step",
+            "step_frames",
             "faces",
             "captures",
             "capture_side",

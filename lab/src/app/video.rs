@@ -25,6 +25,7 @@ pub struct VideoOptions {
     ///
     /// - walk: from the view towards what it looks at
     /// - turn: at rest, turned quickly, and at rest again
+    /// - stop: aside for a third of the film, and at rest
     /// - rest: the camera stays where the view is
     /// - views: through the views of the scene
     /// - the name of a path of the scene file, or a path file (.toml)
@@ -44,6 +45,9 @@ pub struct VideoOptions {
     /// The three numbers are along the axes of the world.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "moving")]
     pub step: Option<Vec3>,
+    /// Frames after which they rest; by default they never do
+    #[arg(long, value_name = "N", requires = "moving")]
+    pub step_frames: Option<u32>,
     /// Rays a pixel of the world reference
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
     pub rays: u32,
@@ -84,6 +88,7 @@ impl StudyOptions for VideoOptions {
             rays: self.rays,
             moving: self.moving.clone(),
             step_m: self.step.unwrap_or(Vec3::ZERO),
+            step_frames: self.step_frames,
         })
     }
 }
@@ -95,6 +100,7 @@ fn named(options: &VideoOptions, scene: &Scene) -> Result<Way> {
     let of_view: fn(_) -> Way = match name.to_string_lossy().as_ref() {
         "walk" => Way::Walk,
         "turn" => Way::Turn,
+        "stop" => Way::Stop,
         "rest" => Way::Rest,
         _ => {
             let path = resolve::path(scene, name, "--way")?;

@@ -52,6 +52,8 @@ pub struct VideoStudy {
     pub moving: Vec<String>,
     /// By how much from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
+    /// Frames after which they rest; `None` if they never do.
+    pub step_frames: Option<u32>,
 }
 
 /// One size with one set of factors.
@@ -87,6 +89,9 @@ columns! {
         pub moving: Vec<String>,
         /// By how much from one frame to the next, in metres.
         pub step_m: [f32; 3],
+        /// Frames after which they rest; null if they never do.
+        #[serde(default)]
+        pub step_frames: Option<u32>,
         /// Frames in a second.
         pub frames_per_second: f32,
         /// Rays a pixel of the world reference.
@@ -206,7 +211,8 @@ impl Study for VideoStudy {
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
         let Self { way, moving, frames, frames_per_second, rays, .. } = self;
-        let moves = json!([format!("{way:?}"), moving, self.step_m.to_array(), frames, frames_per_second, rays]);
+        let step = (self.step_m.to_array(), self.step_frames);
+        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays]);
         let cell = |extent: [u32; 2], globals: Globals| {
             let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();
             Planned {
@@ -300,7 +306,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     let mut world = Truth::default();
     let mut moved = spec.study.scene.clone();
     for frame in 0..spec.study.frames {
-        if frame > 0 {
+        if frame > 0 && spec.study.step_frames.is_none_or(|last| frame <= last) {
             for name in &spec.study.moving {
                 stage.scene_mut().place_meshes(name, frame as f32 * spec.study.step_m)?;
             }
@@ -466,6 +472,7 @@ fn record(spec: &VideoSpec, start: &View, of: &Variant, mut filmed: Filmed, worl
         way: spec.study.way.name().to_owned(),
         moving: spec.study.moving.clone(),
         step_m: spec.study.step_m.to_array(),
+        step_frames: spec.study.step_frames,
         frames_per_second: spec.study.frames_per_second,
         rays: spec.study.rays,
         time_ms: Stats::of(&times).median_ms,

@@ -1,7 +1,7 @@
 //! Ways of the camera through a film.
 
 use crate::scene::{CameraPath, View};
-use glam::Quat;
+use glam::{Quat, Vec3};
 
 /// How the camera moves through a film.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,12 +13,16 @@ pub enum Way {
     Walk(View),
     /// At rest in a view for a third of the film, then turned quickly to the right, and at rest again.
     Turn(View),
+    /// Aside from a view for a third of the film, and at rest.
+    Stop(View),
     /// At rest in a view.
     Rest(View),
 }
 
 /// Metres a second.
 const WALK: f32 = 1.4;
+/// Metres a second aside.
+const ASIDE: f32 = 1.0;
 /// Degrees, and seconds that they take.
 const TURN: (f32, f32) = (45.0, 0.2);
 
@@ -29,6 +33,7 @@ impl Way {
             Self::Path(path) => &path.name,
             Self::Walk(_) => "walk",
             Self::Turn(_) => "turn",
+            Self::Stop(_) => "stop",
             Self::Rest(_) => "rest",
         }
     }
@@ -40,7 +45,7 @@ impl Way {
                 let (eye, look_at) = path.at(0.0);
                 View { name: path.name.clone(), eye, look_at, ..View::default() }
             }
-            Self::Walk(view) | Self::Turn(view) | Self::Rest(view) => view.clone(),
+            Self::Walk(view) | Self::Turn(view) | Self::Stop(view) | Self::Rest(view) => view.clone(),
         }
     }
 
@@ -65,6 +70,11 @@ impl Way {
                 let turned = Quat::from_rotation_y(degrees.to_radians() * part.min(1.0));
                 View { look_at: view.eye + turned * (view.look_at - view.eye), ..view.clone() }
             }
+            Self::Stop(view) => {
+                let aside = Vec3::Y.cross(view.look_at - view.eye).normalize_or_zero();
+                let step = aside * (ASIDE * of_second(frame.min(frames / 3)));
+                View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
+            }
             Self::Rest(view) => view.clone(),
         }
     }
@@ -73,7 +83,6 @@ impl Way {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     fn view() -> View {
         View { eye: Vec3::new(1.0, 1.5, 0.0), look_at: Vec3::new(1.0, 1.5, 2.0), ..View::default() }
@@ -88,6 +97,15 @@ mod tests {
         let near = last(Way::Walk(view()));
         assert!((near.eye - Vec3::new(1.0, 1.5, 1.0)).length() < 1e-5 && near.look_at.z == 3.0, "{near:?}");
         assert_eq!(Way::Walk(view()).view(0, 60, 30.0), view());
+    }
+
+    #[test]
+    fn who_stops_goes_aside_for_a_third_of_the_film_and_rests() {
+        let way = Way::Stop(view());
+        let gone = |frame| way.view(frame, 60, 30.0).eye - view().eye;
+        assert_eq!(gone(0), Vec3::ZERO);
+        assert!((gone(10) - Vec3::X / 3.0).length() < 1e-5, "{}", gone(10));
+        assert!((gone(20) - Vec3::X * 2.0 / 3.0).length() < 1e-5 && gone(59) == gone(20), "{}", gone(59));
     }
 
     #[test]

@@ -1,0 +1,18 @@
+// Where glossy rays ended, as a history asks for it: of each pixel with a narrow lobe, and at the first pixel of each cell of
+// 2 x 2 pixels with a wide one. The passes that trace rays write it, and those that follow what the screen lost
+// (captures/finish.glsl); common/history.frag reads it.
+
+#ifndef UNIFIED_ENDS_GLSL
+#define UNIFIED_ENDS_GLSL
+
+layout(constant_id = 13) const bool TELLS = false; // the ends are wanted
+
+// The distance from where the ray began, in units of ViewPoint, as bits; and what it met (EndOf). 0 for a ray that missed.
+layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // any image of this format without TELLS
+
+void TellEnd(ivec2 pixel, uvec2 told) {
+    if (TELLS)
+        imageStore(ends_image, pixel, uvec4(told, 0u, 0u));
+}
+
+#endif

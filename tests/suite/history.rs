@@ -1,0 +1,142 @@
+//! The history of `unified`: what it keeps at rest, what it leaves alone, and how it follows what moves.
+
+use crate::common::gpu;
+use glam::Vec3;
+use ssct::methods::setup::HistoryUse;
+use ssct::methods::{EffectParams, Setup, Wants, find};
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::scene::{Scene, View, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [161, 91];
+
+/// Frames that the history averages.
+const AVERAGED: u32 = 8;
+
+fn with_history() -> Setup {
+    Setup::new(EXTENT).with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, AVERAGED))
+}
+
+/// What stands where in a frame, and where it is seen from.
+struct Moment {
+    view: View,
+    ball: Vec3,
+}
+
+/// The reflections that `unified` makes of the rooms, frame by frame.
+fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec<Vec<[f32; 3]>> {
+    let gpu = gpu();
+    let mut stage = Stage::new(&gpu, scene).unwrap();
+    let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, &moments[0].view);
+    let camera = |moment: &Moment| moment.view.camera(scene, EXTENT);
+    let first = camera(&moments[0]);
+    let mut shot = Shot::new(&mut stage, find("unified").unwrap(), setup, Wants::REFLECTION, first, materials).unwrap();
+    let mut made = Vec::new();
+    for moment in moments {
+        stage.scene_mut().place_meshes("ball", moment.ball).unwrap();
+        shot.camera = camera(moment);
+        let (_, _, output) = stage.output(&shot).unwrap();
+        let image = gbuffer::reflection(&mut stage.context, &output).unwrap();
+        made.push(image.texels().map(|t| [t[0], t[1], t[2]]).collect());
+    }
+    gpu.check_validation().unwrap();
+    made
+}
+
+fn rooms() -> (Scene, View) {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap().clone();
+    (scene, view)
+}
+
+/// A camera that walks aside for some frames and then rests.
+fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
+    let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
+    let place = |n: u32| {
+        let aside = right * (0.02 * n.min(moving) as f32);
+        View { eye: view.eye + aside, look_at: view.look_at + aside, ..view.clone() }
+    };
+    (0..=moving + resting).map(|n| Moment { view: place(n), ball: Vec3::ZERO }).collect()
+}
+
+/// A camera at rest, before which the ball rolls after some frames.
+fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
+    let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
+    (0..=resting + rolling).map(|n| Moment { view: view.clone(), ball: ball(n) }).collect()
+}
+
+fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    masked_rmse(a, b, &vec![true; a.len()])
+}
+
+#[test]
+fn mirrors_have_no_history() {
+    let (scene, view) = rooms();
+    let moments = walk(&view, 3, 2);
+    let [alone, averaged] = [Setup::new(EXTENT), with_history()].map(|setup| film(&scene, 0.0, &setup, &moments));
+    assert!(alone == averaged, "a history changes a mirror");
+}
+
+#[test]
+fn at_rest_the_picture_settles_and_then_stands_still_to_the_bit() {
+    let (scene, view) = rooms();
+    for roughness in [0.1, 0.4] {
+        let frames = film(&scene, roughness, &with_history(), &walk(&view, 0, AVERAGED + 3));
+        let last = AVERAGED as usize - 1;
+        assert!(frames[0] != frames[last], "roughness {roughness}: nothing was averaged");
+        assert!(
+            frames[last..].iter().all(|frame| *frame == frames[last]),
+            "roughness {roughness}: it does not stand still"
+        );
+    }
+}
+
+#[test]
+fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
+    let (scene, view) = rooms();
+    for roughness in [0.1, 0.4] {
+        let moments = walk(&view, 6, 2 * AVERAGED);
+        let frames = film(&scene, roughness, &with_history(), &moments);
+        // Averaged at rest alone, over as many frames.
+        let settled = film(&scene, roughness, &with_history(), &moments[6..]);
+        let truth = settled.last().unwrap();
+        let [at_stop, after_four, at_end] = [6, 10, frames.len() - 1].map(|n| rmse(truth, &frames[n]));
+        let alone = rmse(truth, &film(&scene, roughness, &Setup::new(EXTENT), &moments[6..7])[0]);
+        println!("roughness {roughness}: {alone:.4} alone, {at_stop:.4} at the stop, {after_four:.4}, {at_end:.4}");
+        assert!(at_stop < alone, "{at_stop} against {alone}");
+        assert!(after_four < 0.7 * alone, "{after_four} against {alone}");
+    }
+}
+
+#[test]
+fn a_thing_that_moves_changes_no_pixel_that_does_not_see_it() {
+    let (scene, view) = rooms();
+    let moments = roll(&view, AVERAGED, 4);
+    let [alone, averaged] = [Setup::new(EXTENT), with_history()].map(|setup| film(&scene, 0.1, &setup, &moments));
+    // From the second step on: before the first, the rays of the two have other directions.
+    let (from, to) = (moments.len() - 2, moments.len() - 1);
+    let changes = |film: &[Vec<[f32; 3]>], n: usize| film[from][n] != film[to][n];
+    let count = |film: &[Vec<[f32; 3]>]| (0..film[0].len()).filter(|n| changes(film, *n)).count();
+    let [without, with] = [count(&alone), count(&averaged)];
+    println!("{without} pixels change without a history, {with} with one");
+    assert!(without > 50, "the ball changes {without} pixels");
+    assert!(with as f64 <= 1.2 * without as f64, "{with} pixels change with a history, {without} without");
+}
+
+#[test]
+fn nothing_of_a_thing_is_left_where_it_was_reflected() {
+    let (scene, view) = rooms();
+    let moments = roll(&view, AVERAGED, 10);
+    let rolled = film(&scene, 0.1, &with_history(), &moments);
+    // Frames that never saw the ball elsewhere.
+    let still: Vec<Moment> =
+        (0..AVERAGED).map(|_| Moment { view: view.clone(), ball: moments.last().unwrap().ball }).collect();
+    let there = film(&scene, 0.1, &with_history(), &still);
+    let alone = film(&scene, 0.1, &Setup::new(EXTENT), &still[..1]);
+    let begun = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
+    let moved: Vec<bool> = begun[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
+    let truth = there.last().unwrap();
+    let [of_rolled, of_alone] = [rolled.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &moved));
+    println!("where the ball was and is: {of_rolled:.4} with a history, {of_alone:.4} without");
+    assert!(of_rolled < 1.1 * of_alone, "{of_rolled} against {of_alone}");
+}
