@@ -73,7 +73,7 @@ impl StudyOptions for VideoOptions {
         let base = self.common.method_options.setup(sizes[0]);
         let lenses = match &way {
             Way::Path(_) => vec![scene.lens],
-            Way::Walk(view) | Way::Turn(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
+            Way::Walk(view) | Way::Turn(view) | Way::Stop(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
         };
         let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
         resolve::moving(&scene, &self.moving)?;
