@@ -171,3 +171,18 @@ pub fn errors_of(folder: &Path, method: &str) -> Result<String> {
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     table(&head, scenes.iter().map(row).collect::<Result<_>>()?)
 }
+
+/// The time of a method over that of `ssct` at a roughness: median over the views, and in brackets the greatest.
+pub fn time_over(folder: &Path, method: &str, roughness: &str) -> Result<String> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let mut times: BTreeMap<[String; 2], BTreeMap<String, f64>> = BTreeMap::new();
+    for row in csv(folder, "times.csv")? {
+        if (number(&row, "roughness")? - wanted).abs() < 1e-6 {
+            let view = [row["scene"].clone(), row["view"].clone()];
+            times.entry(view).or_default().insert(name(&row), number(&row, "median_ms")?);
+        }
+    }
+    let over = |of: &BTreeMap<String, f64>| Some(of.get(method)? / of.get("ssct")?);
+    let over: Vec<f64> = times.values().map(over).collect::<Option<_>>().ok_or("a view lacks a method")?;
+    Ok(format!("{} ({})", ratio(median(&over)?), ratio(greatest(&over))))
+}

@@ -28,6 +28,7 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
         ["against-world"] => against_world::methods(folder),
+        ["time-over", method, roughness] => against_world::time_over(folder, method, roughness),
         ["beaten", method] => against_world::beaten(folder, method),
         ["scenes-of", method] => against_world::errors_of(folder, method),
         ["own-times"] => own_rays::times(folder),
