@@ -31,7 +31,7 @@ layout(std140, binding = 0) uniform HistoryBlock {
     float deviations;         // standard deviations around the mean within which the history is kept
     int begins;               // 1: there is no frame before
     int has_ends;             // 1: `ends_image` is known
-    int rests;                // 1: the frame before had this camera
+    int rests;                // 1: the frame before had this camera; 2: so had as many as are averaged
     int repeats;              // 1: and the same directions of rays
     int mover_count;
     MoverData movers[MOST_MOVERS];
@@ -295,7 +295,9 @@ void main() {
     // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
     age = min(age + 1.0, history.rests != 0 ? MOST_AT_REST : history.frames);
-    vec4 mixed = FromLinear(mix(before, now, 1.0 / age));
+    // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
+    bool is_whole = history.rests > 1 && history.mover_count == 0 && !is_new && found.age > history.frames - 0.5;
+    vec4 mixed = FromLinear(mix(before, now, is_whole ? 0.0 : 1.0 / age));
     vec4 shown = stays ? imageLoad(color_before, inside) : age > 1.0 ? mixed : alone;
     out_reflection = reflects ? shown : alone;
     out_guide = !reflects ? uvec4(0u) : stays ? kept : Pack(Guide(depth, normal, age, inverse), print);

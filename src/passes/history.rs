@@ -208,7 +208,7 @@ impl HistoryPass {
             frames: self.averaged as f32,
             deviations: self.deviations,
             begins: i32::from(past.before.is_none()),
-            rests: i32::from(past.rests),
+            rests: i32::from(past.rests) + i32::from(past.rests && past.turns.rested >= self.averaged),
             repeats: i32::from(past.repeats),
             ..HistoryBlock::default()
         };
