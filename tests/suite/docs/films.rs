@@ -1,6 +1,6 @@
 //! The tables of films: quality and time of `unified` beside `stochastic` with a history, and what a history leaves behind.
 
-use super::figures::{Result, json, mean, ratio, table};
+use super::figures::{Result, Row, csv, json, mean, number, ratio, table};
 use serde_json::Value;
 use std::path::Path;
 
@@ -138,4 +138,63 @@ pub fn ghosts(folder: &Path) -> Result<String> {
         rows.push(row);
     }
     table(&["frames", "`unified`", "with a history", "`stochastic`", "with a history"], rows)
+}
+
+/// Films without a history and with one, by their folders. Two were also made with the history that looked where the surface
+/// was.
+const HISTORIES: [(&str, &str); 4] = [
+    ("ball", "a ball moves, the camera rests"),
+    ("turn", "a turn of 45° in six frames, and a rest"),
+    ("walk", "a walk"),
+    ("walk-0.3", "a walk"),
+];
+
+/// The error of changes of each film over the world's own changes, FLIP, the changes themselves over the world's, and the time, of
+/// `unified` without a history and with one.
+pub fn histories(folder: &Path) -> Result<String> {
+    let films = |name: &str| -> Result<[Row; 2]> {
+        let rows = csv(&folder.join(name), "video.csv")?;
+        let of = |variant: &str| {
+            let found = rows.iter().find(|r| r["variant"] == variant);
+            found.cloned().ok_or_else(|| format!("{name} has no film of {variant:?}"))
+        };
+        Ok([of("unified")?, of("unified history on")?])
+    };
+    let over = |row: &Row, field: &str| Ok::<_, String>(number(row, field)? / number(row, "reference_flicker")?);
+    let mut rows = Vec::new();
+    for (name, shown) in HISTORIES {
+        let [none, now] = films(name)?;
+        let before = format!("{name}-before");
+        let before = if folder.join(&before).exists() {
+            ratio(over(&films(&before)?[1], "change_error")?)
+        } else {
+            "–".to_owned()
+        };
+        let flip = |row: &Row| Ok::<_, String>(format!("{:.4}", number(row, "flip")?));
+        rows.push(vec![
+            shown.to_owned(),
+            none["roughness"].clone(),
+            ratio(over(&none, "change_error")?),
+            before,
+            ratio(over(&now, "change_error")?),
+            flip(&none)?,
+            flip(&now)?,
+            ratio(over(&none, "flicker")?),
+            ratio(over(&now, "flicker")?),
+            ratio(number(&now, "time_ms")? / number(&none, "time_ms")?),
+        ]);
+    }
+    let head = [
+        "film",
+        "ϱ",
+        "change: none",
+        "before",
+        "now",
+        "FLIP: none",
+        "now",
+        "flicker: none",
+        "now",
+        "time, now over none",
+    ];
+    table(&head, rows)
 }

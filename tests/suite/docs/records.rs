@@ -89,6 +89,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["films"] => films::walks(first)?,
         ["films-on-screen"] => films::on_screen(first)?,
         ["films-history"] => films::ghosts(first)?,
+        ["histories"] => films::histories(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,
         ["camera-capture"] => layers::camera_capture(first)?,
