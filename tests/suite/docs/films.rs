@@ -149,8 +149,8 @@ const HISTORIES: [(&str, &str); 4] = [
     ("walk-0.3", "a walk"),
 ];
 
-/// The error of changes of each film over the world's own changes, FLIP, the changes themselves over the world's, and the time, of
-/// `unified` without a history and with one.
+/// The error of changes of each film over the world's own changes, FLIP, and the changes themselves over the world's, of `unified`
+/// without a history and with one.
 pub fn histories(folder: &Path) -> Result<String> {
     let films = |name: &str| -> Result<[Row; 2]> {
         let rows = csv(&folder.join(name), "video.csv")?;
@@ -181,20 +181,8 @@ pub fn histories(folder: &Path) -> Result<String> {
             flip(&now)?,
             ratio(over(&none, "flicker")?),
             ratio(over(&now, "flicker")?),
-            ratio(number(&now, "time_ms")? / number(&none, "time_ms")?),
         ]);
     }
-    let head = [
-        "film",
-        "ϱ",
-        "change: none",
-        "before",
-        "now",
-        "FLIP: none",
-        "now",
-        "flicker: none",
-        "now",
-        "time, now over none",
-    ];
+    let head = ["film", "ϱ", "change: none", "before", "now", "FLIP: none", "now", "flicker: none", "now"];
     table(&head, rows)
 }

@@ -26,7 +26,8 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["wider", method, other, view] => wider(folder, [method, other, view]),
         ["popped", method, variant, scene] => popped(folder, [method, variant, scene]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
-        ["queries-over-tree", file, roughness] => queries_over_tree(folder, file, roughness),
+        ["queries-over-tree", file, roughness] => setup_over(folder, [file, roughness], ["tracer", "query", "tree"]),
+        ["history-over-none", file, roughness] => setup_over(folder, [file, roughness], ["history", "on", "off"]),
         ["against-world"] => against_world::methods(folder),
         ["time-over", method, roughness] => against_world::time_over(folder, method, roughness),
         ["beaten", method] => against_world::beaten(folder, method),
@@ -164,18 +165,18 @@ fn total_over(folder: &Path, file: &str, [method, other]: [&str; 2]) -> Result<S
     Ok(ratio(total(method)? / total(other)?))
 }
 
-/// The time of a method by ray queries over that by the tree at a roughness, of a file that has one method by both.
-fn queries_over_tree(folder: &Path, file: &str, roughness: &str) -> Result<String> {
+/// The time of a method with one value of a parameter over that with another at a roughness, of a file that has both.
+fn setup_over(folder: &Path, [file, roughness]: [&str; 2], [field, value, other]: [&str; 3]) -> Result<String> {
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
     let records = json(folder, &format!("{file}.json"))?;
-    let is_it = |r: &&Value, tracer| {
-        r["setup"]["tracer"] == tracer && r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6)
+    let is_it = |r: &&Value, value| {
+        r["setup"][field] == value && r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6)
     };
-    let total = |tracer| {
-        let record = records.iter().find(|r| is_it(r, tracer));
-        milliseconds(&record.ok_or_else(|| format!("{file}.json has no {tracer} at {roughness}"))?["total"])
+    let total = |value| {
+        let record = records.iter().find(|r| is_it(r, value));
+        milliseconds(&record.ok_or_else(|| format!("{file}.json has no {field} {value} at {roughness}"))?["total"])
     };
-    Ok(ratio(total("query")? / total("tree")?))
+    Ok(ratio(total(value)? / total(other)?))
 }
 
 /// The share of a method's time that passes take whose names begin alike.
