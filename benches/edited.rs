@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// File below `shaders-glsl`, the text that stands there once, and what stands in its place.
-pub type Edits = &'static [(&'static str, &'static str, &'static str)];
+pub type Edit = (&'static str, &'static str, &'static str);
+
+/// Changes of some files.
+pub type Edits = &'static [Edit];
 
 /// Programs whose code some edits change, with their new code.
 type Replaced = Vec<(&'static Shader, Arc<[u8]>)>;

@@ -6,7 +6,7 @@
 //! - `towards-camera`: the share of the rays that run towards the camera; `towards-camera-hits`: the share of these that hit;
 //!   `away-hits`: the share of the others that hit.
 
-use super::edited::Edits;
+use super::edited::{Edit, Edits};
 use super::{Bench, Change, SAME, THESIS, globals, mean, method, scene};
 use ssct::gpu::Pixels;
 use ssct::methods::ssr::SsrParams;
@@ -53,29 +53,33 @@ const MARCH: Edits = &[
     ),
 ];
 
+/// A counter beside the linear march.
+pub const COUNTER: Edit = (
+    "thesis/linear_ray_march.glsl",
+    "#define INVALID_RAY vec3(-1.0)",
+    "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
+);
+/// A step of the march counts.
+pub const MARCHED: Edit = (
+    "thesis/linear_ray_march.glsl",
+    "        // 9-11: Check if ray steps",
+    "        counted += 1.0;\n        // 9-11: Check if ray steps",
+);
+/// The place where a ray of `sslr` missed becomes what was counted.
+pub const MISS_OF_SSLR: Edit = (
+    "thesis/sslr_ray_trace.frag",
+    "out_hit = vec4(hit, PATH_LINEAR_MISS);",
+    "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
+);
+/// The place where a ray of `sslr` hit becomes what was counted.
+pub const HIT_OF_SSLR: Edit = (
+    "thesis/sslr_ray_trace.frag",
+    "out_hit = vec4(hit, PATH_LINEAR);",
+    "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
+);
+
 /// The place of a hit becomes the depths that were read, whether it is a hit or not.
-const UNIFORM: Edits = &[
-    (
-        "thesis/linear_ray_march.glsl",
-        "#define INVALID_RAY vec3(-1.0)",
-        "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
-    ),
-    (
-        "thesis/linear_ray_march.glsl",
-        "        // 9-11: Check if ray steps",
-        "        counted += 1.0;\n        // 9-11: Check if ray steps",
-    ),
-    (
-        "thesis/sslr_ray_trace.frag",
-        "out_hit = vec4(hit, PATH_LINEAR_MISS);",
-        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
-    ),
-    (
-        "thesis/sslr_ray_trace.frag",
-        "out_hit = vec4(hit, PATH_LINEAR);",
-        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
-    ),
-];
+const UNIFORM: Edits = &[COUNTER, MARCHED, MISS_OF_SSLR, HIT_OF_SSLR];
 
 /// One image that counts.
 struct Counted<'a> {

@@ -14,6 +14,7 @@
 //! - `normals`: rays are reflected at the normals of shading, with all of their bumps, at those of the geometry, or at the
 //!   world's up; and `steps-…`, by how much the mean number of steps changes.
 
+use super::counts::{COUNTER, HIT_OF_SSLR, MARCHED, MISS_OF_SSLR};
 use super::edited::Edits;
 use super::times::spread;
 use super::{Bench, SAME, globals, method, scene};
@@ -50,16 +51,8 @@ const ROUGH: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.rou
 
 /// The place of a hit becomes the number of steps: of the traversal, of the marches and of the search.
 const COUNTING: Edits = &[
-    (
-        "thesis/linear_ray_march.glsl",
-        "#define INVALID_RAY vec3(-1.0)",
-        "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
-    ),
-    (
-        "thesis/linear_ray_march.glsl",
-        "        // 9-11: Check if ray steps",
-        "        counted += 1.0;\n        // 9-11: Check if ray steps",
-    ),
+    COUNTER,
+    MARCHED,
     (
         "thesis/linear_ray_march.glsl",
         "        // 37-40: Check if",
@@ -76,16 +69,8 @@ const COUNTING: Edits = &[
         "        counted += 1.0;\n        cellCount = GetCellCount(thesis.resolution, level);\n        cellIndex = GetCell(ray.xy, cellCount);\n\n        // 4",
     ),
     ("thesis/ssct.frag", "out_hit = vec4(trace.hit, trace.path);", "out_hit = vec4(counted, 0.0, 0.0, trace.path);"),
-    (
-        "thesis/sslr_ray_trace.frag",
-        "out_hit = vec4(hit, PATH_LINEAR_MISS);",
-        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
-    ),
-    (
-        "thesis/sslr_ray_trace.frag",
-        "out_hit = vec4(hit, PATH_LINEAR);",
-        "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
-    ),
+    MISS_OF_SSLR,
+    HIT_OF_SSLR,
 ];
 
 /// Traces in a pass of its own.

@@ -81,11 +81,8 @@ uvec4 Pack(Guide g, uint alone) {
 }
 
 Guide Unpack(uvec4 words) {
-    vec2 folded = unpackSnorm2x16(words.y), more = unpackHalf2x16(words.z);
-    float z = 1.0 - abs(folded.x) - abs(folded.y);
-    float fold = max(-z, 0.0);
-    vec3 normal = vec3(folded.x + (folded.x >= 0.0 ? -fold : fold), folded.y + (folded.y >= 0.0 ? -fold : fold), z);
-    return Guide(uintBitsToFloat(words.x), normal, more.x, more.y);
+    vec2 more = unpackHalf2x16(words.z);
+    return Guide(uintBitsToFloat(words.x), AlongOctahedral(unpackSnorm2x16(words.y)), more.x, more.y);
 }
 
 // A number that tells reflections apart.

@@ -10,10 +10,15 @@ vec2 Octahedral(vec3 v) {
     return v.z >= 0.0 ? v.xy : vec2(v.x >= 0.0 ? folded.x : -folded.x, v.y >= 0.0 ? folded.y : -folded.y);
 }
 
-vec3 FromOctahedral(vec2 o) {
+// A vector along the unit vector, as long as the octahedron is wide there.
+vec3 AlongOctahedral(vec2 o) {
     float z = 1.0 - abs(o.x) - abs(o.y);
     float fold = max(-z, 0.0);
-    return normalize(vec3(o.x + (o.x >= 0.0 ? -fold : fold), o.y + (o.y >= 0.0 ? -fold : fold), z));
+    return vec3(o.x + (o.x >= 0.0 ? -fold : fold), o.y + (o.y >= 0.0 ? -fold : fold), z);
+}
+
+vec3 FromOctahedral(vec2 o) {
+    return normalize(AlongOctahedral(o));
 }
 
 #endif

@@ -64,7 +64,7 @@ pub struct Input<'a, 's> {
     /// How many frames with other directions of rays came before this one since the history began; 0 without a history, so that
     /// frames are equal.
     pub frame: u32,
-    /// Such frames since the camera last moved; 0 while it moves.
+    /// Frames with other directions since the camera last moved; 0 while it moves.
     pub rested: u32,
     /// How many bounces came before this one in the frame. After the first, the lit colour has the reflections of the
     /// bounce before in it, and all else is as it was: what a method made of it then still stands.

@@ -229,7 +229,7 @@ parameters! {
         /// but where triangles are equally near within rounding.
         tracer: Tracer = Parameter::new(Tracer::Auto).source("this project (docs/unified.md)"),
         /// Rays of its own that a pixel with a lobe gets among the triangles, where the rays of its neighbours say little of
-        /// its reflection: where they disagree, or are of another surface.
+        /// its reflection: where they disagree, are of another surface, or where it stands close to what it shows.
         own_rays: OwnRays = Parameter::new(OwnRays::Auto).source("tuned (docs/unified.md)"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the

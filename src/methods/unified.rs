@@ -54,9 +54,9 @@
 //! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
 //! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
-//! is no randomness. Among triangles, pixels whose neighbours disagree can have rays of their own (`--own-rays`).
-//! Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
-//! black but not there: what is behind shows through it.
+//! is no randomness. Among triangles, pixels whose neighbours say little of their reflection can have rays of their own
+//! (`--own-rays`). Over the frames of a history (`--history on`) the directions are dealt out anew at rest. Over a fallback
+//! ([`Fallback`]) the share of the rays that miss is not black but not there: what is behind shows through it.
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
 //! The two make the same images to the bit on a device that computes alike in both stages; which is faster depends on
@@ -66,8 +66,8 @@
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles;
-//! `traverse.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl` and `resolve_wide.glsl`; for captures
-//! `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. Beside `mirror.glsl`
+//! `traverse.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`,
+//! `resolve_cells.glsl` and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. Beside `mirror.glsl`
 //! and `gloss_trace.glsl` stand a `.frag` and a `.comp` of the same stem, which include them, as `gloss_resolve.frag` and
 //! `gloss_resolve.comp` include those that resolve;
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have

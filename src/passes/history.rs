@@ -144,8 +144,8 @@ impl HistoryPass {
         turns
     }
 
-    /// Pass "history", of the frame that [`Self::begin`] began: the averaged reflection, and the finished image if it makes one. `ends` says where the rays of each pixel ended, in units of
-    /// [`unit()`], where the method knows it.
+    /// Pass "history", of the frame that [`Self::begin`] began: the averaged reflection, and the finished image if it makes
+    /// one. `ends` says where the rays of each pixel ended, in units of [`unit()`], where the method knows it.
     ///
     /// # Errors
     /// Errors of the device.

@@ -28,6 +28,7 @@ mod docs;
 mod embed;
 mod embed_example;
 mod embed_triangles;
+mod embed_unsound;
 mod error_study;
 mod figures;
 mod filters;

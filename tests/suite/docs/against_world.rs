@@ -1,6 +1,6 @@
 //! Every method against the world, by records of scripts/beyond.sh with VARIANTS: its table, and what the plot shows.
 
-use super::figures::{Result, Row, csv, greatest, median, number, ratio, shortest, table};
+use super::figures::{Result, Row, csv, median, median_and_greatest, number, shortest, table};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -122,8 +122,7 @@ pub fn methods(folder: &Path) -> Result<String> {
         let mut cells = vec![name.clone()];
         for r in &roughness {
             for i in 0..2 {
-                let over: Vec<f64> = of(&all, &name, r).map(|m| m.over_ssct[i]).collect();
-                cells.push(format!("{} ({})", ratio(median(&over)?), ratio(greatest(&over))));
+                cells.push(median_and_greatest(&of(&all, &name, r).map(|m| m.over_ssct[i]).collect::<Vec<_>>())?);
             }
         }
         Ok(cells)
@@ -165,7 +164,7 @@ pub fn errors_of(folder: &Path, method: &str) -> Result<String> {
     let head: Vec<String> =
         std::iter::once("scene".to_owned()).chain(roughness.iter().map(|r| format!("at {}", shortest(r)))).collect();
     let row = |(scene, by): (&&str, &BTreeMap<&str, Vec<f64>>)| {
-        let cells = by.values().map(|e| Ok(format!("{} ({})", ratio(median(e)?), ratio(greatest(e)))));
+        let cells = by.values().map(|e| median_and_greatest(e));
         std::iter::once(Ok((*scene).to_owned())).chain(cells).collect::<Result<Vec<_>>>()
     };
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
@@ -175,14 +174,13 @@ pub fn errors_of(folder: &Path, method: &str) -> Result<String> {
 /// The time of a method over that of `ssct` at a roughness: median over the views, and in brackets the greatest.
 pub fn time_over(folder: &Path, method: &str, roughness: &str) -> Result<String> {
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
-    let mut times: BTreeMap<[String; 2], BTreeMap<String, f64>> = BTreeMap::new();
-    for row in csv(folder, "times.csv")? {
-        if (number(&row, "roughness")? - wanted).abs() < 1e-6 {
-            let view = [row["scene"].clone(), row["view"].clone()];
-            times.entry(view).or_default().insert(name(&row), number(&row, "median_ms")?);
+    let mut over = Vec::new();
+    let times = by_cell(&csv(folder, "times.csv")?, |row| number(row, "median_ms"))?;
+    for ((scene, view, at, name), time) in &times {
+        if name == method && at.parse::<f64>().is_ok_and(|at| (at - wanted).abs() < 1e-6) {
+            let base = (scene.clone(), view.clone(), at.clone(), "ssct".to_owned());
+            over.push(time / times.get(&base).ok_or_else(|| format!("{scene} {view} has no ssct"))?);
         }
     }
-    let over = |of: &BTreeMap<String, f64>| Some(of.get(method)? / of.get("ssct")?);
-    let over: Vec<f64> = times.values().map(over).collect::<Option<_>>().ok_or("a view lacks a method")?;
-    Ok(format!("{} ({})", ratio(median(&over)?), ratio(greatest(&over))))
+    median_and_greatest(&over)
 }

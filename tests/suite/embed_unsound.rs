@@ -1,0 +1,41 @@
+//! Colours that are no numbers, from the host and through the door: they are black, and spread nowhere.
+
+use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
+use crate::common::gpu;
+use glam::Vec3;
+use ssct::Reflections;
+use ssct::methods::{METHODS, Setup};
+use ssct_lab::study::gbuffer;
+
+#[test]
+fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let context = engine.context();
+    let plain = view_of_rooms(&gpu, [97, 61]);
+    let spoilt = |odd: [f32; 3]| {
+        let mut data = plain.clone();
+        data.roughness.fill(0.3);
+        data.color.iter_mut().skip(40).step_by(211).for_each(|color| *color = Vec3::from(odd));
+        data
+    };
+    const MOST: f32 = 65504.0;
+    for (odd, sound) in [
+        ([f32::NAN; 3], [0.0; 3]),
+        ([0.5, -f32::NAN, 0.25], [0.5, 0.0, 0.25]),
+        ([f32::INFINITY, 1.0, f32::NEG_INFINITY], [MOST, 1.0, -MOST]),
+    ] {
+        let (odd, sound) = (spoilt(odd), spoilt(sound));
+        let theirs = Theirs::new(&mut engine, &odd, NATIVE);
+        for method in METHODS.iter().filter(|m| m.is_screen_space()) {
+            let reflect = |data| gbuffer::reflect(&gpu, data, None, method, &Setup::new([97, 61])).unwrap();
+            let [expected, uploaded] = [&sound, &odd].map(reflect);
+            assert!(bits(&uploaded.composite) == bits(&expected.composite), "{}: from the host", method.name);
+            let mut reflections = Reflections::new(&context, &info(&odd, method.name)).unwrap();
+            let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+            let composite = engine.read(&recorded.composite.unwrap());
+            assert!(bits(&composite) == bits(&expected.composite), "{}: through the door", method.name);
+        }
+    }
+    gpu.check_validation().unwrap();
+}
