@@ -33,6 +33,12 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["beaten", method] => against_world::beaten(folder, method),
         ["scenes-of", method] => against_world::errors_of(folder, method),
         ["own-times"] => own_rays::times(folder),
+        ["own-cost", roughness] => {
+            let ratios = ["rooms", "corridor", "atrium", "street"]
+                .map(|scene| setup_ratio(folder, [&format!("time-{scene}"), roughness], ["own_rays", "4", "none"]));
+            let ratios: Vec<f64> = ratios.into_iter().collect::<Result<_>>()?;
+            Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
+        }
         ["own-errors"] => own_rays::errors(folder),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
         ["stress-passed", method] => stress::passed(folder, method),
@@ -166,7 +172,7 @@ fn total_over(folder: &Path, file: &str, [method, other]: [&str; 2]) -> Result<S
 }
 
 /// The time of a method with one value of a parameter over that with another at a roughness, of a file that has both.
-fn setup_over(folder: &Path, [file, roughness]: [&str; 2], [field, value, other]: [&str; 3]) -> Result<String> {
+fn setup_ratio(folder: &Path, [file, roughness]: [&str; 2], [field, value, other]: [&str; 3]) -> Result<f64> {
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
     let records = json(folder, &format!("{file}.json"))?;
     let is_it = |r: &&Value, value| {
@@ -176,7 +182,11 @@ fn setup_over(folder: &Path, [file, roughness]: [&str; 2], [field, value, other]
         let record = records.iter().find(|r| is_it(r, value));
         milliseconds(&record.ok_or_else(|| format!("{file}.json has no {field} {value} at {roughness}"))?["total"])
     };
-    Ok(ratio(total(value)? / total(other)?))
+    Ok(total(value)? / total(other)?)
+}
+
+fn setup_over(folder: &Path, place: [&str; 2], values: [&str; 3]) -> Result<String> {
+    setup_ratio(folder, place, values).map(ratio)
 }
 
 /// The share of a method's time that passes take whose names begin alike.
