@@ -77,7 +77,7 @@ use super::setup::HistoryUse;
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image};
+use crate::gpu::{Frame, Gpu, Image, Precision};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
@@ -184,6 +184,8 @@ pub struct UnifiedMethod {
     fade: bool,
     /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
     sky: bool,
+    /// How far a pixel's point may lie beside the surface that it shows, in pixels.
+    beside: f32,
 }
 
 /// What follows the rays on the list.
@@ -314,6 +316,7 @@ impl UnifiedMethod {
             sky,
             // Where the screen ends, rays go on.
             fade: effect.fade && !followed,
+            beside: beside(gpu.precision(), effect.divisor()),
         })
     }
 }
@@ -373,7 +376,10 @@ impl Method for UnifiedMethod {
         let block = capture_block(input.camera, input.captures.as_ref());
         let lit = input.triangles.zip(input.scene);
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
-        let placed = input.triangles.map(|t| t.block(input.camera)).unwrap_or_default();
+        // A pixel's sides are twice what `pixel_to_view` is for.
+        let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
+        let placed = input.triangles.map(|t| t.block(input.camera, self.beside * width.hypot(height)));
+        let placed = placed.unwrap_or_default();
         let among = input.triangles.map(|triangles| AmongTriangles { triangles, block: &placed, lights: &lights });
         let wants_triangle = among.is_some() && gbuffer.triangle.is_none();
         let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
@@ -444,6 +450,14 @@ impl Method for UnifiedMethod {
         let ends = self.tells.then_some(&between.ends);
         Ok(Traced { reflection, composite: canvas.composite, hits, ends, intermediates: Vec::new() })
     }
+}
+
+/// How far a pixel's point may lie beside the surface that it shows, along each axis of the screen and in pixels. A rasteriser
+/// rounds corners to parts of a pixel, and may be another one with fewer than this device's bits; and a pixel that stands for a
+/// block has the depth of the block's first.
+fn beside(precision: Precision, divisor: u32) -> f32 {
+    let rounded = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
+    rounded + 0.5 * (divisor - 1) as f32 / divisor as f32
 }
 
 /// The parameters of a camera for a size in pixels. What of the projection is needed is computed in

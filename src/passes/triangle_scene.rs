@@ -283,12 +283,13 @@ impl<'a> TriangleBuffers<'a> {
         Self { structure, ..self }
     }
 
-    /// The block of a camera among the triangles.
-    pub fn block(&self, camera: &Camera) -> TriangleBlock {
+    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface, in metres
+    /// at a distance of 1 m, or in view units where rays of sight are parallel.
+    pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;
         let extent = self.extent_m;
-        TriangleBlock { eye: eye.to_array(), extent, corners, attributes, count, nodes }
+        TriangleBlock { eye: eye.to_array(), extent, corners, attributes, count, nodes, beside, ..Default::default() }
     }
 
     /// From the world to the coordinates of the triangles.
