@@ -18,14 +18,13 @@
 
 use glam::DVec3;
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::math::DefinitionsVersion;
 use ssct::methods::setup::{CaptureCount, EffectParams};
 use ssct::methods::{Setup, Wants, unified};
 use ssct::passes::PathCode;
 use ssct_lab::metrics::place::{RayEnd, is_right};
 use ssct_lab::reference::first_hits::{FirstHits, Receiver};
 use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::reference::world::WorldReference;
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
 use ssct_lab::scene::placement::sees;
 use ssct_lab::scene::{Scene, Triangles, View, library};
@@ -95,7 +94,7 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
 
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
     let first = FirstHits::shown(&world, &data);
-    let reference = WorldReference::by(DefinitionsVersion::V2, &world, &first, &data.camera, Escape::Environment, 2);
+    let reference = WorldReference::new(&world, &first, &data.camera, 2);
     let mut state = reference.start();
     reference.add(&mut state, RAYS);
     let truth = reference.image(&state).reflection;

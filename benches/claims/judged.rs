@@ -10,7 +10,7 @@
 
 use super::edited::{Edits, difference};
 use super::{Bench, Change, SAME, THESIS, globals, method, scene};
-use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::math::OracleVersion;
 use ssct::methods::billboard::BillboardParams;
 use ssct::methods::dda::DdaParams;
 use ssct::methods::setup::{EffectParams, Fallback};
@@ -24,7 +24,7 @@ use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::hierarchy::Hierarchy;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::reference::world::WorldReference;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::{Scene, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
@@ -262,17 +262,15 @@ impl At<'_> {
             let materials = self.place.globals(self.roughness).materials(self.scene, self.view);
             let world = World::new(self.scene, &materials);
             let first = FirstHits::shown(&world, &data);
-            let reference =
-                WorldReference::by(DefinitionsVersion::V2, &world, &first, &data.camera, Escape::Environment, 1);
+            let reference = WorldReference::new(&world, &first, &data.camera, 1);
             let mut state = reference.start();
             reference.add(&mut state, RAYS);
             let color = reference.image(&state).reflection.iter().map(|c| c.to_array()).collect();
             return Truth { mask, color, hits: None };
         }
-        let (oracle, definitions) = (OracleVersion::default(), DefinitionsVersion::V2);
-        let sampling = Sampling { samples: RAYS, seed: 1, oracle, definitions, bounces: 1 };
+        let sampling = Sampling { samples: RAYS, seed: 1, oracle: OracleVersion::default(), bounces: 1 };
         let image = ScreenReference::render(&data, &mask, sampling, &|| ());
-        let hierarchy = Hierarchy::new(&data).of_version(oracle);
+        let hierarchy = Hierarchy::new(&data);
         let hit = |i: usize| {
             let (x, y) = (i as u32 % data.width, i as u32 / data.width);
             mask[i].then(|| hierarchy.trace(x, y).position()).flatten().map(|p| [p.x, p.y])

@@ -6,11 +6,9 @@
 
 #include "captures/captures.glsl"
 
-layout(constant_id = 2) const bool SKY = true; // the sky is looked up along rays
-
-// The sky along a ray; black, and not looked up, without SKY.
+// The sky along a ray.
 vec3 SkyAlong(vec3 direction) {
-    return SKY ? Sky(ToWorld(direction)) : vec3(0.0);
+    return Sky(ToWorld(direction));
 }
 
 // The lit colour of the screen at a hit, from a level of its chain. The share of it that is sky (1 - a) was seen in
@@ -18,7 +16,7 @@ vec3 SkyAlong(vec3 direction) {
 vec3 ColorSeen(vec2 position, float level, vec3 along) {
     vec4 seen = textureLod(color_buffer, position * unified.pixel_to_clip, level);
     vec3 color = Sound(seen.rgb);
-    if (SKY && unified.sky != 0 && seen.a < 1.0) {
+    if (unified.sky != 0 && seen.a < 1.0) {
         vec3 there = Sky(ToWorld(ViewRay(position)));
         color = seen.a > 0.0 ? Sound(color + (1.0 - seen.a) * (along - there)) : along;
     }
@@ -28,8 +26,6 @@ vec3 ColorSeen(vec2 position, float level, vec3 along) {
 // The lit colour of the screen at a hit in full resolution. Each of the four pixels around the hit is sky or not, so that those that are can be left
 // out, and the sky be looked up once: a device that takes both ways of a branch pays for every look.
 vec3 ColorMirrored(vec2 position, vec3 along) {
-    if (!SKY)
-        return Sound(textureLod(color_buffer, position * unified.pixel_to_clip, 0.0).rgb);
     vec2 corner = position - 0.5;
     vec2 first = floor(corner);
     vec2 part = corner - first;

@@ -1,5 +1,5 @@
 //! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe,
-//! random numbers and noise, and the versions of the oracle and of the definitions.
+//! random numbers and noise, and the versions of the oracle.
 
 pub mod cone;
 pub mod constants;
@@ -10,7 +10,7 @@ pub mod projection;
 pub mod random;
 pub mod version;
 
-pub use version::{DefinitionsVersion, OracleVersion};
+pub use version::OracleVersion;
 
 /// sRGB's transfer function, encoded to linear, for 0…1 (IEC 61966-2-1).
 pub fn srgb_to_linear(v: f32) -> f32 {

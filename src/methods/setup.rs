@@ -3,7 +3,7 @@
 use super::{METHODS, MethodInfo, captures, environment, pccm, planar};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::math::{DefinitionsVersion, OracleVersion};
+use crate::math::OracleVersion;
 use crate::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
 };
@@ -243,9 +243,6 @@ parameters! {
         /// capture at the camera is always drawn anew, and takes no such number.
         captures_per_frame: u32 =
             Parameter::new(0).within(0, 6 * MAX_CAPTURES as u32).unit("faces").source("this project"),
-        /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the
-        /// older one.
-        definitions: DefinitionsVersion = Parameter::new(DefinitionsVersion::V2).source("this project"),
     }
 }
 

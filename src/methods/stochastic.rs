@@ -9,7 +9,6 @@ use crate::error::Result;
 use crate::gpu::programs::{StochasticExact, StochasticThesis};
 use crate::gpu::shader::{StochasticBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu};
-use crate::math::DefinitionsVersion;
 use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
@@ -87,8 +86,6 @@ struct StochasticMethod {
     lost: LostRays,
     parameters: StochasticParams,
     fade: bool,
-    /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
-    sky: bool,
 }
 
 enum Walk {
@@ -101,23 +98,21 @@ impl StochasticMethod {
         let (setup, extent) = (&making.setup, making.setup.extent);
         let parameters: StochasticParams = setup.of();
         let effect = setup.effect();
-        let sky = effect.definitions == DefinitionsVersion::V2;
-        let shown = (sky, making.hits);
         let walk = match parameters.stochastic_walk {
             StochasticWalk::Exact => {
                 let strip = pyramid::strip(extent);
-                let trace = StochasticTrace::<StochasticExact>::new(gpu, extent, strip, effect.oracle, shown)?;
+                let trace = StochasticTrace::<StochasticExact>::new(gpu, extent, strip, effect.oracle, making.hits)?;
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
                 let of: SsctParams = setup.of();
-                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, of.march.numbers(), shown)?;
+                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, of.march.numbers(), making.hits)?;
                 Walk::Thesis(HiZPass::new(gpu, extent, false)?, of, trace)
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;
         let lost = LostRays::new(gpu, extent, Listed::Nothing)?;
-        Ok(Self { walk, resolve, lost, parameters, fade: effect.fade, sky })
+        Ok(Self { walk, resolve, lost, parameters, fade: effect.fade })
     }
 
     /// Traces and resolves, ray after ray of each pixel.
@@ -156,7 +151,7 @@ impl Method for StochasticMethod {
         }
         let extent = gbuffer.depth.extent();
         let mut unified = unified::parameters(input.camera, extent, self.fade);
-        unified.sky = i32::from(self.sky && input.sky.is_some());
+        unified.sky = i32::from(input.sky.is_some());
         let camera = capture_block(input.camera, None);
         let beyond = self.lost.beyond(frame, &camera, input.sky, false)?;
         let mut intermediates = Vec::new();

@@ -78,7 +78,7 @@ use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Precision};
-use crate::math::{DefinitionsVersion, OracleVersion};
+use crate::math::OracleVersion;
 use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
@@ -182,8 +182,6 @@ pub struct UnifiedMethod {
     /// Whether a history asks where rays ended.
     tells: bool,
     fade: bool,
-    /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
-    sky: bool,
     /// How far a pixel's point may lie beside the surface that it shows, in pixels.
     beside: f32,
 }
@@ -260,7 +258,6 @@ impl UnifiedMethod {
         let followed = making.captures.is_some() || making.triangles.is_some();
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
-        let sky = effect.definitions == DefinitionsVersion::V2;
         let tells = effect.history == HistoryUse::On;
         let parts = UnifiedSetup {
             extent,
@@ -276,8 +273,6 @@ impl UnifiedMethod {
             triangles: making.triangles,
             own_rays: making.triangles.map_or(0, |_| effect.own_rays.on(gpu)),
             tells,
-            // A ray that goes on and ends in the sky shows it by either version.
-            sky: sky || followed,
             trace,
             resolve,
         };
@@ -313,7 +308,6 @@ impl UnifiedMethod {
             tells,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
-            sky,
             // Where the screen ends, rays go on.
             fade: effect.fade && !followed,
             beside: beside(gpu.precision(), effect.divisor()),
@@ -372,7 +366,7 @@ impl Method for UnifiedMethod {
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         parameters.turn = input.rested as i32;
-        parameters.sky = i32::from(self.sky && input.sky.is_some());
+        parameters.sky = i32::from(input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let lit = input.triangles.zip(input.scene);
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();

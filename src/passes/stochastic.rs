@@ -66,23 +66,17 @@ impl<F> StochasticTrace<F> {
 }
 
 impl StochasticTrace<StochasticExact<'static>> {
-    /// For images of a size in pixels, and pyramids with strips of 2^`strip` columns. `sky`: the sky is looked up along
-    /// rays, where it is known. `hits`: an image of the hits of mirrors is made.
+    /// For images of a size in pixels, and pyramids with strips of 2^`strip` columns. `hits`: an image of the hits of
+    /// mirrors is made.
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(
-        gpu: &Gpu,
-        extent: [u32; 2],
-        strip: u32,
-        oracle: OracleVersion,
-        (sky, hits): (bool, bool),
-    ) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], strip: u32, oracle: OracleVersion, hits: bool) -> Result<Self> {
         let (strip, oracle) = (strip as i32, u32::from(oracle) as i32);
         Self::of(
             gpu,
             extent,
-            &StochasticExactConstants { strip, oracle, followed: false, sky, hits, orthographic: false },
+            &StochasticExactConstants { strip, oracle, followed: false, hits, orthographic: false },
             hits,
         )
     }
@@ -117,13 +111,13 @@ impl StochasticTrace<StochasticExact<'static>> {
 }
 
 impl StochasticTrace<StochasticThesis<'static>> {
-    /// Traces by the thesis's walk, for images of a size in pixels; `sky` and `hits` as for [`StochasticExact`].
+    /// Traces by the thesis's walk, for images of a size in pixels; `hits` as for [`StochasticExact`].
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: MarchNumbers, (sky, hits): (bool, bool)) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: MarchNumbers, hits: bool) -> Result<Self> {
         let constants =
-            march_constants!(StochasticThesisConstants { fallback: true, sky, hits, orthographic: false }, march);
+            march_constants!(StochasticThesisConstants { fallback: true, hits, orthographic: false }, march);
         Self::of(gpu, extent, &constants, hits)
     }
 

@@ -58,8 +58,6 @@ pub struct UnifiedSetup {
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
     pub tells: bool,
-    /// Whether the sky is looked up along rays, where it is known.
-    pub sky: bool,
     /// The stage that traces rays.
     pub trace: TileStage,
     /// The stage that gathers what the rays saw.

@@ -91,8 +91,7 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, tells, sky, trace, resolve, .. } =
-            *setup;
+        let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, tells, trace, resolve, .. } = *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
         let orthographic = setup.projection.is_orthographic();
         let narrow = Over { list: NARROW_LIST, halved: false };
@@ -104,18 +103,18 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, narrow),
                     || [RECORD],
-                    |_| TraceNarrowConstants { strip, oracle, followed, sky, tells, orthographic },
-                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky, tells, orthographic },
+                    |_| TraceNarrowConstants { strip, oracle, followed, tells, orthographic },
+                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, tells, orthographic },
                 )?),
                 Some(reading) if screen => {
                     let fragment = |_| {
                         with_reading! { TraceNarrowConfirmedConstants of reading,
-                            strip, oracle, followed, sky, tells, own_rays, orthographic,
+                            strip, oracle, followed, tells, own_rays, orthographic,
                         }
                     };
                     let compute = |whole| {
                         with_reading! { TraceNarrowConfirmedComputeConstants of reading,
-                            strip, oracle, whole, followed, sky, tells, own_rays, orthographic,
+                            strip, oracle, whole, followed, tells, own_rays, orthographic,
                         }
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
@@ -141,18 +140,18 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, halves),
                     || [PLACE, LIT_COLOR],
-                    |_| TraceWideConstants { strip, oracle, followed, sky, tells, orthographic },
-                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky, tells, orthographic },
+                    |_| TraceWideConstants { strip, oracle, followed, tells, orthographic },
+                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, tells, orthographic },
                 )?),
                 Some(reading) if screen => {
                     let fragment = |_| {
                         with_reading! { TraceWideConfirmedConstants of reading,
-                            strip, oracle, followed, sky, tells, orthographic,
+                            strip, oracle, followed, tells, orthographic,
                         }
                     };
                     let compute = |whole| {
                         with_reading! { TraceWideConfirmedComputeConstants of reading,
-                            strip, oracle, whole, followed, sky, tells, orthographic,
+                            strip, oracle, whole, followed, tells, orthographic,
                         }
                     };
                     let formats = || [PLACE, LIT_COLOR];

@@ -61,14 +61,14 @@ impl UnifiedTracePass {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { followed, triangles, composite, sky, trace, .. } = *setup;
+        let UnifiedSetup { followed, triangles, composite, trace, .. } = *setup;
         let orthographic = setup.projection.is_orthographic();
         let over = Over { list: MIRROR_LIST, halved: false };
         let beside = setup.beside();
         let (stage, mirrors) = match triangles {
             None => {
                 let fragment =
-                    |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky, orthographic };
+                    |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, orthographic };
                 let compute = |whole| MirrorComputeConstants {
                     strip,
                     oracle,
@@ -76,7 +76,6 @@ impl UnifiedTracePass {
                     whole,
                     followed,
                     composite,
-                    sky,
                     beside,
                     orthographic,
                 };
@@ -85,12 +84,12 @@ impl UnifiedTracePass {
             Some(reading) if setup.screen => {
                 let fragment = |whole| {
                     with_reading! { MirrorConfirmedConstants of reading,
-                        strip, oracle, hits, whole, followed, composite, sky, orthographic,
+                        strip, oracle, hits, whole, followed, composite, orthographic,
                     }
                 };
                 let compute = |whole| {
                     with_reading! { MirrorConfirmedComputeConstants of reading,
-                        strip, oracle, hits, whole, followed, composite, sky, beside, orthographic,
+                        strip, oracle, hits, whole, followed, composite, beside, orthographic,
                     }
                 };
                 (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))

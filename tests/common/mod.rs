@@ -13,7 +13,7 @@ use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{self, EffectParams, Setup, Wants};
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::reference::world::WorldReference;
 use ssct_lab::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View,
@@ -309,14 +309,7 @@ pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setu
     gpu.check_validation().unwrap();
     let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
     let world = World::new(scene, &scene.materials);
-    let reference = WorldReference {
-        world: &world,
-        first_hits: &first_hits,
-        escape: Escape::Black,
-        footprint: None,
-        seed: 1,
-        bounces: 1,
-    };
+    let reference = WorldReference::of_centres(&world, &first_hits, 1);
     let mut state = reference.start();
     reference.add(&mut state, 1);
     let world = reference.image(&state).reflection;

@@ -7,7 +7,7 @@ use half::f16;
 use ssct::error::Error;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, FrameReport, Gpu};
-use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::math::OracleVersion;
 use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{Effect, EffectParams, Fallback, Input, METHODS, MethodInfo, Setup, Wants, find};
@@ -170,8 +170,7 @@ fn passes_that_read_no_colour_are_recorded_once() {
 
 /// What the screen shows along reflected rays over so many bounces.
 fn truth(data: &GBufferData, bounces: u32) -> Vec<[f32; 3]> {
-    let sampling =
-        Sampling { samples: 16, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V2, bounces };
+    let sampling = Sampling { samples: 16, seed: 1, oracle: OracleVersion::V1, bounces };
     let image = ScreenReference::render(data, &data.reflecting(), sampling, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }

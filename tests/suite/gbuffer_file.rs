@@ -5,7 +5,6 @@ use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::folder::Folder;
 use crate::common::gpu;
 use glam::Vec3;
-use ssct::math::DefinitionsVersion;
 use ssct::methods::setup::{CaptureCount, CaptureSide};
 use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
 use ssct::parameter::{Choices, Field};
@@ -137,7 +136,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
             &["--method", "unified"][..],
             &["--method", "captures"],
             &["--method", "ssct", "--fallback", "captures"],
-            &["--method", "unified", "--fallback", "captures", "--definitions", "1"],
+            &["--method", "unified", "--fallback", "captures"],
         ] {
             let direct = [&["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"], method];
             run(&[&direct.concat(), &place[..]].concat());
@@ -171,16 +170,16 @@ fn child() {
         let cubes = CaptureFolder::open(&folder.join(name)).unwrap();
         for roughness in [0.0, 0.1, 0.6] {
             let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-            for (method, fallback, definitions) in [
-                ("unified", Fallback::None, DefinitionsVersion::V2),
-                ("captures", Fallback::None, DefinitionsVersion::V2),
-                ("ssct", Fallback::Captures, DefinitionsVersion::V2),
-                ("unified", Fallback::Captures, DefinitionsVersion::V1),
+            for (method, fallback) in [
+                ("unified", Fallback::None),
+                ("captures", Fallback::None),
+                ("ssct", Fallback::Captures),
+                ("unified", Fallback::Captures),
             ] {
                 let what = format!("{name}, {method} before {fallback:?}, roughness {roughness}");
                 let method = methods::find(method).unwrap();
                 let setup = Setup::new([97, 61]).with(|p: &mut EffectParams| {
-                    (p.fallback, p.definitions) = (fallback, definitions);
+                    p.fallback = fallback;
                     (p.captures, p.capture_side) = (captures, SIDE);
                 });
                 let camera = view.camera(&scene, setup.extent);

@@ -4,8 +4,8 @@
 use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::{DefinitionsVersion, OracleVersion};
-use ssct::methods::{self, EffectParams, Setup, Wants};
+use ssct::math::OracleVersion;
+use ssct::methods::{self, Setup, Wants};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::scene::{GBufferData, View, library};
@@ -29,9 +29,7 @@ fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f
 }
 
 fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
-    // The reference here follows version 1 of the definitions, too.
-    let v1 = DefinitionsVersion::V1;
-    let setup = Setup::new([data.width, data.height]).with(|p: &mut EffectParams| p.definitions = v1);
+    let setup = Setup::new([data.width, data.height]);
     reflect(gpu, data, None, methods::find(method).unwrap(), &setup).unwrap().reflection
 }
 
@@ -47,7 +45,7 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     let image = ScreenReference::render(
         data,
         &mask(data),
-        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1, bounces: 1 },
+        Sampling { samples, seed: 1, oracle: OracleVersion::V1, bounces: 1 },
         &|| (),
     );
     image.color.iter().map(Vec3::to_array).collect()

@@ -62,7 +62,6 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         triangles: None,
         own_rays: 0,
         tells: false,
-        sky: false,
         trace: TileStage::Fragment,
         resolve: TileStage::Fragment,
     };

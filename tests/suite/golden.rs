@@ -1,4 +1,4 @@
-//! Small images of the built-in scenes, kept in `tests/golden/`, and compared by FLIP. They are drawn without anisotropy,
+//! Small images of the built-in scenes, kept in `tests/golden/`, a sheet for each view, and compared by FLIP. They are drawn without anisotropy,
 //! since each driver places the samples of an anisotropic filter as it likes (docs/devices.md). To renew them after a change
 //! that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
 
@@ -35,8 +35,45 @@ const VIEWS: [(&str, &str, Option<f32>); 7] = [
     ("corridor", "corridor", None),
 ];
 
-fn golden(stem: &str) -> PathBuf {
-    repository().join("tests/golden").join(format!("{stem}.png"))
+/// Images beside each other on a sheet, which has those of all methods in their order.
+const COLUMNS: u32 = 5;
+
+/// The images of a view, one for each method.
+struct Sheet {
+    path: PathBuf,
+    image: image::RgbImage,
+}
+
+impl Sheet {
+    /// Opens the sheet of a view; a new one, where it is to be renewed.
+    fn open(stem: &str) -> Self {
+        let path = repository().join("tests/golden").join(format!("{stem}.png"));
+        let size = [COLUMNS * EXTENT[0], (METHODS.len() as u32).div_ceil(COLUMNS) * EXTENT[1]];
+        if is_updating() {
+            return Self { path, image: image::RgbImage::new(size[0], size[1]) };
+        }
+        let renew = "SSCT_UPDATE_GOLDEN=1 makes it";
+        let image = image::open(&path).unwrap_or_else(|e| panic!("{}: {e}; {renew}", path.display())).into_rgb8();
+        assert_eq!([image.width(), image.height()], size, "{}: is of other methods; {renew}", path.display());
+        Self { path, image }
+    }
+
+    /// Where the image of a method lies.
+    fn corner(number: usize) -> [u32; 2] {
+        let number = number as u32;
+        [number % COLUMNS * EXTENT[0], number / COLUMNS * EXTENT[1]]
+    }
+
+    fn get(&self, number: usize) -> image::RgbImage {
+        let [x, y] = Self::corner(number);
+        image::imageops::crop_imm(&self.image, x, y, EXTENT[0], EXTENT[1]).to_image()
+    }
+
+    fn put(&mut self, number: usize, made: &Rgb) {
+        let [x, y] = Self::corner(number);
+        let made = image::RgbImage::from_raw(made.width, made.height, made.bytes.clone()).unwrap();
+        image::imageops::replace(&mut self.image, &made, x.into(), y.into());
+    }
 }
 
 /// Where images of a failed comparison go.
@@ -48,17 +85,8 @@ fn is_updating() -> bool {
     std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
 }
 
-/// Compares with the golden image, or replaces it; what is wrong, in a sentence.
-fn compare(stem: &str, image: &Rgb) -> Option<String> {
-    let path = golden(stem);
-    if is_updating() {
-        image.write_png(&path).unwrap();
-        return None;
-    }
-    let Ok(known) = image::open(&path) else {
-        return Some(format!("{stem}: {} is missing; SSCT_UPDATE_GOLDEN=1 makes it", path.display()));
-    };
-    let known = known.into_rgb8();
+/// Compares an image with the known one; what is wrong, in a sentence.
+fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
     assert_eq!([known.width(), known.height()], [image.width, image.height], "{stem}");
     let map = FlipMap::new(known.as_raw(), &image.bytes, image.width, image.height);
     println!("{stem}: FLIP {:.5}", map.mean());
@@ -105,14 +133,23 @@ fn check(gpu: &Gpu) {
         for (_, view, roughness) in VIEWS.iter().filter(|(scene, ..)| scene == name) {
             let view = scene.view(view).unwrap();
             let globals = Globals { roughness: *roughness, ..Globals::default() };
-            for method in METHODS {
+            let mut sheet = Sheet::open(&format!("{name}-{}", view.name));
+            for (number, method) in METHODS.iter().enumerate() {
                 let camera = view.camera(&scene, EXTENT);
                 let materials = globals.materials(&scene, view);
                 let shot =
                     Shot::new(&mut stage, method, &Setup::on_screen(EXTENT), Wants::REFLECTION, camera, materials)
                         .unwrap();
                 let image = display(&render(&mut stage, &shot, false).unwrap().composite);
-                wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
+                if is_updating() {
+                    sheet.put(number, &image);
+                } else {
+                    let stem = format!("{name}-{}-{}", view.name, method.name);
+                    wrong.extend(compare(&stem, &sheet.get(number), &image));
+                }
+            }
+            if is_updating() {
+                sheet.image.save(&sheet.path).unwrap();
             }
         }
     }

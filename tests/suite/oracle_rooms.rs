@@ -6,7 +6,7 @@ use crate::common::{gpu, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::math::OracleVersion;
 use ssct::methods::{self, Setup, Wants};
 use ssct::parameter::Preset;
 use ssct_lab::metrics::HitAgreement;
@@ -122,13 +122,7 @@ fn every_view_with_gloss() {
             let truth = ScreenReference::render(
                 &g,
                 &mask,
-                Sampling {
-                    samples: 32,
-                    seed: 1,
-                    oracle: OracleVersion::V1,
-                    definitions: DefinitionsVersion::V1,
-                    bounces: 1,
-                },
+                Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1, bounces: 1 },
                 &|| (),
             );
             let seconds = start.elapsed().as_secs_f64();

@@ -3,30 +3,28 @@
 use crate::common::{clutter, clutter_camera, gpu, unfaded};
 use glam::Vec3;
 use ssct::gpu::Pixels;
-use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::math::OracleVersion;
 use ssct::methods::setup::HistoryUse;
 use ssct::methods::stochastic::{StochasticParams, StochasticWalk};
 use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{Camera, GBufferData, Scene, View, library};
+use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, View, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
 
-/// A setup without fade, of rays from all of the lobe, by version 1 of the definitions: what is seen of the sky is the screen's.
+/// A setup without fade, of rays from all of the lobe.
 fn setup(change: impl FnOnce(&mut StochasticParams)) -> Setup {
-    unfaded(EXTENT)
-        .with(|p: &mut EffectParams| p.definitions = DefinitionsVersion::V1)
-        .with(|p: &mut StochasticParams| p.stochastic_part = 1.0)
-        .with(change)
+    unfaded(EXTENT).with(|p: &mut StochasticParams| p.stochastic_part = 1.0).with(change)
 }
 
 fn with_history(setup: &Setup, frames: u32) -> Setup {
     setup.with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, frames))
 }
 
-/// The G-buffer of a view of the rooms, every surface of one roughness.
+/// The G-buffer of a view of the rooms, every surface of one roughness. It does not know its windows: there, too, the colour of
+/// the screen is seen, and not the sky along the ray.
 fn rooms(view: &str, roughness: f32) -> GBufferData {
     let gpu = gpu();
     let scene = library::scene("rooms").unwrap();
@@ -37,7 +35,8 @@ fn rooms(view: &str, roughness: f32) -> GBufferData {
     let shot = Shot::new(&mut stage, find("hzct").unwrap(), &Setup::on_screen(EXTENT), Wants::IMAGE, camera, materials);
     let shot = shot.unwrap();
     stage.output(&shot).unwrap();
-    gbuffer::read(&mut stage.context, &shot).unwrap()
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    GBufferData { surface: vec![Surface::Lit; data.surface.len()], ..data }
 }
 
 /// What a method makes of a G-buffer at rest.
@@ -57,8 +56,7 @@ fn mask(data: &GBufferData) -> Vec<bool> {
 }
 
 fn truth(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
-    let sampling =
-        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1, bounces: 1 };
+    let sampling = Sampling { samples, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
     let image = ScreenReference::render(data, &mask(data), sampling, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }

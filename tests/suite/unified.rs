@@ -5,12 +5,13 @@ use crate::common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assis
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
-use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ssct::math::OracleVersion;
 use ssct::math::random::Stream;
-use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
+use ssct::passes::scene_data::SceneData;
 use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct_lab::metrics::hits::HitAgreement;
 use ssct_lab::reference::unified::{Code, Parameters, Traversal};
@@ -343,10 +344,22 @@ impl Corridor {
         Globals { roughness: Some(roughness), ..Globals::default() }.materials(&self.scene, &self.view)
     }
 
-    /// The method alone in a frame: its reflection, and the composite if it makes one.
+    /// The method alone in a frame, without a sky: its reflection, and the composite if it makes one.
     fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
+        self.made_under(None, context, method, gbuffer)
+    }
+
+    /// The method alone in a frame, under a sky.
+    fn made_under(
+        &self,
+        sky: Option<&Image>,
+        context: &mut FrameContext,
+        method: &dyn Method,
+        gbuffer: GBuffer,
+    ) -> (Pixels, Option<Pixels>) {
         let mut frame = context.begin(Mode::Plain).unwrap();
-        let output = method.record(&mut frame, &Input::of_screen(gbuffer, &self.camera)).unwrap();
+        let input = Input { sky, ..Input::of_screen(gbuffer, &self.camera) };
+        let output = method.record(&mut frame, &input).unwrap();
         frame.finish().unwrap();
         let reflection = context.read(output.reflection.unwrap().0.all()).unwrap();
         (reflection, output.composite.map(|image| context.read(image.all()).unwrap()))
@@ -422,14 +435,13 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
 #[test]
 fn every_way_to_draw_makes_the_same_image() {
     // Whole, where all that reflects does so in one way; over lists, if nothing is known; with hits beside.
-    // Alone, the method is not given the sky.
-    let v1 = DefinitionsVersion::V1;
     let gpu = gpu();
     let _compiled = compiled(&gpu);
     let corridor = Corridor::new();
     let (extent, camera) = (corridor.extent, corridor.camera);
-    let setup = || Setup::on_screen(extent).with(|p: &mut EffectParams| p.definitions = v1);
+    let setup = || Setup::on_screen(extent);
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
+    let data = SceneData::upload(&mut stage.context, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
         let images = |stage: &mut Stage, hits: bool, known: bool| {
@@ -442,7 +454,8 @@ fn every_way_to_draw_makes_the_same_image() {
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
             let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
-            let (reflection, composite) = corridor.made(&mut stage.context, &*method, gbuffer);
+            let sky = Some(data.sky());
+            let (reflection, composite) = corridor.made_under(sky, &mut stage.context, &*method, gbuffer);
             [composite.unwrap(), reflection]
         };
         let whole = images(&mut stage, false, true);

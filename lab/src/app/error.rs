@@ -89,6 +89,6 @@ impl StudyOptions for ErrorOptions {
         let scenes = scenes.into_iter().map(with_views).collect::<Result<Vec<_>>>()?;
         let lenses: Vec<_> = scenes.iter().flat_map(|(scene, views)| resolve::lenses(scene, views)).collect();
         let variants = resolve::variants(&self.variants, &base, &lenses, !self.quick && !self.no_sweep)?;
-        ErrorStudy::new(scenes, sizes, globals, variants, (self.samples, self.rays))
+        Ok(ErrorStudy::new(scenes, sizes, globals, variants, (self.samples, self.rays)))
     }
 }

@@ -6,16 +6,15 @@ use super::run::go_on;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
-use crate::math::DefinitionsVersion;
-use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::kept_samples::{short, whole_file};
 use crate::reference::paths::Paths;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, SamplingTarget, WorldReference};
+use crate::reference::world::{SamplingTarget, WorldReference};
 use crate::reference::world_state::WorldState;
 use crate::report::images;
 use crate::scene::{Camera, GBufferData, Material, Scene};
+use crate::study::record::DEFINITIONS;
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -47,8 +46,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
-    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
-        .with_bounces(effect.bounces);
+    let reference = WorldReference::new(&world, &first_hits, &camera, 1).with_bounces(effect.bounces);
     let bar = progress::bar("reference", options.max_rays as usize);
     let mut progress = |state: &WorldState| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
@@ -57,7 +55,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     };
     let state = match (options.shard, &options.cache) {
         (Some(shard), Some(folder)) => {
-            let part = ReferencePart::new(&reference, (&scene, &view), effect.definitions, shard, options.max_rays);
+            let part = ReferencePart::new(&reference, (&scene, &view), shard, options.max_rays);
             reference_part::sample(&reference, &part, folder, &mut progress)?
         }
         _ => sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut progress)?,
@@ -69,7 +67,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     images::write_image(output, &pixels(shown, options.size))?;
     if options.json {
         let summary = serde_json::json!({
-            "kind": "render", "definitions": u32::from(effect.definitions), "scene": scene.name, "view": view.name, "method": "reference",
+            "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name, "method": "reference",
             "width": options.size[0], "height": options.size[1],
             "rays": made.samples.iter().max(), "standard_error": state.overall_standard_error(),
         });
@@ -106,8 +104,7 @@ fn sample(
 pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
     let world = World::new(scene, materials);
     let first_hits = FirstHits::shown(&world, data);
-    let definitions = DefinitionsVersion::default();
-    let reference = WorldReference::by(definitions, &world, &first_hits, &data.camera, Escape::Environment, 1);
+    let reference = WorldReference::new(&world, &first_hits, &data.camera, 1);
     let target =
         SamplingTarget { standard_error: 0.0, samples_min: rays, samples_max: rays, samples_per_pass: RAYS_AT_ONCE };
     let state = sample(&reference, &target, Some(cache.to_owned()), &mut |_| go_on())?;
@@ -127,8 +124,7 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
-    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
-        .with_bounces(effect.bounces);
+    let reference = WorldReference::new(&world, &first_hits, &camera, 1).with_bounces(effect.bounces);
     let mut state = reference.start();
     reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
     let made = reference.image(&state);
@@ -143,14 +139,6 @@ fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u3
         Error::Usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
     })?;
     Ok(pixels(&paths.image(camera, options.size, options.max_rays), options.size))
-}
-
-/// What a screen-space method shows where a ray escapes: with a fallback, the environment.
-pub fn escape(effect: &EffectParams) -> Escape {
-    match effect.fallback {
-        Fallback::None => Escape::Black,
-        _ => Escape::Environment,
-    }
 }
 
 /// When the options are met.

@@ -4,7 +4,6 @@
 use super::cli::MergeOptions;
 use super::run::command_line;
 use crate::error::{Error, Result};
-use crate::math::DefinitionsVersion;
 use crate::reference::kept_samples::{part_file, short, whole_file};
 use crate::reference::world::WorldReference;
 use crate::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
@@ -13,7 +12,7 @@ use crate::report::files;
 use crate::report::run_folder::Claim;
 use crate::scene::{Scene, View};
 use crate::study::merge::difference_of_properties;
-use crate::study::record::Provenance;
+use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::shard::Shard;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -56,16 +55,10 @@ pub struct ReferencePart {
 
 impl ReferencePart {
     /// A share of a reference's rays.
-    pub fn new(
-        reference: &WorldReference,
-        (scene, view): (&Scene, &View),
-        definitions: DefinitionsVersion,
-        shard: Shard,
-        rays: u32,
-    ) -> Self {
+    pub fn new(reference: &WorldReference, (scene, view): (&Scene, &View), shard: Shard, rays: u32) -> Self {
         let samples = samples_of(shard.index, shard.of, rays);
         Self {
-            definitions: definitions.into(),
+            definitions: DEFINITIONS,
             version: Provenance::VERSION.to_owned(),
             commit: Provenance::COMMIT.to_owned(),
             command: command_line(),

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
-use crate::study::record::recorded;
+use crate::study::record::{DEFINITIONS, recorded};
 use crate::study::{Shot, Stage, image};
 use std::io::Write;
 
@@ -56,7 +56,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     if options.json {
         let summary = serde_json::json!({
-            "kind": "render", "definitions": u32::from(setup.effect().definitions), "scene": scene.name, "view": view.name,
+            "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
             "setup": recorded(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,

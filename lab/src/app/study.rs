@@ -122,7 +122,7 @@ impl Plan {
         let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
         let views = rooms.views.iter().take(QUICK_VIEWS).cloned().collect();
         let (scenes, variants) = (vec![(rooms.clone(), views)], Variant::of(&self.methods, &Setup::new(QUICK_SIZE)));
-        let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays))?;
+        let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays));
         let list = engine::list(&study, gpu, self.command.clone(), None);
         Ok(Some(Part::Errors(Box::new((RefCell::new(study), list)))))
     }

@@ -9,10 +9,9 @@
 use super::files::write;
 use super::images::write_rgba_png;
 use crate::error::{Error, Result};
-use crate::math::DefinitionsVersion;
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, RAY_START_M, WorldReference};
+use crate::reference::world::{RAY_START_M, WorldReference};
 use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
 use glam::{DMat4, DVec3, Vec3};
@@ -20,10 +19,6 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// The version of the definitions that is exported: all rays of a pixel start at one point, so that Mitsuba can be given
-/// the points.
-const DEFINITIONS: DefinitionsVersion = DefinitionsVersion::V1;
 
 /// What is exported.
 pub struct Export<'a> {
@@ -64,7 +59,8 @@ pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
     let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
     let world = World::new(what.scene, &materials);
     let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
-    let reference = WorldReference::by(DEFINITIONS, &world, &first_hits, &what.camera, Escape::Black, what.seed);
+    // All rays of a pixel start at one point, so that Mitsuba can be given the points.
+    let reference = WorldReference::of_centres(&world, &first_hits, what.seed);
     let mut state = reference.start();
     reference.add(&mut state, what.samples);
 
@@ -199,7 +195,7 @@ fn description(what: &Export, materials: &[Material]) -> Value {
         json!({"file": texture_file(i), "srgb": srgb})
     };
     json!({
-        "kind": "truth", "definitions": u32::from(DEFINITIONS), "scene": what.scene.name,
+        "kind": "truth", "scene": what.scene.name,
         "width": what.extent[0], "height": what.extent[1],
         "ray_start_m": RAY_START_M, "samples": what.samples, "seed": what.seed,
         "lights": what.scene.lights.iter().map(light).collect::<Vec<_>>(),

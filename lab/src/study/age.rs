@@ -15,7 +15,7 @@ use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::image::masked_rmse;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::scene::{GBufferData, Material, Scene, View};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -169,10 +169,6 @@ impl Study for AgeStudy {
         vec![&self.scene]
     }
 
-    fn definitions(&self) -> u32 {
-        self.setup.effect().definitions.into()
-    }
-
     fn cells(&self) -> Vec<Planned<AgeCell>> {
         let digest = scene_digest(&self.scene);
         let measured = json!([self.moving, self.step_m.to_array(), self.faces, self.frames, self.rays]);
@@ -280,10 +276,9 @@ impl Truth {
         }
         let world = World::new(&scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
-        let definitions = setup.effect().definitions;
         let seen = |world: &World| {
-            let reference = WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Environment, 2)
-                .with_bounces(setup.effect().bounces);
+            let reference =
+                WorldReference::new(world, &first_hits, &screen.camera, 2).with_bounces(setup.effect().bounces);
             let mut state = reference.start();
             reference.add(&mut state, study.rays);
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();

@@ -10,7 +10,7 @@ use crate::gpu::Gpu;
 use crate::methods::Setup;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::scene::{Scene, View};
 use serde::Serialize;
 use std::time::Instant;
@@ -88,8 +88,7 @@ pub fn time_reference(
     let start = Instant::now();
     let first_hits = FirstHits::trace(&world, &camera, extent);
     let setup = Setup::new(extent);
-    let definitions = setup.effect().definitions;
-    let reference = WorldReference::by(definitions, &world, &first_hits, &camera, Escape::Black, 1);
+    let reference = WorldReference::new(&world, &first_hits, &camera, 1);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     let of = Of::Other { name: REFERENCE, method: None };

@@ -28,11 +28,6 @@ pub trait Study {
     /// The scenes, whose digests tell studies apart.
     fn scenes(&self) -> Vec<&Scene>;
 
-    /// The version of docs/definitions.md that the figures follow.
-    fn definitions(&self) -> u32 {
-        DEFINITIONS
-    }
-
     /// Settings that tables depend on and that no cell has.
     fn settings(&self) -> Value {
         Value::Null
@@ -190,7 +185,7 @@ pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard
     };
     let head = CellListHead {
         kind: S::Row::KIND,
-        definitions: study.definitions(),
+        definitions: DEFINITIONS,
         command,
         shard,
         settings: study.settings(),

@@ -19,17 +19,16 @@ use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
 use super::record::{Of, Stats};
 use super::stage::{Globals, Shot, Stage};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
-use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
+use crate::math::{OracleVersion, display_byte};
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::error_map;
 use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
-use crate::reference::world::Escape;
 use crate::scene::{GBufferData, Scene, View};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -49,12 +48,11 @@ impl Variant {
         methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
     }
 
-    /// What the variant shows where a ray escapes: the environment where a fallback shows it, or the method itself,
-    /// which sees more than the screen. By version 1 of the definitions, so does the world that it is held against; by
-    /// version 2, that shows the environment for all.
-    pub fn escape(&self) -> Escape {
-        let on_screen = self.method.is_screen_space() && !self.setup.effect().is_among_triangles(self.method, true);
-        if self.setup.effect().fallback == Fallback::None && on_screen { Escape::Black } else { Escape::Environment }
+    /// Whether the variant sees nothing but the screen: no fallback, and no ray goes on beyond it.
+    pub fn is_on_screen(&self) -> bool {
+        let effect = self.setup.effect();
+        let stays = self.method.is_screen_space() && !effect.is_among_triangles(self.method, true);
+        stays && effect.fallback == Fallback::None
     }
 
     /// Everything that the results of the variant depend on at a size in pixels.
@@ -63,17 +61,9 @@ impl Variant {
     }
 }
 
-/// What the world is rendered by for some variants: the version of the definitions, and the greatest number of bounces.
-///
-/// # Errors
-/// [`Error::Usage`] if they are of several versions.
-pub(super) fn world_of(variants: &[Variant]) -> Result<(DefinitionsVersion, u32)> {
-    let mut versions = variants.iter().map(|v| v.setup.effect().definitions);
-    let definitions = versions.next().unwrap_or_default();
-    if versions.any(|other| other != definitions) {
-        return Err(Error::Usage("methods are held against each other by one version of the definitions".into()));
-    }
-    Ok((definitions, variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)))
+/// The greatest number of bounces among some variants, with which their world is rendered.
+pub(super) fn greatest_bounces(variants: &[Variant]) -> u32 {
+    variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)
 }
 
 /// Images of a cell for the picture strip, linear: reflection colour before fade.
@@ -150,7 +140,6 @@ fn measure(
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<MeasuredCell> {
-    let (definitions, bounces) = world_of(spec.variants)?;
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
@@ -164,16 +153,14 @@ fn measure(
     let Some(first) = shots.first() else { return Ok(cell) };
     // Where the journal has all times, no frame has run.
     stage.draw(first)?;
-    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, (definitions, bounces), go_on)?;
+    let truth =
+        truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, greatest_bounces(spec.variants), go_on)?;
 
     for screen in &truth.screens {
         let name = strip_name(SCREEN_REFERENCE, screen.version);
         cell.strips.push(Strip { name, color: screen.image.color.clone(), error: None });
     }
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
-    if let Some(world) = &truth.world_and_environment {
-        cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
-    }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         go_on()?;
         let color = {
@@ -204,7 +191,7 @@ fn measure(
         }
         let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
         head.record.prepared = Some(timed.prepared().clone());
-        cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
+        cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
         let is_same = |other: &&Variant| other.method.name == variant.method.name;
         let is_alone = spec.variants.iter().filter(is_same).count() == 1;
         // Variants of one method have pictures of their own.
@@ -217,7 +204,7 @@ fn measure(
         let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
         let of = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
         let head = Record::new(gpu, spec, of, &setup, None);
-        cell.records.extend(head.against_all(&truth, Escape::Black, &color, None));
+        cell.records.extend(head.against_all(&truth, true, &color, None));
         let exact = Variant { setup: setup.clone(), ..variant.clone() };
         cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
         for screen in &truth.screens {
@@ -235,8 +222,6 @@ pub const EXACT_HITS: &str = "exact-hits+cone";
 pub const SCREEN_REFERENCE: &str = "screen-reference";
 /// Name of the world reference's picture.
 pub const WORLD_REFERENCE: &str = "world-reference";
-/// Name of its picture with the environment where rays escape.
-pub const WORLD_AND_ENVIRONMENT: &str = "world-reference-environment";
 
 /// A picture's name: of the second version of the oracle it says so.
 fn strip_name(name: &str, version: OracleVersion) -> String {
@@ -244,8 +229,8 @@ fn strip_name(name: &str, version: OracleVersion) -> String {
 }
 
 fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [width, height]: [u32; 2]) -> Strip {
-    let (escape, version) = (of.escape(), of.setup.effect().oracle);
-    let reference = if escape == Escape::Black { &truth.screen(version).image } else { truth.world(escape) };
+    let version = of.setup.effect().oracle;
+    let reference = if of.is_on_screen() { &truth.screen(version).image } else { &truth.world };
     let error = ErrorMaps {
         rmse: error_map(&reference.color, color, &truth.mask),
         flip: FlipMap::new(&reference.display, &display(color), width, height),

@@ -181,10 +181,6 @@ impl Study for PathStudy {
         vec![&self.scene]
     }
 
-    fn definitions(&self) -> u32 {
-        self.setup.effect().definitions.into()
-    }
-
     fn settings(&self) -> Value {
         json!({ "frames": self.frames })
     }

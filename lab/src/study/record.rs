@@ -13,7 +13,7 @@ use crate::scene::{Lens, Opening, Scene, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 
-/// The version of docs/definitions.md that figures are of unless another is asked for.
+/// The version of docs/definitions.md that figures are of.
 pub const DEFINITIONS: u32 = 2;
 
 columns! {
@@ -172,7 +172,7 @@ impl Head {
         };
         Self {
             kind: kind.to_owned(),
-            program: Provenance { definitions: setup.effect().definitions.into(), ..Provenance::on(gpu) },
+            program: Provenance::on(gpu),
             scene: scene.name.clone(),
             view: view.name.clone(),
             method: name.to_owned(),

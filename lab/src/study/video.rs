@@ -7,12 +7,12 @@ pub use way::Way;
 
 use super::columns::{Column, columns, figure, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
-use super::error::{Variant, display, world_of};
+use super::error::{Variant, display, greatest_bounces};
 use super::exhibit::{Chart, Clip, ClipGroup, Content, Drawing, ExtraFile, Line, Table};
 use super::gbuffer;
 use super::journal::scene_digest;
 use super::names::{cell_name, roughness};
-use super::record::{DEFINITIONS, Head, Of, Provenance, Stats};
+use super::record::{Head, Of, Provenance, Stats};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
@@ -24,7 +24,7 @@ use crate::metrics::image::masked_rmse;
 use crate::metrics::video::{Film, jod};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::scene::{Camera, GBufferData, Material, Scene, View};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -204,10 +204,6 @@ impl Study for VideoStudy {
         vec![&self.scene]
     }
 
-    fn definitions(&self) -> u32 {
-        self.variants.first().map_or(DEFINITIONS, |v| v.setup.effect().definitions.into())
-    }
-
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
         let Self { way, moving, frames, frames_per_second, rays, .. } = self;
@@ -283,7 +279,7 @@ impl Change {
 /// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends it.
 ///
 /// # Errors
-/// [`Error::Usage`] if there are too few frames or rays, or a variant is of other definitions; those of the device and of
+/// [`Error::Usage`] if there are too few frames or rays, those of the device and of
 /// `go_on`.
 fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
     if spec.study.frames < 2 || spec.study.rays < 2 {
@@ -401,12 +397,11 @@ impl Truth {
         materials: &[Material],
         go_on: fn() -> Result<()>,
     ) -> Result<()> {
-        let (definitions, bounces) = world_of(&spec.study.variants)?;
+        let bounces = greatest_bounces(&spec.study.variants);
         let world = World::new(scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
         // One seed for all frames: what is left of a pixel's noise in the difference of two is its change.
-        let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
-            .with_bounces(bounces);
+        let reference = WorldReference::new(&world, &first_hits, &screen.camera, 2).with_bounces(bounces);
         let mut state = reference.start();
         for begun in (0..spec.study.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;

@@ -137,7 +137,7 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
     if options.json {
         let [then, now] = script.submissions;
         let summary = serde_json::json!({
-            "kind": "view", "definitions": u32::from(options.common.method_options.setup([1, 1]).effect().definitions), "device": gpu.info(),
+            "kind": "view", "definitions": study::record::DEFINITIONS, "device": gpu.info(),
             "frames": rendered, "drawings": drawn, "submissions": now, "submissions_while_idle": now - then,
             "idle_s": options.stay.map(|d| d.as_secs_f64()),
             "validation": options.common.device.validation.then(|| gpu.validation().len()),

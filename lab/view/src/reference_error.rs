@@ -10,7 +10,7 @@ use crate::reference::world::WorldReference;
 use crate::scene::{Camera, Material, Scene};
 use crate::study::error::display;
 use glam::Vec3;
-use ssct_lab::app::reference::{default_cache, escape, kept_in};
+use ssct_lab::app::reference::{default_cache, kept_in};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -25,7 +25,7 @@ pub struct ComparisonRequest {
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// How the methods run: it says by which definitions they are judged, and what they show where rays escape.
+    /// How the methods run: it says how often the world reflects.
     pub effect: EffectParams,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
@@ -111,9 +111,7 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     };
     let world = World::new(&q.scene, &q.materials);
     let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
-    let (definitions, shown) = (q.effect.definitions, escape(&q.effect));
-    let reference =
-        WorldReference::by(definitions, &world, &first_hits, &q.camera, shown, 1).with_bounces(q.effect.bounces);
+    let reference = WorldReference::new(&world, &first_hits, &q.camera, 1).with_bounces(q.effect.bounces);
     let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
@@ -133,9 +131,7 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DefinitionsVersion;
     use crate::methods::Setup;
-    use crate::reference::world::Escape;
     use crate::scene::library;
     use crate::study::Globals;
 
@@ -165,7 +161,7 @@ mod tests {
 
         let world = World::new(&scene, &materials);
         let first_hits = FirstHits::trace(&world, &camera, extent);
-        let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, Escape::Black, 1);
+        let reference = WorldReference::new(&world, &first_hits, &camera, 1);
         let mut state = reference.start();
         reference.add(&mut state, 16);
         state.save(&kept_in(cache.path(), &reference)).unwrap();
@@ -180,9 +176,8 @@ mod tests {
             "{methods:?}"
         );
 
-        // By version 1 of the definitions there is another reference, and one more with the environment.
-        let first = EffectParams { definitions: DefinitionsVersion::V1, ..effect };
-        assert_eq!(outcome(&request(Vec::new(), materials, first)), ComparisonOutcome::NoReference);
+        let twice = EffectParams { bounces: 2, ..effect };
+        assert_eq!(outcome(&request(Vec::new(), materials, twice)), ComparisonOutcome::NoReference);
         let rougher = Globals { roughness: Some(0.5), ..globals }.materials(&scene, &view);
         assert_eq!(outcome(&request(Vec::new(), rougher, effect)), ComparisonOutcome::NoReference);
     }

@@ -1,5 +1,5 @@
-//! The tables of what a second layer of depth gains, and a capture at the camera: a folder for each variant, and in it one
-//! for each scene.
+//! The tables of what a second layer of depth gains, and a capture at the camera: a folder for each variant, with the records of
+//! all scenes.
 
 use super::figures::{Result, figures, json, mean, percent, ratio, table};
 use serde_json::Value;
@@ -15,7 +15,9 @@ struct Run(Vec<Value>);
 
 impl Run {
     fn of(folder: &Path, variant: &str, scene: &str) -> Result<Self> {
-        Ok(Self(json(&folder.join(variant).join(scene), "error.json")?))
+        let mut records = json(&folder.join(variant), "error.json")?;
+        records.retain(|record| record["scene"] == scene);
+        Ok(Self(records))
     }
 
     fn mean(&self, method: &str, roughness: &str, field: &str) -> Result<f64> {

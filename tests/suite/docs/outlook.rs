@@ -76,10 +76,9 @@ pub fn chain_masks(folder: &Path) -> Result<String> {
         ("gaussian-covered", "Gaussian", "`covered`"),
         ("gaussian-surface", "Gaussian", "`surface`"),
     ] {
-        let scenes = ["rooms", "museum", "street"].map(|scene| json(&folder.join(variant).join(scene), "error.json"));
-        let scenes = scenes.into_iter().collect::<Result<Vec<Vec<Value>>>>()?;
+        let records = json(&folder.join(variant), "error.json")?;
         let all = |method: &str, against: &str, roughness: &str, field: &str| -> Vec<f64> {
-            scenes.iter().flat_map(|records| figures(records, method, against, roughness, field)).collect()
+            figures(&records, method, against, roughness, field)
         };
         let mut row = vec![filter.to_owned(), mask.to_owned()];
         let times = all("ssct", "world", "0.1", "time_ms");

@@ -23,7 +23,6 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["slowest", method] => slowest(first, method)?,
         ["least-agreement"] => least_agreement(first)?,
         ["versions"] => versions(folders)?,
-        ["definitions"] => definitions(folders)?,
         ["beyond", roughness] => beyond::beyond(folders, roughness)?,
         ["search"] => thesis::search(first)?,
         ["cone-angle"] => thesis::cone_angle(first)?,
@@ -47,7 +46,6 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["prepared", scene] => beyond::prepared(first, scene)?,
         ["motion-rays"] => motion::by_rays(folders)?,
         ["capture-sides"] => follow::sides(first)?,
-        ["noise", roughness] => noise(folders, roughness)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
         ["methods"] => methods(first)?,
         ["by-roughness"] => by_roughness(first)?,
@@ -275,48 +273,6 @@ fn names(records: &[Value], field: &str) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let all = records.iter().filter_map(|r| r[field].as_str());
     all.filter(|n| seen.insert((*n).to_owned())).map(str::to_owned).collect()
-}
-
-/// Medians of the RMSE by two versions of the definitions, and the share of right places by the second.
-fn definitions(folders: &[PathBuf]) -> Result<String> {
-    let [first, second] = folders else { return Err("the records of two versions are compared".to_owned()) };
-    let (one, two) = (json(first, "error.json")?, json(second, "error.json")?);
-    for (records, version) in [(&one, 1), (&two, 2)] {
-        if records.iter().any(|r| r["definitions"] != version) {
-            return Err(format!("not all records are of version {version}"));
-        }
-    }
-    let both = |method: &str, against: &str, roughness: &str| {
-        let [a, b] = [&one, &two].map(|records| rmse(records, method, against, roughness, 3));
-        if a == b { a } else { format!("{a} → {b}") }
-    };
-    let row = |method: &String| {
-        let places = mean(&figures(&two, method, "world", "0", "place_agreement"));
-        let places = places.map_or("–".to_owned(), |share| percent(share, 1));
-        let errors = [("screen", "0"), ("screen", "0.1"), ("world", "0"), ("world", "0.1")];
-        let errors = errors.map(|(against, roughness)| both(method, against, roughness));
-        [format!("`{method}`"), places].into_iter().chain(errors).collect::<Vec<_>>()
-    };
-    let mut rows: Vec<_> = names(&two, "method").iter().map(row).collect();
-    let floor = |roughness: &str| {
-        let of = figures(&two, "ssct", "world", roughness, "floor");
-        median(&of).map_or("–".to_owned(), |m| format!("{m:.3}"))
-    };
-    let none = || "–".to_owned();
-    rows.push(vec!["*floor of the screen*".to_owned(), none(), none(), none(), floor("0"), floor("0.1")]);
-    let head = ["method", "right places, ϱ 0", "screen, ϱ 0", "screen, ϱ 0.1", "world, ϱ 0", "world, ϱ 0.1"];
-    table(&head, rows)
-}
-
-/// The greatest standard error of the world reference at a roughness.
-fn noise(folders: &[PathBuf], roughness: &str) -> Result<String> {
-    let mut all = Vec::new();
-    for folder in folders {
-        let records = json(folder, "error.json")?;
-        all.extend(figures(&records, "ssct", "world", roughness, "standard_error"));
-    }
-    median(&all)?;
-    Ok(format!("{:.3}", greatest(&all)))
 }
 
 fn methods(folder: &Path) -> Result<String> {

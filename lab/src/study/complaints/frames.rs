@@ -3,12 +3,11 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Gpu, Pixels};
-use crate::math::DefinitionsVersion;
 use crate::methods::{Effect, Input, SceneInput, Setup, Wants};
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::first_hits::{FirstHits, Receiver};
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, RAY_START_M, WorldReference};
+use crate::reference::world::{RAY_START_M, WorldReference};
 use crate::reference::world_hits::world_hits;
 use crate::scene::bvh::WorldRay;
 use crate::scene::{Camera, GBufferData, Projection, Scene, View};
@@ -200,9 +199,7 @@ fn seen(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) ->
     }
     let world = World::new(&scene, &scene.materials);
     let first_hits = FirstHits::shown(&world, &screen);
-    let (definitions, escape) = (DefinitionsVersion::V2, Escape::Environment);
-    let reference =
-        WorldReference::by(definitions, &world, &first_hits, &screen.camera, escape, SEED).with_bounces(take.bounces);
+    let reference = WorldReference::new(&world, &first_hits, &screen.camera, SEED).with_bounces(take.bounces);
     let mut state = reference.start();
     reference.add(&mut state, take.rays);
     let truth = reference.image(&state).reflection;

@@ -10,7 +10,6 @@ use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{masked_relative_mse, masked_rmse};
 use crate::metrics::place::{self, RayEnd};
 use crate::metrics::world;
-use crate::reference::world::Escape;
 use crate::study::columns::{figure, measured_columns};
 use crate::study::record::{Head, Of};
 
@@ -89,16 +88,17 @@ impl Record {
         ErrorRecord {
             against,
             image: ImageError::of(&JudgedImage { truth, reference, color }),
-            floor: truth.floor.filter(|_| against == Against::World),
+            floor: (against == Against::World).then_some(truth.floor),
             ..self.record.clone()
         }
     }
 
-    /// The records of a variant's image against each reference; in a cell of mirrors, those of its hits as well.
+    /// The records of a variant's image against each reference; in a cell of mirrors, those of its hits as well. What is
+    /// `on_screen` alone is held against what the screen shows, too.
     pub(super) fn against_all(
         &self,
         truth: &Truth,
-        escape: Escape,
+        on_screen: bool,
         color: &[[f32; 3]],
         hits: Option<&MethodHits>,
     ) -> Vec<ErrorRecord> {
@@ -110,11 +110,11 @@ impl Record {
             let hits = HitAgreement::new(&truth.mask, positions, &oracle);
             records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
         }
-        if escape == Escape::Black {
+        if on_screen {
             records.push(self.image(Against::Screen, truth, &screen.image, color));
         }
-        let mut world = self.image(Against::World, truth, truth.world(escape), color);
-        if let Some(hits) = hits.filter(|_| truth.floor.is_some()) {
+        let mut world = self.image(Against::World, truth, &truth.world, color);
+        if let Some(hits) = hits {
             world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
         }
         if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {

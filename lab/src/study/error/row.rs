@@ -21,10 +21,9 @@ pub enum Against {
     /// Hits against the oracle, in the record's version; mirrors only.
     Oracle,
     /// The image against the screen reference of that version, in which a miss is black; not for what
-    /// shows the environment there.
+    /// sees more than the screen.
     Screen,
-    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment; by version 1 of
-    /// the definitions, black for what does not show it ([`Variant::escape`]).
+    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment.
     World,
 }
 

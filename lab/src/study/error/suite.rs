@@ -1,6 +1,6 @@
 //! The cells of the error study: scene, view, size and roughness. A cell is all variants, which are timed in turn.
 
-use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures, world_of};
+use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
 use crate::error::Result;
 use crate::scene::{Scene, View};
 use crate::study::engine::{Bench, Last, Planned, Study};
@@ -18,7 +18,6 @@ pub struct ErrorStudy {
     variants: Vec<Variant>,
     samples: usize,
     rays: u32,
-    definitions: u32,
     stage: Last<usize, Stage>,
 }
 
@@ -28,23 +27,19 @@ pub type ErrorCell = (usize, usize, [u32; 2], Globals);
 impl ErrorStudy {
     /// The study of some scenes with their views, of some variants, with so many timed frames of each, at least one, and
     /// so many rays a pixel of the references, at least two.
-    ///
-    /// # Errors
-    /// [`Error::Usage`](crate::error::Error::Usage) for variants that follow several versions of the definitions.
     pub fn new(
         scenes: Vec<(Scene, Vec<View>)>,
         sizes: Vec<[u32; 2]>,
         globals: Vec<Globals>,
         variants: Vec<Variant>,
         (samples, rays): (usize, u32),
-    ) -> Result<Self> {
-        let definitions = world_of(&variants)?.0.into();
+    ) -> Self {
         let digested = |(scene, views): (Scene, Vec<View>)| {
             let digest = scene_digest(&scene);
             (scene, views, digest)
         };
         let scenes = scenes.into_iter().map(digested).collect();
-        Ok(Self { scenes, sizes, globals, variants, samples, rays, definitions, stage: Last::default() })
+        Self { scenes, sizes, globals, variants, samples, rays, stage: Last::default() }
     }
 
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
@@ -74,10 +69,6 @@ impl Study for ErrorStudy {
 
     fn scenes(&self) -> Vec<&Scene> {
         self.scenes.iter().map(|(scene, ..)| scene).collect()
-    }
-
-    fn definitions(&self) -> u32 {
-        self.definitions
     }
 
     fn cells(&self) -> Vec<Planned<ErrorCell>> {

@@ -1,15 +1,15 @@
 //! The references of a cell: hits and image of the screen by each version of the oracle, and of the world.
 
 use super::{ErrorSpec, display};
-use crate::error::{Error, Result};
-use crate::math::{DefinitionsVersion, OracleVersion};
+use crate::error::Result;
+use crate::math::OracleVersion;
 use crate::metrics::image::masked_rmse;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::floor::ScreenFloor;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::reference::world_hits::{WorldHit, world_hits};
 use crate::scene::{GBufferData, Material};
 use glam::{DVec3, Vec3};
@@ -32,12 +32,9 @@ pub(super) struct Truth {
     pub(super) screens: Vec<ScreenTruth>,
     /// Where the mirror rays end in the world; none unless all are mirrors.
     pub(super) world_hits: Vec<WorldHit>,
-    /// By version 1 of the definitions with nothing where a ray escapes, by version 2 with the environment.
     pub(super) world: Reference,
-    /// By version 1 with the environment there, if a variant shows it.
-    pub(super) world_and_environment: Option<Reference>,
-    /// By version 2, the RMSE of the screen's floor.
-    pub(super) floor: Option<f64>,
+    /// The RMSE of the screen's floor.
+    pub(super) floor: f64,
 }
 
 /// The references in screen space, by a version of the oracle.
@@ -53,14 +50,6 @@ impl Truth {
     pub(super) fn screen(&self, version: OracleVersion) -> &ScreenTruth {
         self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
     }
-
-    /// The world that a variant is held against.
-    pub(super) fn world(&self, escape: Escape) -> &Reference {
-        match (escape, &self.world_and_environment) {
-            (Escape::Environment, Some(reference)) => reference,
-            _ => &self.world,
-        }
-    }
 }
 
 /// A reference image.
@@ -75,7 +64,7 @@ pub(super) fn truth(
     spec: &ErrorSpec,
     data: GBufferData,
     materials: &[Material],
-    (definitions, bounces): (DefinitionsVersion, u32),
+    bounces: u32,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
@@ -83,7 +72,7 @@ pub(super) fn truth(
     let screen = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
-        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, definitions, bounces };
+        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, bounces };
         let image = ScreenReference::render(&data, &mask, sampling, &|| ());
         ScreenTruth {
             version,
@@ -98,43 +87,25 @@ pub(super) fn truth(
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::shown(&triangles, &data);
-    let mut world = |escape| {
-        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
-            .with_bounces(bounces);
-        let mut floor = ScreenFloor::new(&data, &first_hits);
-        let mut state = reference.start();
-        while state.samples() < spec.rays {
-            go_on()?;
-            let rays = RAYS_AT_ONCE.min(spec.rays - state.samples());
-            match definitions {
-                DefinitionsVersion::V1 => reference.add(&mut state, rays),
-                DefinitionsVersion::V2 => floor.add(&reference, &mut state, rays),
-            }
-        }
-        let made = Reference::new(&reference.image(&state).reflection, state.overall_standard_error());
-        let shown = (!definitions.is_first()).then(|| colors(&floor.image(&state)));
-        let floor = shown.map(|shown| masked_rmse(&made.color, &shown, &mask));
-        Ok::<_, Error>((made, floor))
-    };
-    let (black, floor) = world(Escape::Black)?;
-    let world_and_environment =
-        has_world_and_environment(spec, definitions).then(|| world(Escape::Environment)).transpose()?;
+    let reference = WorldReference::new(&triangles, &first_hits, &data.camera, WORLD_SEED).with_bounces(bounces);
+    let mut floor = ScreenFloor::new(&data, &first_hits);
+    let mut state = reference.start();
+    while state.samples() < spec.rays {
+        go_on()?;
+        let rays = RAYS_AT_ONCE.min(spec.rays - state.samples());
+        floor.add(&reference, &mut state, rays);
+    }
+    let world = Reference::new(&reference.image(&state).reflection, state.overall_standard_error());
+    let floor = masked_rmse(&world.color, &colors(&floor.image(&state)), &mask);
     Ok(Truth {
         mirrors,
         screens,
         world_hits: if mirrors { world_hits(&triangles, &data, &first_hits) } else { Vec::new() },
-        world: black,
-        world_and_environment: world_and_environment.map(|(made, _)| made),
+        world,
         floor,
         data,
         mask,
     })
-}
-
-/// Whether some variants are compared with a second reference of the world, which has the environment where rays
-/// escape.
-fn has_world_and_environment(spec: &ErrorSpec, definitions: DefinitionsVersion) -> bool {
-    definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment)
 }
 
 fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {

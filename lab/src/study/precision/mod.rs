@@ -18,7 +18,7 @@ use super::stage::Globals;
 use crate::error::Result;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
-use crate::methods::{Effect, EffectParams, Input, MethodInfo, Setup, Wants};
+use crate::methods::{Effect, Input, MethodInfo, Setup, Wants};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
@@ -181,8 +181,8 @@ impl Truth {
 
 /// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
 fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
-    let EffectParams { definitions, bounces, .. } = spec.setup.effect();
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, definitions, bounces };
+    let bounces = spec.setup.effect().bounces;
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
     ScreenReference::render(data, mask, sampling, &|| ())
 }
 
@@ -215,10 +215,6 @@ impl Study for PrecisionStudy {
 
     fn scenes(&self) -> Vec<&Scene> {
         vec![&self.scene]
-    }
-
-    fn definitions(&self) -> u32 {
-        self.setup.effect().definitions.into()
     }
 
     fn cells(&self) -> Vec<Planned<Self::Cell>> {

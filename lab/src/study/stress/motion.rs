@@ -4,14 +4,13 @@
 use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, MethodInfo, Setup};
 use crate::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
 use crate::metrics::percentile;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
 use crate::study::columns::{AsDatum, Datum, columns, figure};
@@ -236,10 +235,6 @@ impl Study for MotionStudy {
         vec![&self.scene]
     }
 
-    fn definitions(&self) -> u32 {
-        self.setup.effect().definitions.into()
-    }
-
     fn cells(&self) -> Vec<Planned<MotionCell>> {
         let (digest, mut cells) = (scene_digest(&self.scene), Vec::new());
         let set: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
@@ -294,8 +289,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         }
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
-    let EffectParams { oracle, definitions, bounces, .. } = lineup.setup.effect();
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions, bounces };
+    let EffectParams { oracle, bounces, .. } = lineup.setup.effect();
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, bounces };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
@@ -304,8 +299,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     let reference_flicker = mean(&expected, |_, change| change);
     let world = spec.against_world.then(|| {
         let world = World::new(&lineup.scene, &materials);
-        let images: Vec<_> =
-            screens.iter().map(|s| world_image(&world, s, (definitions, bounces), spec.rays)).collect();
+        let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, bounces, spec.rays)).collect();
         of_all(&images)
     });
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
@@ -342,17 +336,10 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     Ok(methods.iter().zip(&images).map(record).collect())
 }
 
-/// The world reference of a G-buffer, with one seed as the screen's. By version 1 of the definitions, a ray that escapes
-/// is black.
-fn world_image(
-    world: &World,
-    screen: &GBufferData,
-    (definitions, bounces): (DefinitionsVersion, u32),
-    rays: u32,
-) -> Vec<Vec3> {
+/// The world reference of a G-buffer, with one seed as the screen's.
+fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> Vec<Vec3> {
     let first_hits = FirstHits::shown(world, screen);
-    let reference =
-        WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Black, 3).with_bounces(bounces);
+    let reference = WorldReference::new(world, &first_hits, &screen.camera, 3).with_bounces(bounces);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     reference.image(&state).reflection

@@ -14,7 +14,7 @@ use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
 use crate::study::interleave::Sample;
 use crate::study::journal::{Journal, scene_digest};
 use crate::study::names::{cell_name, roughness};
-use crate::study::record::{DEFINITIONS, Head, Provenance, TimeRecord};
+use crate::study::record::{Head, Provenance, TimeRecord};
 use crate::study::table as table_5_8;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -121,11 +121,6 @@ impl Study for TimeStudy {
         scenes.sort_by(|a, b| a.name.cmp(&b.name));
         scenes.dedup_by(|a, b| a.name == b.name);
         scenes
-    }
-
-    fn definitions(&self) -> u32 {
-        let setup = self.jobs.first().and_then(|job| job.variants.first()).map(|v| &v.setup);
-        setup.map_or(DEFINITIONS, |setup| setup.effect().definitions.into())
     }
 
     fn settings(&self) -> Value {

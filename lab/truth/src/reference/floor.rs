@@ -49,12 +49,10 @@ impl<'a> ScreenFloor<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DefinitionsVersion;
     use crate::reference::first_hits::Receiver;
     use crate::reference::surface::World;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::reference::world::Escape;
     use crate::scene::{Camera, Lens, Material, Opening, Scene, Surface};
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
@@ -90,7 +88,7 @@ mod tests {
             data.color[i] = on_screen.filter(|_| !data.reflects(i)).unwrap_or(data.color[i]);
         }
         let first_hits = FirstHits::from_gbuffer(&data);
-        let reference = WorldReference::by(DefinitionsVersion::V2, &world, &first_hits, &camera, Escape::Black, 3);
+        let reference = WorldReference::new(&world, &first_hits, &camera, 3);
         let (mut state, mut floor) = (reference.start(), ScreenFloor::new(&data, &first_hits));
         [16, 16].iter().for_each(|n| floor.add(&reference, &mut state, *n));
         let mut alone = reference.start();

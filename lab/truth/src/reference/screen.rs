@@ -2,7 +2,7 @@
 //! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays
 //! are traced as the oracle traces them.
 //!
-//! By version 2 of the definitions, each sample reflects the camera ray through a random place within the pixel. A
+//! Each sample reflects the camera ray through a random place within the pixel. A
 //! G-buffer knows one position and one normal for the whole pixel, so the reflected ray leaves from that position,
 //! which belongs to the pixel's centre, and turns about that normal.
 //!
@@ -17,26 +17,23 @@ use super::lobe::lobe_direction;
 use super::ray::Outcome;
 use super::surface::sky_color;
 use crate::math::random::Stream;
-use crate::math::{DefinitionsVersion, OracleVersion, phong};
+use crate::math::{OracleVersion, phong};
 use crate::scene::{GBufferData, Surface};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The least rays of a mirror's pixel by version 2 of the definitions.
+/// The least rays of a mirror's pixel.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;
 
 /// Parameters of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Rays per pixel with ϱ > 0; if there are fewer than two, the error is unknown. A mirror takes one ray by
-    /// version 1 of the definitions, if there is one bounce, and at least [`MIRROR_SAMPLES_MIN`] by version 2.
+    /// Rays per pixel; if there are fewer than two, the error is unknown. A mirror takes at least [`MIRROR_SAMPLES_MIN`].
     pub samples: u32,
     /// Another seed gives an independent image.
     pub seed: u64,
     /// The version of the oracle that decides what rays hit.
     pub oracle: OracleVersion,
-    /// The version of the definitions: the rays of a pixel, and what they see on sky surfaces.
-    pub definitions: DefinitionsVersion,
     /// How often light is reflected, ≥ 1: what the last bounce meets does not reflect.
     pub bounces: u32,
 }
@@ -50,7 +47,7 @@ pub struct ScreenReference {
     pub height: u32,
     /// Mean colour, linear, rows from the top; black outside the mask and where nothing was hit.
     pub color: Vec<Vec3>,
-    /// Standard error of the mean, per channel; 0 outside the mask and for mirrors of one ray, infinite if a lobe
+    /// Standard error of the mean, per channel; 0 outside the mask, infinite if a lobe
     /// has a single sample.
     pub standard_error: Vec<Vec3>,
     /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the RMSE that
@@ -108,35 +105,22 @@ struct Pixels<'a> {
 
 impl Pixels<'_> {
     fn estimate(&self, x: u32, y: u32) -> Estimate {
-        let (rays, Sampling { samples, seed, definitions, bounces, .. }) = (self.hierarchy.rays(), self.sampling);
+        let (rays, Sampling { samples, seed, .. }) = (self.hierarchy.rays(), self.sampling);
         let index = rays.gbuffer.index(x, y);
-        let (Some(mirror), Some(normal)) = (rays.mirror(x, y), rays.normal(x, y)) else { return Estimate::default() };
+        let Some(normal) = rays.normal(x, y) else { return Estimate::default() };
         let roughness = f64::from(rays.gbuffer.roughness[index]);
-        let (is_mirror, exponent) = (roughness <= 0.0, phong::exponent(roughness));
+        let exponent = phong::exponent(roughness);
         let stream = Stream::new(seed, index as u64);
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
         // Far from the numbers of first bounces, of which there are fewer than 2³⁴.
         let seen = |i: u64, direction| self.seen([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
-        let lobe = |i: u64, numbers| seen(i, lobe_direction(mirror, exponent, numbers));
-        match definitions {
-            DefinitionsVersion::V1 if is_mirror && bounces == 1 => {
-                Estimate { mean: seen(0, mirror), standard_error: DVec3::ZERO }
-            }
-            DefinitionsVersion::V1 => {
-                // With several bounces, a later one may meet a lobe.
-                let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
-                mean_and_error((0..u64::from(samples)).map(|i| lobe(i, numbers(2 * i))))
-            }
-            DefinitionsVersion::V2 => {
-                let sample = |i| {
-                    let [u, v] = numbers(4 * i + 2);
-                    let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
-                    seen(i, lobe_direction(mirror, exponent, numbers(4 * i)))
-                };
-                let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
-                mean_and_error((0..u64::from(samples)).map(sample))
-            }
-        }
+        let sample = |i| {
+            let [u, v] = numbers(4 * i + 2);
+            let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
+            seen(i, lobe_direction(mirror, exponent, numbers(4 * i)))
+        };
+        let samples = if roughness <= 0.0 { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
+        mean_and_error((0..u64::from(samples)).map(sample))
     }
 
     /// The colour that a ray from a pixel brings, with what further bounces add; `numbers` has two random ones for each of
@@ -166,13 +150,8 @@ impl Pixels<'_> {
         let Outcome::Hit { pixel: [i, j], position } = self.hierarchy.trace_direction(x, y, direction).outcome else {
             return None;
         };
-        let color = if self.sampling.definitions.is_first() {
-            bilinear(rays.gbuffer, position.x, position.y)
-        } else {
-            let towards = self.view_to_world.transform_vector3(direction);
-            shown(rays.gbuffer, rays.gbuffer.index(i, j), [position.x, position.y], towards)
-        };
-        Some(([i, j], color))
+        let towards = self.view_to_world.transform_vector3(direction);
+        Some(([i, j], shown(rays.gbuffer, rays.gbuffer.index(i, j), [position.x, position.y], towards)))
     }
 }
 

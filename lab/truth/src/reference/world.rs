@@ -2,7 +2,7 @@
 //! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
 //! what is off screen or hidden, which no screen-space method can see.
 //!
-//! By version 2 of the definitions, each sample reflects the camera ray through a random place within the pixel, at the
+//! Each sample reflects the camera ray through a random place within the pixel, at the
 //! pixel's own point and about its own normal, as the screen reference does.
 //!
 //! What a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") it reflects,
@@ -16,8 +16,8 @@ use super::screen::MIRROR_SAMPLES_MIN;
 use super::surface::{SurfacePoint, World, sky_color};
 use super::world_state::{Kind, WorldState};
 use crate::error::Result;
+use crate::math::phong;
 use crate::math::random::Stream;
-use crate::math::{DefinitionsVersion, phong};
 use crate::scene::Camera;
 use crate::scene::bvh::WorldRay;
 use glam::{DVec3, Vec3};
@@ -29,11 +29,11 @@ pub const RAY_START_M: f64 = 1e-4;
 /// The radiance of a ray that hits no triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Escape {
-    /// Black, like a miss in screen space.
+    /// The environment.
     #[default]
-    Black,
-    /// The environment, for methods that fall back to it.
     Environment,
+    /// Black, for renderers that do not know the environment.
+    Black,
 }
 
 /// A world reference before sampling: a world and the first hits in it.
@@ -106,23 +106,16 @@ pub struct WorldSample {
 }
 
 impl<'a> WorldReference<'a> {
-    /// The reference by a version of the definitions. `shown` is what the method that is judged shows where a ray
-    /// escapes, which counts by version 1 alone: by version 2, it is the environment for all.
-    pub fn by(
-        definitions: DefinitionsVersion,
-        world: &'a World<'a>,
-        first_hits: &'a FirstHits,
-        camera: &Camera,
-        shown: Escape,
-        seed: u64,
-    ) -> Self {
-        let (escape, footprint) = match definitions {
-            DefinitionsVersion::V1 => (shown, None),
-            DefinitionsVersion::V2 => {
-                (Escape::Environment, Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height])))
-            }
-        };
-        Self { world, first_hits, escape, footprint, seed, bounces: 1 }
+    /// The reference of docs/definitions.md.
+    pub fn new(world: &'a World<'a>, first_hits: &'a FirstHits, camera: &Camera, seed: u64) -> Self {
+        let footprint = Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height]));
+        Self { world, first_hits, escape: Escape::Environment, footprint, seed, bounces: 1 }
+    }
+
+    /// The reference of rays that all leave a pixel's centre, and of which those that escape are black: one that another
+    /// renderer can follow ray by ray.
+    pub fn of_centres(world: &'a World<'a>, first_hits: &'a FirstHits, seed: u64) -> Self {
+        Self { world, first_hits, escape: Escape::Black, footprint: None, seed, bounces: 1 }
     }
 
     /// Returns this reference with several bounces.

@@ -119,9 +119,9 @@ pub fn named(samples: &Range<u32>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::first_hits::{FirstHits, PrimaryRays};
+    use crate::reference::first_hits::FirstHits;
     use crate::reference::surface::World;
-    use crate::reference::world::{Escape, WorldReference};
+    use crate::reference::world::WorldReference;
     use crate::scene::library;
 
     #[test]
@@ -142,8 +142,7 @@ mod tests {
         let (materials, camera) = (scene.materials_in(view), view.camera(&scene, [12, 8]));
         let world = World::new(&scene, &materials);
         let first_hits = FirstHits::trace(&world, &camera, [12, 8]);
-        let (footprint, escape) = (Some(PrimaryRays::new(&camera, [12, 8])), Escape::Environment);
-        let of = |seed| WorldReference { world: &world, first_hits: &first_hits, escape, footprint, seed, bounces: 1 };
+        let of = |seed| WorldReference::new(&world, &first_hits, &camera, seed);
         let folder = tempfile::tempdir().expect("a folder");
         check(&of(1), &WorldReference { seed: 2, ..of(1) }, folder.path());
     }

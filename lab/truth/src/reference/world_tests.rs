@@ -58,7 +58,7 @@ fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
 }
 
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
-    WorldReference { world, first_hits, escape: Escape::Black, footprint: None, seed: 1, bounces: 1 }
+    WorldReference::of_centres(world, first_hits, 1)
 }
 
 #[test]
@@ -396,12 +396,12 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
 }
 
 #[test]
-fn version_1_takes_the_same_rays_as_ever() {
+fn rays_of_centres_are_drawn_by_their_numbers() {
     let (scene, mut materials, camera) = corridor();
     materials[0].roughness = 0.0;
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, [24, 16]);
-    let reference = WorldReference::by(DefinitionsVersion::V1, &world, &first_hits, &camera, Escape::Black, 5);
+    let reference = WorldReference::of_centres(&world, &first_hits, 5);
     let mut state = reference.start();
     reference.add(&mut state, 6);
     let mut counts = [0, 0];
@@ -423,7 +423,7 @@ fn version_1_takes_the_same_rays_as_ever() {
 }
 
 #[test]
-fn version_2_shows_the_environment_to_whoever_escapes() {
+fn whoever_escapes_sees_the_environment() {
     let scene = Scene::default();
     let world = World::new(&scene, &scene.materials);
     // The pixel is so small that all its rays have one direction.
@@ -431,18 +431,15 @@ fn version_2_shows_the_environment_to_whoever_escapes() {
     let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
     let lens = Lens { opening: crate::scene::Opening::Angle(1e-6), ..Lens::default() };
     let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
-    let bring = |definitions, shown| {
-        let reference = WorldReference::by(definitions, &world, &first_hits, &camera, shown, 1);
+    let bring = |reference: WorldReference| {
         let mut state = reference.start();
         reference.add(&mut state, 1);
         (reference.image(&state).reflection[0], state.sample_counts().next())
     };
     let sky = sky_color(DVec3::new(0.3, 1.0, 0.2).normalize()).as_vec3();
-    assert_eq!(bring(DefinitionsVersion::V1, Escape::Black), (Vec3::ZERO, Some(1)));
-    for shown in [Escape::Black, Escape::Environment] {
-        let (color, samples) = bring(DefinitionsVersion::V2, shown);
-        assert!((color - sky).length() < 1e-5 && samples == Some(16), "{color} {sky} {samples:?}");
-    }
+    assert_eq!(bring(WorldReference::of_centres(&world, &first_hits, 1)), (Vec3::ZERO, Some(1)));
+    let (color, samples) = bring(WorldReference::new(&world, &first_hits, &camera, 1));
+    assert!((color - sky).length() < 1e-5 && samples == Some(16), "{color} {sky} {samples:?}");
 }
 
 #[test]
@@ -453,13 +450,13 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     // With an odd number of columns, the edge of the wall's halves runs through the middle column.
     let size = 33;
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
-    let by = |definitions, samples: &[u32]| {
-        let reference = WorldReference::by(definitions, &world, &first_hits, &camera, Escape::Black, 1);
+    let of = |reference: WorldReference, samples: &[u32]| {
         let mut state = reference.start();
         samples.iter().for_each(|n| reference.add(&mut state, *n));
         reference.image(&state)
     };
-    let (filtered, plain) = (by(DefinitionsVersion::V2, &[256]), by(DefinitionsVersion::V1, &[256]));
+    let filtered_by = |samples: &[u32]| of(WorldReference::new(&world, &first_hits, &camera, 1), samples);
+    let (filtered, plain) = (filtered_by(&[256]), of(WorldReference::of_centres(&world, &first_hits, 1), &[256]));
     let shows_wall = |i: &usize| first_hits.receivers[*i].is_some_and(|r| r.position.z > 1.2 && r.position.z < 4.5);
     let mut squares = Vec::new();
     for i in (0..filtered.reflection.len()).filter(shows_wall) {
@@ -481,8 +478,8 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     assert!((0..filtered.samples.len()).filter(reflecting).all(|i| filtered.samples[i] == 256));
 
     // At least 16, however they are asked for, and the same ones.
-    let [once, twice] = [by(DefinitionsVersion::V2, &[20]), by(DefinitionsVersion::V2, &[3, 5, 12])];
+    let [once, twice] = [filtered_by(&[20]), filtered_by(&[3, 5, 12])];
     assert_eq!(once, twice);
-    let few = by(DefinitionsVersion::V2, &[3]);
-    assert_eq!((few.samples.iter().max(), &few), (Some(&16), &by(DefinitionsVersion::V2, &[16])));
+    let few = filtered_by(&[3]);
+    assert_eq!((few.samples.iter().max(), &few), (Some(&16), &filtered_by(&[16])));
 }

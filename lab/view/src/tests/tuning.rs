@@ -80,7 +80,6 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("captures", "1"),
         ("capture-side", "128"),
         ("captures-per-frame", "1"),
-        ("definitions", "1"),
         ("history", "on"),
         ("edge-tolerance", "0.9"),
         ("billboard-blur", "roughness"),
@@ -124,11 +123,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
             // In this scene, no quad is behind another one or behind anything else, and no ray of a mirror meets one.
-            // The version of the definitions is what the references judge by, and nothing reads the maximum of the Hi-Z. Both
+            // Nothing reads the maximum of the Hi-Z. Both
             // stages of a shader make the same image, and so do both tracers; tests/suite/own_rays.rs tries rays of a pixel's
             // own, which are for lobes among triangles. Who is asked first matters where rays go beyond the screen.
-            let shows_nothing =
-                ["definitions", "hi-z-maximum", "first", "tracer", "own-rays", "trace-stage", "resolve-stage"];
+            let shows_nothing = ["hi-z-maximum", "first", "tracer", "own-rays", "trace-stage", "resolve-stage"];
             if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
