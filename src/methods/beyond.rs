@@ -2,7 +2,7 @@
 
 use super::capture::{CaptureImages, Renewal};
 use super::setup::{CaptureCount, Tracer};
-use super::{EffectParams, MethodInfo, SceneInput, Setup};
+use super::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, captures, environment, pccm, planar};
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::passes::scene_data::SceneData;
@@ -10,6 +10,19 @@ use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading, TriangleTa
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
+
+impl Fallback {
+    /// The method that is behind.
+    pub fn method(self) -> Option<&'static MethodInfo> {
+        match self {
+            Self::None => None,
+            Self::Environment => Some(&environment::INFO),
+            Self::Pccm => Some(&pccm::INFO),
+            Self::Captures => Some(&captures::INFO),
+            Self::Planar => Some(&planar::INFO),
+        }
+    }
+}
 
 /// How the triangles of the scene are read, and the table of the materials that they show.
 pub(super) struct PreparedTriangles {

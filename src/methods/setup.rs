@@ -1,6 +1,6 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
-use super::{METHODS, MethodInfo, captures, environment, pccm, planar};
+use super::{METHODS, MethodInfo};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::math::OracleVersion;
@@ -169,19 +169,6 @@ impl Field for CaptureCount {
             Value::Choice("camera") => Some(Self::Camera),
             Value::Count(count) => Some(Self::Number(count)),
             _ => None,
-        }
-    }
-}
-
-impl Fallback {
-    /// The method that is behind.
-    pub fn method(self) -> Option<&'static MethodInfo> {
-        match self {
-            Self::None => None,
-            Self::Environment => Some(&environment::INFO),
-            Self::Pccm => Some(&pccm::INFO),
-            Self::Captures => Some(&captures::INFO),
-            Self::Planar => Some(&planar::INFO),
         }
     }
 }

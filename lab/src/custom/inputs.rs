@@ -1,6 +1,7 @@
 //! Makes what a shader reads of the G-buffer: each thing once a frame, whoever reads it, and only what is read.
 
-use super::manifest::{Conventions, Hand, SamplerName};
+use super::conventions::{Conventions, Hand};
+use super::manifest::SamplerName;
 use super::noise;
 use super::source::{CapturePart, Depth, DepthChain, ImageSource, Normal};
 use super::values;

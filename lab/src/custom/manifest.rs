@@ -6,11 +6,10 @@ mod passes;
 mod sections;
 
 pub use passes::{InputKind, LevelOf, Pass, PassReach};
-pub use sections::{
-    Alpha, ClipAxis, ClipDepth, Conventions, Hand, HitEncoding, ImageSection, MatrixLayout, PassStage, SamplerName,
-};
+pub use sections::{Alpha, HitEncoding, ImageSection, PassStage, SamplerName};
 
 use super::MANIFEST;
+use super::conventions::Conventions;
 use super::source::ImageSource;
 use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};

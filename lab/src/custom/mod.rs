@@ -7,6 +7,7 @@
 //! manifest, `method` records the passes, and `finish` makes a reflection of what they made.
 
 mod bindings;
+mod conventions;
 mod finish;
 mod inputs;
 mod kinds;

@@ -1,6 +1,6 @@
 //! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
 
-use super::manifest::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
+use super::conventions::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
 use super::reflect::{BlockField, Component};
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;

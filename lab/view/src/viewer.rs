@@ -1,6 +1,8 @@
 //! What a window shows: the state, the panel that changes it, and the pictures that it asks for. The viewer
 //! takes egui's input and draws one image. It does not depend on a window, so tests can drive it.
 
+mod act;
+
 use super::captures::CaptureEditor;
 use super::fly_camera::{FlyCamera, FlyMotion};
 use super::inspect::PickedRay;

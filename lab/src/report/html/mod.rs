@@ -120,7 +120,7 @@ impl Page<'_> {
             @if self.same.is_empty() {
                 p { "Vulkan lists no other device here that can be used." }
             } @else {
-                (study::explained(&AgreementRecord::table(self.same)))
+                (sections::explained(&AgreementRecord::table(self.same)))
             }
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
@@ -139,7 +139,7 @@ pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tabl
     let body = html! {
         @for table in tables {
             (heading((table.id, &table.title)))
-            (study::explained(table))
+            (sections::explained(table))
         }
     };
     frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)

@@ -1,9 +1,10 @@
 //! The page's tables and plots.
 
-use super::study::{drawn_chart, explained};
 use super::{Errors, Times};
+use crate::report::plot::DrawnChart;
 use crate::study::engine::Row;
 use crate::study::error::{ErrorRecord, source_table};
+use crate::study::exhibit::Table;
 use crate::study::names::roughness;
 use crate::study::{TimeRecord, table};
 use maud::{Markup, PreEscaped, html};
@@ -78,6 +79,23 @@ pub fn grid(cells: &[Vec<String>]) -> Markup {
                 }
             }
         }
+    }
+}
+
+/// A chart under its title, with its points as a table where it has them.
+pub fn drawn_chart(DrawnChart { chart, svg }: &DrawnChart) -> Markup {
+    html! {
+        h3 { (chart.title) }
+        (inline_svg(svg, &format!("{}; a table has the same values", chart.title)))
+        @if !chart.cells.is_empty() { (grid(&chart.cells)) }
+    }
+}
+
+/// A table below what it says.
+pub fn explained(table: &Table) -> Markup {
+    html! {
+        @if !table.about.is_empty() { p { (table.about) } }
+        (grid(&table.cells))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The page of a study: charts, tables and clips of each device, tables of figures over all devices, and what lies beside
 //! the page.
 
-use super::sections::{grid, inline_svg};
+use super::sections::{drawn_chart, explained};
 use super::{frame, heading, missing_cells, page_header};
 use crate::gpu::DeviceInfo;
 use crate::report::devices::device_name;
@@ -106,23 +106,6 @@ fn device(part: &DevicePart) -> Markup {
             @if !table.title.is_empty() { h3 { (table.title) } }
             (explained(table))
         }
-    }
-}
-
-/// A chart under its title, with its points as a table where it has them.
-pub fn drawn_chart(DrawnChart { chart, svg }: &DrawnChart) -> Markup {
-    html! {
-        h3 { (chart.title) }
-        (inline_svg(svg, &format!("{}; a table has the same values", chart.title)))
-        @if !chart.cells.is_empty() { (grid(&chart.cells)) }
-    }
-}
-
-/// A table below what it says.
-pub fn explained(table: &Table) -> Markup {
-    html! {
-        @if !table.about.is_empty() { p { (table.about) } }
-        (grid(&table.cells))
     }
 }
 

@@ -5,8 +5,8 @@
 use super::first_hits::FirstHits;
 use super::partial_sums::PartialSums;
 use super::world::WorldReference;
+use super::world::state::WorldState;
 use super::world_hits::ShownPlaces;
-use super::world_state::WorldState;
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 

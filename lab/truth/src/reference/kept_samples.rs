@@ -1,6 +1,6 @@
 //! The files that keep samples of a world reference in a folder: all of them, or the part that one shard took.
 
-use super::world_state::Fingerprint;
+use super::world::state::Fingerprint;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

@@ -28,7 +28,6 @@ pub mod visibility;
 pub mod world;
 pub mod world_hits;
 pub mod world_part;
-pub mod world_state;
 
 pub use capture_data::CaptureData;
 pub use hierarchy::Hierarchy;

@@ -10,11 +10,12 @@
 //! the order of their numbers, in groups that are always the same ([`super::partial_sums`]). A result therefore does not
 //! depend on threads, on interruptions, or on how samples were divided among machines.
 
+pub mod state;
+
 use super::first_hits::{FirstHits, PrimaryRays, Receiver};
 use super::lobe::lobe_direction;
 use super::screen::MIRROR_SAMPLES_MIN;
 use super::surface::{SurfacePoint, World, sky_color};
-use super::world_state::{Kind, WorldState};
 use crate::error::Result;
 use crate::math::phong;
 use crate::math::random::Stream;
@@ -22,6 +23,7 @@ use crate::scene::Camera;
 use crate::scene::bvh::WorldRay;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use state::{Kind, WorldState};
 
 /// The distance, in metres, from which hits of a reflected ray count (docs/definitions.md, "World agreement").
 pub const RAY_START_M: f64 = 1e-4;
@@ -271,5 +273,4 @@ struct Traced {
 }
 
 #[cfg(test)]
-#[path = "world_tests.rs"]
 mod tests;

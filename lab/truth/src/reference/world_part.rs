@@ -2,7 +2,7 @@
 //! would have sampled, to the bit. Merging needs neither the scene nor the camera.
 
 use super::partial_sums::LEAF;
-use super::world_state::{KeptState, read_state, write_state};
+use super::world::state::{KeptState, read_state, write_state};
 use crate::error::{Error, Result};
 use std::ops::Range;
 use std::path::{Path, PathBuf};

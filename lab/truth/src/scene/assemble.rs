@@ -1,7 +1,9 @@
 //! Makes meshes from the triangles that a loader reads: adds tangents, splits large groups in space, and welds equal
 //! vertices.
 
-use super::{Aabb, Mesh, Vertex, tangents};
+mod tangents;
+
+use super::{Aabb, Mesh, Vertex};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;

@@ -2,7 +2,6 @@
 //! common.
 
 use super::bounded;
-use super::gbuffer_file::{MAX_BYTES, MAX_SIDE};
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -13,6 +12,12 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
+
+/// The largest side, in pixels, of a G-buffer that can be read.
+pub const MAX_SIDE: usize = 16384;
+
+/// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
+pub const MAX_BYTES: u64 = 1 << 32;
 
 /// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
 const FREE_BYTES: u64 = 1 << 24;

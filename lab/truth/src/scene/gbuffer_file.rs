@@ -10,6 +10,7 @@
 
 use super::camera::ReadProjection;
 use super::exr_channels::{self, ExrChannels, axis, check};
+pub use super::exr_channels::{MAX_BYTES, MAX_SIDE};
 use super::{Camera, GBufferData, Lens, Opening, Projection, ProjectionKind, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
@@ -17,12 +18,6 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::Text;
 use glam::{Mat4, Vec3};
 use std::path::Path;
-
-/// The largest side, in pixels, of a G-buffer that can be read.
-pub const MAX_SIDE: usize = 16384;
-
-/// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
-pub const MAX_BYTES: u64 = 1 << 32;
 
 /// Encodes a G-buffer as the bytes of a file.
 ///

@@ -24,7 +24,6 @@ pub mod pattern;
 pub mod placement;
 pub mod scene_file;
 pub mod source_text;
-mod tangents;
 pub mod texture;
 pub mod triangles;
 mod viewpoint;

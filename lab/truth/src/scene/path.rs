@@ -1,6 +1,6 @@
 //! Files of camera paths (TOML), and the sections of scene files that name one.
 
-use super::scene_file::{MAX_FILE_BYTES, stem};
+use super::source_text::{MAX_FILE_BYTES, stem};
 use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};
 use serde::Deserialize;

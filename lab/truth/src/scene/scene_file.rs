@@ -18,14 +18,11 @@ use crate::scene::source_text::{self, SourceText};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Spanned;
 
 /// The name that stands for all materials that are not named, both as a section and in a view's `materials`.
 const DEFAULT: &str = "default";
-
-/// The largest scene file that can be read, in bytes.
-pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
@@ -45,7 +42,7 @@ pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     options.check()?;
     let extra_scale = options.scale;
-    let text = source_text::read(path, "a scene file", MAX_FILE_BYTES)?;
+    let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let scale = match &sections.scale {
@@ -81,7 +78,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.warnings.push(format!("{}: {}", path.display(), far.warning()));
     }
     scene.lens = viewpoint::lens(scene.bounds());
-    scene.name = sections.name.unwrap_or_else(|| stem(path));
+    scene.name = sections.name.unwrap_or_else(|| source_text::stem(path));
     if sections.camera != LensSection::default() || !views.is_empty() {
         scene.lens = lens;
     }
@@ -410,11 +407,4 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
             view.materials.extend(others.into_iter().map(|name| (name, change)));
         }
     }
-}
-
-/// The file name without `.scene.toml` or `.toml`.
-pub(super) fn stem(path: &Path) -> String {
-    let name = PathBuf::from(path.file_stem().unwrap_or_default());
-    let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
-    stem.to_string_lossy().into_owned()
 }

@@ -4,7 +4,10 @@
 use super::{bounded, encoding};
 use crate::error::{Error, Result};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The largest file of a scene or of a camera path that can be read, in bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// A text and its path, for errors that name the line.
 #[derive(Clone, Copy)]
@@ -55,4 +58,11 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
 /// The line, from 1, of a byte.
 fn line_of(text: &[u8], at: usize) -> usize {
     1 + text[..at.min(text.len())].iter().filter(|&&b| b == b'\n').count()
+}
+
+/// The file name without `.scene.toml` or `.toml`.
+pub fn stem(path: &Path) -> String {
+    let name = PathBuf::from(path.file_stem().unwrap_or_default());
+    let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
+    stem.to_string_lossy().into_owned()
 }

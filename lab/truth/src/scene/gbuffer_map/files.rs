@@ -1,8 +1,6 @@
 //! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The main file is the one that the
 //! command names; the others lie in its folder.
 
-use super::numbers::AttributeName;
-use super::source::ChannelSource;
 use crate::error::{Error, Result};
 use crate::scene::exr_parts::{self, ExrChannel, ExrPart};
 use crate::scene::gbuffer_file::MAX_BYTES;
@@ -15,6 +13,25 @@ use std::path::{Path, PathBuf};
 
 /// The most names that an error lists.
 const MOST_NAMES: usize = 80;
+
+/// The name of an attribute, and where to look for it.
+#[derive(Debug, Clone)]
+pub(super) struct AttributeName {
+    pub name: String,
+    /// The main file, if there is none.
+    pub file: Option<String>,
+    /// All parts of the file, if there is none.
+    pub part: Option<String>,
+}
+
+/// Channels of one part of a file.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelSource {
+    pub file: Option<String>,
+    pub part: Option<String>,
+    pub names: Vec<String>,
+    pub line: usize,
+}
 
 /// The files of one frame.
 pub(super) struct MapFiles<'a> {

@@ -1,7 +1,8 @@
 //! The keys of a map's sections, taken one by one. An error about a key has its line; keys that are left when all that
 //! a section knows have been taken are unknown.
 
-use super::numbers::{AttributeName, MapNumbers, NumbersFrom};
+use super::files::AttributeName;
+use super::numbers::{MapNumbers, NumbersFrom};
 use crate::error::{Error, Result};
 use crate::scene::source_text::SourceText;
 use std::collections::BTreeMap;

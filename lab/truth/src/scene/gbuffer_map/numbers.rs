@@ -1,6 +1,6 @@
 //! Numbers of the camera, which stand in the map or in an attribute of a file.
 
-use super::files::MapFiles;
+use super::files::{AttributeName, MapFiles};
 use crate::error::Result;
 use exr::meta::attribute::AttributeValue;
 
@@ -18,16 +18,6 @@ pub(super) struct MapNumbers {
 pub(super) enum NumbersFrom {
     Here(Vec<f64>),
     Attribute(AttributeName),
-}
-
-/// The name of an attribute, and where to look for it.
-#[derive(Debug, Clone)]
-pub(super) struct AttributeName {
-    pub name: String,
-    /// The main file, if there is none.
-    pub file: Option<String>,
-    /// All parts of the file, if there is none.
-    pub part: Option<String>,
 }
 
 impl MapNumbers {

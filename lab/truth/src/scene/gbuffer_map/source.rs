@@ -1,19 +1,10 @@
 //! Where a section of a map takes its values from: channels of a file, or constants.
 
-use super::files::MapFiles;
+use super::files::{ChannelSource, MapFiles};
 use super::keys::MapKeys;
 use crate::error::{Error, Result};
 use crate::math;
 use std::path::Path;
-
-/// Channels of one part of a file.
-#[derive(Debug, Clone)]
-pub(super) struct ChannelSource {
-    pub file: Option<String>,
-    pub part: Option<String>,
-    pub names: Vec<String>,
-    pub line: usize,
-}
 
 /// Where the values of a section come from, one or several a pixel, and how they are decoded.
 #[derive(Debug, Clone)]

@@ -2,9 +2,11 @@
 //! 5.6–5.8: arcades around an open court, vaulted galleries behind them, and furnishing ([`furnishing`]). Only
 //! the floor reflects; in the view `hall` the walls reflect as well.
 
+mod furnishing;
+
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, ColumnSize, Wall};
-use super::{Finish, furnishing, materials, probe, thesis_lens, view};
+use super::{Finish, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Dye, Pattern, Wood};
 use crate::scene::{Light, MaterialChange, Mesh, Scene, sky};
 use glam::{Vec2, Vec3};

@@ -8,8 +8,6 @@ mod cathedral;
 mod cornell_box;
 mod corridor;
 mod fittings;
-mod furnishing;
-mod house;
 mod masonry;
 mod museum;
 mod portrait;

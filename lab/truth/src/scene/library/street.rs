@@ -2,13 +2,15 @@
 //! 5.1, figures 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car
 //! stands between them and the road.
 
+mod house;
+
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around};
-use super::house::{self, Front, Ground};
 use super::{Finish, car, materials, portrait, probe, thesis_lens, view};
 use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
+use house::{Front, Ground};
 
 const ROAD: usize = 0;
 const PAVEMENT: usize = 1;

@@ -24,7 +24,7 @@ struct ListOfCaptures {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
 pub(in crate::scene) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
-    let text = source_text::read(path, "a list of captures", super::MAX_FILE_BYTES)?;
+    let text = source_text::read(path, "a list of captures", crate::scene::source_text::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
     let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let captures = source.captures(&list.capture, 1.0)?;

@@ -1,8 +1,8 @@
 //! The objects in the atrium: curtains and banners, vases and planters, and the lion's head at its end.
 
-use super::atrium::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
-use super::builder::MeshBuilder;
+use super::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
 use crate::math::atan2;
+use crate::scene::library::builder::MeshBuilder;
 use crate::scene::pattern::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};

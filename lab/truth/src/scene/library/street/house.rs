@@ -1,8 +1,8 @@
 //! The fronts of houses: windows in several storeys, a cornice, and the ground floor.
 
-use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, around};
-use super::street::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
+use super::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
+use crate::scene::library::builder::{MeshBuilder, Rect};
+use crate::scene::library::fittings::{Face, around};
 use crate::scene::pattern::unit;
 use glam::{IVec2, Vec3};
 

@@ -1,6 +1,6 @@
 //! Computes tangents with MikkTSpace, the convention for which normal maps are baked.
 
-use super::assemble::Triangle;
+use super::Triangle;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 

@@ -1,9 +1,9 @@
 //! The sums of a world reference and their file. A long run can stop and continue later with a result that is
 //! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
 
-use super::partial_sums::{LEAF, PartialSums, parts};
-use super::world::{Escape, WorldReference};
+use super::{Escape, WorldReference};
 use crate::error::{Error, Result};
+use crate::reference::partial_sums::{LEAF, PartialSums, parts};
 use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
@@ -35,20 +35,20 @@ pub struct WorldState {
     fingerprint: Fingerprint,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    pub(super) sums: PartialSums<Sums>,
-    pub(super) kinds: Vec<Kind>,
+    pub(crate) sums: PartialSums<Sums>,
+    pub(crate) kinds: Vec<Kind>,
 }
 
 /// The sums of one pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Sums {
+pub(crate) struct Sums {
     color: DVec3,
     squares: DVec3,
 }
 
 /// Which samples a pixel takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// None: it does not reflect.
     None,
     /// A single one: a mirror without a footprint.
@@ -59,7 +59,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// The samples of a pixel in a state with so many.
-    pub(super) fn samples(self, of_state: u32) -> u32 {
+    pub(crate) fn samples(self, of_state: u32) -> u32 {
         match self {
             Self::None => 0,
             Self::Single => of_state.min(1),
@@ -70,7 +70,7 @@ impl Kind {
 }
 
 impl Sums {
-    pub(super) fn add(&mut self, color: DVec3) {
+    pub(crate) fn add(&mut self, color: DVec3) {
         self.color += color;
         self.squares += color * color;
     }
@@ -85,7 +85,7 @@ impl AddAssign for Sums {
 
 impl WorldState {
     /// A state without samples, of which the first will be number `first`.
-    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
+    pub(crate) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
         Self { fingerprint, extent, sums: PartialSums::new(first, kinds.len()), kinds }
     }
 
@@ -159,14 +159,14 @@ impl WorldState {
 
 /// The content of a state's file, whatever the reference.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct KeptState {
-    pub(super) fingerprint: Fingerprint,
-    pub(super) extent: [u32; 2],
-    pub(super) sums: PartialSums<Sums>,
+pub(crate) struct KeptState {
+    pub(crate) fingerprint: Fingerprint,
+    pub(crate) extent: [u32; 2],
+    pub(crate) sums: PartialSums<Sums>,
 }
 
 /// Writes a state as [`WorldState::save`] does.
-pub(super) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums: &PartialSums<Sums>) -> Result<()> {
+pub(crate) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums: &PartialSums<Sums>) -> Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let failed = |e| Error::io("write", path, e);
     let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.kept().count() + CHECK_BYTES);
@@ -193,7 +193,7 @@ pub(super) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums:
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
 /// was made by another version.
-pub(super) fn read_state(path: &Path) -> Result<KeptState> {
+pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
     let wrong = |message: &str| Error::malformed(path, None, message);
     if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {

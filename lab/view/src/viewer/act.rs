@@ -1,0 +1,53 @@
+//! What actions of keys and buttons do.
+
+use super::Viewer;
+use crate::input::Action;
+use crate::methods::setup::CaptureCount;
+use crate::parameter::Field;
+use crate::state::{State, Tab};
+
+impl Viewer {
+    /// Performs an action, except for quitting.
+    pub fn act(&mut self, action: Action) {
+        match action {
+            Action::Quit => {}
+            Action::NextMethod => self.state.next_method(),
+            Action::NextCompare => self.state.next_compare(),
+            Action::Roughness(tenths) => self.state.change_roughness(tenths),
+            Action::View(index) => {
+                if let Some(view) = self.views().get(index).cloned() {
+                    self.state.show_view(&view);
+                }
+            }
+            Action::Panel => toggle_panel(&mut self.state),
+            Action::NextTab => self.state.tab = self.state.tab.next(),
+            Action::RecordKey => self.path.record(&self.state.camera),
+            Action::Play => self.path.play_or_stop(),
+            Action::AddCapture | Action::MoveCapture | Action::RemoveCapture => self.edit_captures(action),
+        }
+    }
+
+    /// Changes the captures, and turns them on for the first method if it can follow rays in them.
+    fn edit_captures(&mut self, action: Action) {
+        let shown = self.captures_shown();
+        let eye = self.state.camera.place().0;
+        match action {
+            Action::AddCapture => self.captures.add(&shown, eye),
+            Action::MoveCapture => self.captures.put(&shown, eye),
+            _ => self.captures.remove(&shown),
+        }
+        let side = &mut self.state.sides[0];
+        let effect = side.setup.effect();
+        let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
+        if !side.method.takes_captures && !is_behind {
+            self.captures.message += &format!("; {} follows no rays in captures", side.method.name);
+        } else if effect.captures != CaptureCount::Auto {
+            // All of the list, however many.
+            side.set("captures", Some(CaptureCount::Auto.value().to_string()));
+        }
+    }
+}
+
+fn toggle_panel(state: &mut State) {
+    state.tab = if state.tab == Tab::None { Tab::Tune } else { Tab::None };
+}
