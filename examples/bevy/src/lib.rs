@@ -12,7 +12,7 @@
 //! }
 //!
 //! fn set_up(mut commands: Commands) {
-//!     commands.spawn((Camera3d::default(), SsctReflections::default()));
+//!     commands.spawn((Camera3d::default(), Msaa::Off, SsctReflections::default()));
 //! }
 //! ```
 
@@ -39,7 +39,7 @@ use std::ops::Range;
 
 /// Reflections of a camera by `ssct`, in place of Bevy's `ScreenSpaceReflections`. The camera must cover its whole target.
 #[derive(Component, Clone, Debug, PartialEq)]
-#[require(DepthPrepass, DeferredPrepass, Hdr, Msaa::Off)]
+#[require(DepthPrepass, DeferredPrepass, Hdr)]
 pub struct SsctReflections {
     /// A method of `ssct`: `unified`, or `traced`, whose rays all go among the world's meshes.
     pub method: String,
