@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars test test-wgpu test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars test test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -59,6 +59,10 @@ test: setup
 test-wgpu: build
 	SSCT_COMMAND="$(BIN)" $(CARGO) test --manifest-path examples/wgpu/Cargo.toml \
 		--target-dir "$(or $(CARGO_TARGET_DIR),target)"
+
+# The example in Bevy, whose compiler examples/bevy/rust-toolchain.toml names: a quarter of an hour the first time.
+test-bevy: build
+	cd examples/bevy && SSCT_COMMAND="$(BIN)" $(CARGO) test
 
 # The tests of drivers on lavapipe, on SwiftShader and on Mesa 25's lavapipe, the first two under a younger validation
 # layer; all but the first are fetched: minutes.
@@ -132,6 +136,7 @@ fuzz: setup
 lint: setup
 	$(CARGO) fmt --check
 	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
+	$(CARGO) fmt --check --manifest-path examples/bevy/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
 	$(CARGO) clippy --package ssct-c --features compile-shaders --all-targets -- -D warnings

@@ -86,9 +86,9 @@ mod embed;
 struct Embedding;
 
 pub use embed::{
-    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, ImageInput,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, TriangleMesh,
-    Triangles, methods,
+    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, HitTexture,
+    ImageInput, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
+    ReflectionsInfo, TriangleMesh, Triangles, methods,
 };
 pub use error::{Error, Result};
 pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures, enable_features};

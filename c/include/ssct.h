@@ -59,7 +59,7 @@ typedef struct SsctContext SsctContext;
 typedef struct SsctReflections SsctReflections;
 
 /// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour. Where something moved, make them anew, and keep the old ones until the device is done.
+/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
 typedef struct SsctTriangles SsctTriangles;
 
 /// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
@@ -404,7 +404,8 @@ typedef struct SsctCaptureFace {
   const struct SsctImage *depth;
 } SsctCaptureFace;
 
-/// A mesh, where it stands, and the colour that it has in reflections. The library keeps no pointer to it.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to it. Make it zero
+/// before you fill it in, so that it has no texture unless you say so.
 typedef struct SsctTriangleMesh {
   /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
   const float *positions;
@@ -416,9 +417,28 @@ typedef struct SsctTriangleMesh {
   uint32_t index_count;
   /// From the mesh's space to the world, column by column.
   float mesh_to_world[16];
-  /// The light that comes from it, linear: as lit where it stands, since no light is computed for it.
+  /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
+  /// a texture.
   float color[3];
+  /// The number of its texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
+  uint32_t texture;
+  /// The place of each vertex on the texture, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the
+  /// last, and beyond them it repeats. NULL for a mesh without a texture.
+  const float *texture_places;
 } SsctTriangleMesh;
+
+/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest in
+/// size to their footprint; the levels are made of it. The library keeps no pointer to it.
+typedef struct SsctHitTexture {
+  /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+  const uint8_t *texels;
+  /// Width in texels, 1 to 32768.
+  uint32_t width;
+  /// Height in texels, 1 to 32768.
+  uint32_t height;
+  /// Whether the bytes are sRGB, or else linear.
+  bool is_srgb;
+} SsctHitTexture;
 
 /// At y = -w, as Vulkan has it with a viewport of positive height.
 #define SSCT_CLIP_Y_DOWN 0
@@ -610,6 +630,14 @@ enum SsctResult ssct_triangles_create(const struct SsctContext *context,
                                       const struct SsctTriangleMesh *meshes,
                                       uint32_t mesh_count,
                                       struct SsctTriangles **triangles);
+
+/// Does what `ssct_triangles_create` does for meshes with textures.
+enum SsctResult ssct_triangles_create_textured(const struct SsctContext *context,
+                                               const struct SsctTriangleMesh *meshes,
+                                               uint32_t mesh_count,
+                                               const struct SsctHitTexture *textures,
+                                               uint32_t texture_count,
+                                               struct SsctTriangles **triangles);
 
 /// Destroys triangles; NULL is none. The device is done with every frame that saw them.
 void ssct_triangles_destroy(struct SsctTriangles *triangles);

@@ -3,15 +3,17 @@
 use crate::border::{Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut};
 use crate::context::SsctContext;
 use crate::vulkan::VkCommandBuffer;
-use ssct::{TriangleMesh, Triangles};
+use ssct::{HitTexture, MeshTexture, TriangleMesh, Triangles};
+use std::ptr::null;
 
 /// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour. Where something moved, make them anew, and keep the old ones until the device is done.
+/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
 pub struct SsctTriangles {
     pub(crate) triangles: Guarded<Triangles>,
 }
 
-/// A mesh, where it stands, and the colour that it has in reflections. The library keeps no pointer to it.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to it. Make it zero
+/// before you fill it in, so that it has no texture unless you say so.
 #[repr(C)]
 pub struct SsctTriangleMesh {
     /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
@@ -24,8 +26,28 @@ pub struct SsctTriangleMesh {
     pub index_count: u32,
     /// From the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it.
+    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
+    /// a texture.
     pub color: [f32; 3],
+    /// The number of its texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
+    pub texture: u32,
+    /// The place of each vertex on the texture, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the
+    /// last, and beyond them it repeats. NULL for a mesh without a texture.
+    pub texture_places: *const f32,
+}
+
+/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest in
+/// size to their footprint; the levels are made of it. The library keeps no pointer to it.
+#[repr(C)]
+pub struct SsctHitTexture {
+    /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+    pub texels: *const u8,
+    /// Width in texels, 1 to 32768.
+    pub width: u32,
+    /// Height in texels, 1 to 32768.
+    pub height: u32,
+    /// Whether the bytes are sRGB, or else linear.
+    pub is_srgb: bool,
 }
 
 /// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
@@ -37,12 +59,31 @@ pub unsafe extern "C" fn ssct_triangles_create(
     mesh_count: u32,
     triangles: *mut *mut SsctTriangles,
 ) -> SsctResult {
+    // SAFETY: the header asks for what this does.
+    unsafe { ssct_triangles_create_textured(context, meshes, mesh_count, null(), 0, triangles) }
+}
+
+/// Does what `ssct_triangles_create` does for meshes with textures.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ssct_triangles_create_textured(
+    context: *const SsctContext,
+    meshes: *const SsctTriangleMesh,
+    mesh_count: u32,
+    textures: *const SsctHitTexture,
+    texture_count: u32,
+    triangles: *mut *mut SsctTriangles,
+) -> SsctResult {
     let make = || {
         // SAFETY: the header asks for such pointers.
         let (context, meshes) = unsafe { (needed("context", context)?, array("meshes", meshes, mesh_count)?) };
         // SAFETY: as above.
+        let textures = unsafe { array("textures", textures, texture_count) }?;
+        // SAFETY: as above.
         let taken: Vec<_> = meshes.iter().map(|m| unsafe { mesh(m) }).collect::<Outcome<_>>()?;
-        Ok(SsctTriangles { triangles: Guarded::new(Triangles::new(&context.context, &taken)?) })
+        // SAFETY: as above.
+        let textures: Vec<_> = textures.iter().map(|t| unsafe { texture(t) }).collect::<Outcome<_>>()?;
+        let triangles = Triangles::with_textures(&context.context, &taken, &textures)?;
+        Ok(SsctTriangles { triangles: Guarded::new(triangles) })
     };
     // SAFETY: the header asks for a valid place.
     unsafe { create("triangles", triangles, make) }
@@ -69,6 +110,9 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
     })
 }
 
+/// The greatest side of a texture.
+const MAX_SIDE: u32 = 32768;
+
 /// A mesh as the door takes it.
 ///
 /// # Safety
@@ -81,5 +125,26 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
             array("mesh.indices", mesh.indices, mesh.index_count)?,
         )
     };
-    Ok(TriangleMesh { positions, indices, mesh_to_world: mesh.mesh_to_world, color: mesh.color })
+    let SsctTriangleMesh { mesh_to_world, color, texture, texture_places, vertex_count, .. } = *mesh;
+    let texture = if texture_places.is_null() {
+        None
+    } else {
+        // SAFETY: by the contract.
+        let places = unsafe { array("mesh.texture_places", texture_places.cast::<[f32; 2]>(), vertex_count) }?;
+        Some(MeshTexture { number: texture as usize, places })
+    };
+    Ok(TriangleMesh { positions, indices, mesh_to_world, color, texture })
+}
+
+/// A texture as the door takes it.
+///
+/// # Safety
+/// The pointer is NULL or to as many bytes as width and height say.
+unsafe fn texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
+    let SsctHitTexture { texels, width, height, is_srgb } = *texture;
+    // No texel is read of a texture that is too large, which the door refuses.
+    let count = if width.max(height) > MAX_SIDE { 0 } else { width * height };
+    // SAFETY: by the contract.
+    let texels = unsafe { array("texture.texels", texels.cast::<[u8; 4]>(), count) }?;
+    Ok(HitTexture { extent: [width, height], is_srgb, texels: texels.as_flattened() })
 }

@@ -12,7 +12,7 @@ pub use camera::{CameraInput, ClipY};
 pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
-pub use triangles::{TriangleMesh, Triangles};
+pub use triangles::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;

@@ -10,12 +10,12 @@ use crate::passes::unlit_triangles::UnlitTriangles;
 #[cfg(feature = "tree")]
 use crate::scene::tree::{Tree, TriangleRecords};
 #[cfg(feature = "tree")]
-use crate::scene::{Aabb, Material, Mesh, Scene, Vertex};
+use crate::scene::{Aabb, Encoding, Material, Mesh, Scene, Texture, Vertex};
 use ash::vk;
 #[cfg(feature = "tree")]
 use glam::{Mat4, Vec3};
 
-/// A mesh, where it stands, and the colour that it has in reflections.
+/// A mesh, where it stands, and the light that comes from it in reflections.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleMesh<'a> {
     /// Places of the vertices, in the mesh's own space.
@@ -24,12 +24,37 @@ pub struct TriangleMesh<'a> {
     pub indices: &'a [u32],
     /// From the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it.
+    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
+    /// a texture.
     pub color: [f32; 3],
+    /// The texture of that light, if it differs over the mesh.
+    pub texture: Option<MeshTexture<'a>>,
+}
+
+/// Where a mesh has which texture.
+#[derive(Debug, Clone, Copy)]
+pub struct MeshTexture<'a> {
+    /// The texture's number among those that [`Triangles::with_textures`] is given.
+    pub number: usize,
+    /// The place of each vertex on it: (0, 0) is the corner of the first texel, (1, 1) that of the last, and beyond them it
+    /// repeats.
+    pub places: &'a [[f32; 2]],
+}
+
+/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest
+/// in size to their footprint; the levels are made of it.
+#[derive(Debug, Clone, Copy)]
+pub struct HitTexture<'a> {
+    /// Width and height in texels, 1 to 32768.
+    pub extent: [u32; 2],
+    /// Whether the bytes are sRGB, or else linear.
+    pub is_srgb: bool,
+    /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+    pub texels: &'a [u8],
 }
 
 /// Triangles of the scene, in which `unified` and `traced` follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour. Where something moved, make them anew, and keep the old ones until the device is done.
+/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
 pub struct Triangles {
     frames: FrameContext,
     unlit: UnlitTriangles,
@@ -44,13 +69,28 @@ impl Triangles {
     /// [`Error::Usage`] with the number of a mesh that is wrong, and why; [`Error::Memory`] without memory.
     #[cfg(feature = "tree")]
     pub fn new(context: &Context, meshes: &[TriangleMesh]) -> Result<Self> {
+        Self::with_textures(context, meshes, &[])
+    }
+
+    /// Does what [`Self::new`] does for meshes with textures among `textures`.
+    ///
+    /// # Errors
+    /// Errors of [`Self::new`], and [`Error::Usage`] with the number of a texture that is wrong, and why.
+    #[cfg(feature = "tree")]
+    pub fn with_textures(context: &Context, meshes: &[TriangleMesh], textures: &[HitTexture]) -> Result<Self> {
+        let numbered = meshes.iter().enumerate();
         let meshes: Vec<(Mesh, Material)> =
-            meshes.iter().enumerate().map(|(number, mesh)| mesh.take(number)).collect::<Result<_>>()?;
+            numbered.map(|(number, mesh)| mesh.take(number, textures.len())).collect::<Result<_>>()?;
         let (meshes, materials) = meshes.into_iter().unzip();
+        let textures: Vec<Texture> =
+            textures.iter().enumerate().map(|(number, texture)| texture.take(number)).collect::<Result<_>>()?;
+        if textures.iter().map(|texture| texture.rgba.len() / 4).sum::<usize>() > MAX_TEXELS {
+            return Err(Error::Usage(format!("the textures have more than {MAX_TEXELS} texels together")));
+        }
         let scene = Scene { name: "of triangles".into(), meshes, materials, ..Scene::default() };
         let tree = Tree::build(&scene)?;
         let records = TriangleRecords::new(&scene, &tree);
-        let unlit = UnlitTriangles::new(&context.gpu, &tree, &records, &scene.materials)?;
+        let unlit = UnlitTriangles::new(&context.gpu, &tree, &records, &scene.materials, &textures)?;
         Ok(Self { frames: FrameContext::in_others(&context.gpu, 1)?, unlit, is_recorded: false })
     }
 
@@ -92,8 +132,8 @@ impl Triangles {
 
 #[cfg(feature = "tree")]
 impl TriangleMesh<'_> {
-    /// The mesh in world space, with its colour as a material.
-    fn take(&self, number: usize) -> Result<(Mesh, Material)> {
+    /// The mesh in world space, with its colour or texture as a material.
+    fn take(&self, number: usize, textures: usize) -> Result<(Mesh, Material)> {
         let wrong = |why: String| Err(Error::Usage(format!("triangle mesh {number} {why}")));
         let (vertices, indices) = (self.positions.len(), self.indices);
         if !indices.len().is_multiple_of(3) {
@@ -108,20 +148,55 @@ impl TriangleMesh<'_> {
         if !places.iter().all(|p| p.is_finite()) || !color.is_finite() || color.min_element() < 0.0 {
             return wrong("has a place or a colour that is not finite, or a colour below 0".into());
         }
-        let vertex = |p: &Vec3| Vertex {
+        if let Some(MeshTexture { number, places }) = self.texture {
+            if number >= textures {
+                return wrong(format!("has texture {number}, and there are {textures}"));
+            }
+            if places.len() != vertices {
+                return wrong(format!("has {} places on its texture, and {vertices} vertices", places.len()));
+            }
+            if !places.as_flattened().iter().all(|v| v.is_finite()) {
+                return wrong("has a place on its texture that is not finite".into());
+            }
+        }
+        let place = |vertex: usize| self.texture.map_or([0.0; 2], |texture| texture.places[vertex]);
+        let vertex = |(number, p): (usize, &Vec3)| Vertex {
             position: p.to_array(),
             normal: [0.0, 1.0, 0.0],
-            uv: [0.0; 2],
+            uv: place(number),
             tangent: [1.0, 0.0, 0.0, 1.0],
         };
         let mesh = Mesh {
             name: String::new(),
-            vertices: places.iter().map(vertex).collect(),
+            vertices: places.iter().enumerate().map(vertex).collect(),
             indices: indices.to_vec(),
             material: number,
             bounds: Aabb::ALL,
         };
         // What emits all of its albedo has that colour under every light.
-        Ok((mesh, Material { albedo: color, emission: 1.0, ..Material::default() }))
+        let albedo_map = self.texture.map(|texture| texture.number);
+        Ok((mesh, Material { albedo: color, albedo_map, emission: 1.0, ..Material::default() }))
+    }
+}
+
+/// The most texels of all textures: with their levels, the places of all of them fit 31 bits.
+#[cfg(feature = "tree")]
+const MAX_TEXELS: usize = 1 << 30;
+
+#[cfg(feature = "tree")]
+impl HitTexture<'_> {
+    /// The texture, all of whose light is emitted: shaders take alpha for the share that is.
+    fn take(&self, number: usize) -> Result<Texture> {
+        let [width, height] = self.extent;
+        let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));
+        if !self.extent.iter().all(|side| (1..=32768).contains(side)) {
+            return wrong(format!("is {width}x{height} texels; each side must have 1 to 32768"));
+        }
+        if self.texels.len() as u64 != 4 * u64::from(width) * u64::from(height) {
+            return wrong(format!("is {width}x{height} texels of four bytes, and has {} bytes", self.texels.len()));
+        }
+        let encoding = if self.is_srgb { Encoding::Srgb } else { Encoding::Linear };
+        let rgba = self.texels.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
+        Ok(Texture { name: String::new(), width, height, rgba, encoding })
     }
 }

@@ -11,7 +11,7 @@ use crate::math::constants::{
     ALBEDO_SHIFT, MAP_LEVELS, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT,
 };
 use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
-use crate::scene::{Camera, Encoding, Material, Surface};
+use crate::scene::{Camera, Encoding, Material, Surface, Texture};
 use ash::vk;
 use glam::{DVec3, Mat4};
 
@@ -48,13 +48,20 @@ pub struct TriangleImages {
 
 /// An image among the words of all images.
 #[derive(Debug, Clone, Copy)]
-struct Map {
+pub(super) struct Map {
     /// The place of the words that say where its levels begin.
     place: u32,
     /// Width, and height in the upper half.
     size: u32,
     /// `MAP_LEVELS` and `MAP_SRGB`.
     described: u32,
+}
+
+impl Map {
+    fn new(place: u32, [width, height]: [u32; 2], levels: u32, encoding: Encoding) -> Self {
+        let srgb = if encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
+        Self { place, size: width | height << 16, described: levels | srgb }
+    }
 }
 
 /// The image that stands for one that a material does not have: one white texel, whose place is the first word.
@@ -217,9 +224,7 @@ impl TriangleImages {
         let levels = |image: &Image| image.levels().min(MAP_LEVELS);
         let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
         for (image, encoding) in images {
-            let [width, height] = image.extent();
-            let srgb = if *encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
-            maps.push(Map { place: words.len() as u32, size: width | height << 16, described: levels(image) | srgb });
+            maps.push(Map::new(words.len() as u32, image.extent(), levels(image), *encoding));
             for level in 0..levels(image) {
                 words.push(next);
                 let [width, height] = image.level(level).extent();
@@ -243,9 +248,28 @@ impl TriangleImages {
         Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
     }
 
-    /// No image but the white one, in a buffer of its words.
-    pub(super) fn white(buffer: TexelBuffer) -> Self {
-        Self { maps: Vec::new(), buffer }
+    /// The words of textures with all their levels, as [`Self::new`] lays images out, and where each is among them. `levels`
+    /// are a texture's from the finest on.
+    pub(super) fn words<'a>(textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>) -> (Vec<u32>, Vec<Map>) {
+        let textures: Vec<_> = textures.collect();
+        let mut words = WHITE_WORDS.to_vec();
+        let mut next = words.len() + textures.iter().map(|(_, levels)| levels.len()).sum::<usize>();
+        let mut maps = Vec::with_capacity(textures.len());
+        for (texture, levels) in &textures {
+            let (place, count) = (words.len() as u32, levels.len() as u32);
+            maps.push(Map::new(place, [texture.width, texture.height], count, texture.encoding));
+            for level in levels {
+                words.push(next as u32);
+                next += level.len();
+            }
+        }
+        words.extend(textures.iter().flat_map(|(_, levels)| levels.iter().flatten()));
+        (words, maps)
+    }
+
+    /// Images in a buffer of their words.
+    pub(super) fn of(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
+        Self { maps, buffer }
     }
 
     /// The table of a view's materials.

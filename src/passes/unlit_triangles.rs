@@ -1,15 +1,16 @@
-//! Triangles of a renderer that hands over meshes and colours, and no scene with images and lights: what a ray meets has its
-//! mesh's colour.
+//! Triangles of a renderer that hands over meshes with colours and textures, and no scene with lights: what a ray meets has the
+//! light that its mesh sends out there.
 
 use super::triangle_scene::{
-    TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS, WHITE_WORDS,
-    staged,
+    TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS, staged,
 };
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, Gpu};
-use crate::scene::Material;
+use crate::math::constants::MAP_LEVELS;
+use crate::math::{linear_to_srgb, srgb_to_linear};
 use crate::scene::tree::{Tree, TriangleRecords};
+use crate::scene::{Encoding, Material, Texture};
 
 /// The triangles in device memory, and what is copied there by a frame of the caller's.
 pub struct UnlitTriangles {
@@ -21,15 +22,22 @@ pub struct UnlitTriangles {
 }
 
 impl UnlitTriangles {
-    /// Makes the buffers. They have no content yet.
+    /// Makes the buffers. They have no content yet. Materials may have albedo maps among the textures.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
-    pub fn new(gpu: &Gpu, tree: &Tree, records: &TriangleRecords, materials: &[Material]) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        tree: &Tree,
+        records: &TriangleRecords,
+        materials: &[Material],
+        textures: &[Texture],
+    ) -> Result<Self> {
         let vectors = TriangleGeometry::vectors(tree, records);
         let (of_geometry, geometry) = staged(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
-        let (of_images, images) = staged(gpu, "no images", bytemuck::cast_slice(&WHITE_WORDS), TEXELS)?;
-        let images = TriangleImages::white(images);
+        let (words, maps) = TriangleImages::words(textures.iter().map(|texture| (texture, levels(texture))));
+        let (of_images, images) = staged(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
+        let images = TriangleImages::of(maps, images);
         let (of_table, table) = staged(gpu, "colours", bytemuck::cast_slice(&images.rows(materials)), VECTORS)?;
         Ok(Self {
             geometry: TriangleGeometry::of(tree, records, geometry),
@@ -56,5 +64,64 @@ impl UnlitTriangles {
     /// The buffers that passes bind.
     pub fn bound(&self) -> TriangleBuffers<'_> {
         self.geometry.bound(&self.images, &self.table)
+    }
+}
+
+/// The levels of a texture from the finest to the one of a single texel, as words of red to alpha. Each is the mean of light
+/// over two by two texels of the one before; where a side is odd, its last texels are left out.
+fn levels(texture: &Texture) -> Vec<Vec<u32>> {
+    let is_srgb = texture.encoding == Encoding::Srgb;
+    let decoded = |v: f32| if is_srgb { srgb_to_linear(v) } else { v };
+    let encoded = |v: f32| if is_srgb { linear_to_srgb(v) } else { v };
+    let light: [f32; 256] = std::array::from_fn(|byte| decoded(byte as f32 / 255.0));
+    let mut size = [texture.width as usize, texture.height as usize];
+    let mut finest: Vec<[u8; 4]> = texture.rgba.as_chunks::<4>().0.to_vec();
+    let mut levels = vec![words(&finest)];
+    while size != [1, 1] && levels.len() < MAP_LEVELS as usize {
+        let coarse = size.map(|side| (side / 2).max(1));
+        let texel = |x: usize, y: usize| finest[y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)];
+        let next: Vec<[u8; 4]> = (0..coarse[0] * coarse[1])
+            .map(|at| {
+                let (x, y) = (2 * (at % coarse[0]), 2 * (at / coarse[0]));
+                let four = [texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)];
+                std::array::from_fn(|channel| {
+                    let sum: f32 = four.iter().map(|texel| light[usize::from(texel[channel])]).sum();
+                    (255.0 * encoded(0.25 * sum)).round() as u8
+                })
+            })
+            .collect();
+        levels.push(words(&next));
+        (finest, size) = (next, coarse);
+    }
+    levels
+}
+
+fn words(texels: &[[u8; 4]]) -> Vec<u32> {
+    texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture([width, height]: [u32; 2], encoding: Encoding, grey: &[u8]) -> Texture {
+        let rgba = grey.iter().flat_map(|v| [*v, *v, *v, 255]).collect();
+        Texture { name: String::new(), width, height, rgba, encoding }
+    }
+
+    #[test]
+    fn a_level_is_the_mean_of_light_over_the_one_before() {
+        let of = |encoding| {
+            let made = levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
+            made.iter()
+                .map(|level| level.iter().map(|word| word.to_le_bytes()[0]).collect::<Vec<_>>())
+                .collect::<Vec<_>>()
+        };
+        // Half of all light is 188 of 255 in sRGB.
+        assert_eq!(of(Encoding::Linear)[1..], [vec![128, 10], vec![69]]);
+        assert_eq!(of(Encoding::Srgb)[1], [188, 10]);
+        let odd = levels(&texture([3, 1], Encoding::Linear, &[0, 100, 255]));
+        assert_eq!(odd.iter().map(Vec::len).collect::<Vec<_>>(), [3, 1]);
+        assert_eq!(odd[1][0].to_le_bytes(), [50, 50, 50, 255]);
     }
 }

@@ -9,6 +9,7 @@ mod claims;
 mod complaints;
 mod coverage;
 mod dda;
+mod embedding;
 mod ends;
 mod errata;
 mod figures;

@@ -9,8 +9,8 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{First, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct::{FrameInput, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::{Scene, Surface, library};
+use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
+use ssct_lab::scene::{Encoding, Mesh, Scene, Surface, library};
 use ssct_lab::study::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
@@ -47,6 +47,7 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
             indices: &mesh.indices,
             mesh_to_world: Mat4::IDENTITY.to_cols_array(),
             color: scene.materials[mesh.material].albedo.to_array(),
+            texture: None,
         })
         .collect();
     let mut triangles = Triangles::new(&context, &meshes).unwrap();
@@ -85,5 +86,83 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let with = ReflectionsInfo { triangles: Some(&triangles), parameters: &asking, ..info(&data, "unified") };
     let said = Reflections::new(&context, &with).err().expect("refused").to_string();
     assert!(said.contains("the tracer must be tree"), "{said}");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn textures_of_the_caller_show_what_those_of_the_scene_show() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = view_of_rooms(&gpu, EXTENT);
+    let mut scene = library::scene("rooms").unwrap();
+    scene.lights.clear();
+    for material in &mut scene.materials {
+        (material.normal_map, material.alpha_mask) = (None, None);
+        (material.emission, material.single_sided, material.surface) = (1.0, false, Surface::Lit);
+    }
+    let stage = Stage::new(&gpu, &scene).unwrap();
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let context = engine.context();
+    let textures: Vec<_> = scene
+        .textures
+        .iter()
+        .map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
+        .collect();
+    let positions = |m: &Mesh| m.vertices.iter().map(|v| v.position).collect::<Vec<_>>();
+    let places = |m: &Mesh| m.vertices.iter().map(|v| v.uv).collect::<Vec<_>>();
+    let vertices: Vec<_> = scene.meshes.iter().map(|mesh| (positions(mesh), places(mesh))).collect();
+    let meshes = |are_textured: bool| -> Vec<_> {
+        let all = scene.meshes.iter().zip(&vertices);
+        all.map(|(mesh, (positions, places))| {
+            let material = &scene.materials[mesh.material];
+            let texture = material.albedo_map.filter(|_| are_textured);
+            TriangleMesh {
+                positions,
+                indices: &mesh.indices,
+                mesh_to_world: Mat4::IDENTITY.to_cols_array(),
+                color: material.albedo.to_array(),
+                texture: texture.map(|number| MeshTexture { number, places }),
+            }
+        })
+        .collect()
+    };
+    let mut frames = FrameContext::new(&gpu).unwrap();
+    let images = GBufferImages::upload(&mut frames, &data).unwrap();
+    let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
+    let setup = Setup::new(EXTENT);
+    let effect = Effect::new(&mut frames, methods::find("traced").unwrap(), &setup, Wants::REFLECTION, Some(&shown));
+    let effect = effect.unwrap();
+    let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
+    let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
+    let direct = gbuffer::reflection(&mut frames, &output).unwrap();
+
+    let [textured, plain] = [true, false].map(|are_textured| {
+        let meshes = meshes(are_textured);
+        let mut triangles = Triangles::with_textures(&context, &meshes, &textures).unwrap();
+        let commands = engine.begin();
+        // SAFETY: the command buffer is recording; it is submitted and waited for at once.
+        unsafe { triangles.record_upload(commands) }.unwrap();
+        engine.submit(commands).unwrap();
+        let with = ReflectionsInfo { triangles: Some(&triangles), ..info(&data, "traced") };
+        let mut reflections = Reflections::new(&context, &with).unwrap();
+        let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
+        let recorded = engine.frame(&mut reflections, &frame).unwrap();
+        rmse(&engine.read(&recorded.reflection.unwrap()), &direct)
+    });
+    // The levels of the scene's textures are made by the device, whose bytes may be rounded otherwise.
+    assert!(textured < 0.004 && plain > 10.0 * textured, "textured {textured}, plain {plain}");
+
+    let all = meshes(true);
+    let one = &all[..1];
+    let refused = |meshes: &[TriangleMesh], textures: &[HitTexture], why: &str| {
+        let said = Triangles::with_textures(&context, meshes, textures).err().expect("refused").to_string();
+        assert!(said.contains(why), "{said}");
+    };
+    let given = MeshTexture { number: 1, places: &vertices[0].1 };
+    let of = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
+    refused(&of(given), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
+    refused(&of(MeshTexture { places: &[], ..given }), &textures[..2], "triangle mesh 0 has 0 places on its texture");
+    refused(one, &[HitTexture { extent: [0, 4], ..textures[0] }], "texture 0 is 0x4 texels; each side must have 1 to");
+    refused(one, &[HitTexture { texels: &[0; 5], ..textures[0] }], "texels of four bytes, and has 5 bytes");
     gpu.check_validation().unwrap();
 }

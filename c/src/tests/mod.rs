@@ -262,6 +262,8 @@ fn at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> S
         index_count: indices.len() as u32,
         mesh_to_world,
         color,
+        texture: 0,
+        texture_places: null(),
     }
 }
 
@@ -331,6 +333,27 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         refused(result, SsctResult::Usage, "triangle_numbers has the format R32_SFLOAT; it must be R32_UINT");
         ssct_reflections_destroy(reflections);
         ssct_triangles_destroy(both);
+
+        // A texture of a white and a grey texel, of which every vertex is at the white one.
+        let texels = [255, 255, 255, 0, 64, 64, 64, 0];
+        let texture = SsctHitTexture { texels: texels.as_ptr(), width: 2, height: 1, is_srgb: false };
+        let places = [[0.25_f32, 0.5]; 4];
+        let textured = SsctTriangleMesh { texture_places: places.as_ptr().cast(), ..wall(&[0, 1, 2, 2, 3, 0]) };
+        let create = |mesh, textures, triangles| {
+            ssct_triangles_create_textured(context, mesh, 1, textures, u32::from(!textures.is_null()), triangles)
+        };
+        let mut made_of = null_mut();
+        refused(create(&textured, null(), &mut made_of), SsctResult::Usage, "has texture 0, and there are 0");
+        let large = SsctHitTexture { width: 40000, ..texture };
+        refused(create(&textured, &large, &mut made_of), SsctResult::Usage, "texture 0 is 40000x1 texels");
+        assert_eq!(create(&textured, &texture, &mut made_of), SsctResult::Ok, "{}", said());
+        let result = program.submit(|_, commands| ssct_triangles_record_upload(made_of, commands));
+        assert_eq!(result, SsctResult::Ok, "{}", said());
+        let reflections = made(context, &SsctReflectionsInfo { triangles: made_of, ..view(SIDE) });
+        let shown = show(reflections, &SsctFrame { triangles: made_of, ..given });
+        assert!(shown.iter().all(|texel| *texel == with), "{:x?}", shown[0]);
+        ssct_reflections_destroy(reflections);
+        ssct_triangles_destroy(made_of);
         let result = ssct_triangles_record_upload(triangles, program.commands);
         refused(result, SsctResult::Usage, "uploaded before");
         let wrong = SsctReflectionsInfo { triangles, method: c"ssct".as_ptr(), ..view(SIDE) };

@@ -46,7 +46,9 @@ impl PaddedTriangles {
         let with_area: Vec<u32> = (0..count as u32).filter(|i| has_area(corners(*i as usize))).collect();
         let padded = |&i: &u32| {
             let [a, b, c] = corners(i as usize).map(|v| (v - middle).as_vec3a());
-            Padded(Aabb::new(a.min(b).min(c) - padding, a.max(b).max(c) + padding))
+            // By arrays, since obvhs may have another version of glam than this crate.
+            let [low, high] = [a.min(b).min(c) - padding, a.max(b).max(c) + padding].map(|corner| corner.to_array());
+            Padded(Aabb::new(low.into(), high.into()))
         };
         let boxes = with_area.iter().map(padded).collect();
         Self { middle, with_area, boxes }

@@ -63,7 +63,7 @@ fn by_halves(padded: &[Padded]) -> Bvh2 {
             nodes[node] = Bvh2Node::new(aabb, 1, range.start as u32);
             continue;
         }
-        let middle = |i: &u32| padded[*i as usize].0.center();
+        let middle = |i: &u32| Vec3A::from(padded[*i as usize].0.center().to_array());
         let (low, high) = list
             .iter()
             .map(middle)

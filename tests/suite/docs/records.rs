@@ -5,8 +5,8 @@ use super::figures::{
     median_and_range, number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, complaints, dda, ends, errata, films, follow, gpu, large_gltf, layers, measured,
-    motion, outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, complaints, dda, embedding, ends, errata, films, follow, gpu, large_gltf, layers,
+    measured, motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,6 +95,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["face-sizes"] => layers::face_sizes(first)?,
         ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
+        ["hit-colors"] => embedding::hit_colors(first)?,
+        ["bevy"] => embedding::bevy(first)?,
+        ["bevy", with, figure] => embedding::bevy_figure(first, with, figure)?,
         ["stress"] => stress::stress(first)?,
         ["complaints"] => complaints::complaints(first)?,
         ["complaint", case, method] => complaints::complaint(first, case, method)?,

@@ -181,9 +181,15 @@ fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>),
         return Err("viewToClip is not a left-handed projection with reversed depth".into());
     }
     let [x, y] = read.projection.scale;
-    let lens = Lens { opening: read.projection.opening(), near_m: read.near, far_m: read.far };
+    let is_endless = read.far.is_infinite();
+    let far_m = if is_endless { INFINITE_FAR * read.near } else { read.far };
+    let lens = Lens { opening: read.projection.opening(), near_m: read.near, far_m };
     Ok((lens, y / x, Some(read.projection)))
 }
+
+/// The far plane of an infinite projection for formulas that have one, over the near plane: as through the door for other
+/// renderers (`CameraInput`).
+const INFINITE_FAR: f32 = 1e7;
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,125 @@
+//! Measures what the colour of a hit costs through the door for other renderers: meshes that have one colour each, and meshes
+//! with textures. Prints a table to standard output.
+//!
+//! Both follow the mirror rays of the same views through the same triangles, in turn; times are those of the passes that count,
+//! by the device's timestamps: the median of [`FRAMES`] frames, and the median of the ratios of neighbouring frames.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+#[path = "../tests/common/engine.rs"]
+mod engine;
+
+use engine::{Engine, NATIVE, Theirs};
+use glam::Mat4;
+use ssct::gpu::{DeviceQuery, Gpu, PassTime};
+use ssct::methods::{self, Setup, Wants};
+use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
+use ssct_lab::scene::{Encoding, Scene, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use std::time::Instant;
+
+const FRAMES: usize = 11;
+const WARMUP: usize = 2;
+const SIZE: [u32; 2] = [960, 540];
+const SCENES: [&str; 3] = ["rooms", "street", "atrium"];
+
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<_> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn counted(passes: &[PassTime]) -> f64 {
+    passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
+}
+
+/// The vertices of a mesh as the door takes them.
+type Vertices = (Vec<[f32; 3]>, Vec<[f32; 2]>);
+
+fn meshes<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
+    let all = scene.meshes.iter().zip(vertices);
+    all.map(|(mesh, (positions, places))| {
+        let material = &scene.materials[mesh.material];
+        let texture = material.albedo_map.filter(|_| are_textured);
+        TriangleMesh {
+            positions,
+            indices: &mesh.indices,
+            mesh_to_world: Mat4::IDENTITY.to_cols_array(),
+            color: material.albedo.to_array(),
+            texture: texture.map(|number| MeshTexture { number, places }),
+        }
+    })
+    .collect()
+}
+
+fn textures(scene: &Scene) -> Vec<HitTexture<'_>> {
+    let all = scene.textures.iter();
+    all.map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
+        .collect()
+}
+
+fn main() {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let mut engine = Engine::new(&gpu);
+    let context = engine.context();
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("# traced, roughness 0, {}x{}, {FRAMES} frames each", SIZE[0], SIZE[1]);
+    println!("scene,view,color_ms,texture_ms,ratio,color_made_ms,texture_made_ms,color_bytes,texture_bytes");
+    for name in SCENES {
+        let scene = library::scene(name).expect("a built-in scene");
+        let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+        let vertices: Vec<Vertices> = scene
+            .meshes
+            .iter()
+            .map(|m| (m.vertices.iter().map(|v| v.position).collect(), m.vertices.iter().map(|v| v.uv).collect()))
+            .collect();
+        let textures = textures(&scene);
+        let made = [false, true].map(|are_textured| {
+            let (before, begun) = (context.allocated_bytes(), Instant::now());
+            let all = meshes(&scene, &vertices, are_textured);
+            let given: &[HitTexture] = if are_textured { &textures } else { &[] };
+            let mut triangles = Triangles::with_textures(&context, &all, given).expect("triangles");
+            let took = 1e3 * begun.elapsed().as_secs_f64();
+            let commands = engine.begin();
+            // SAFETY: the command buffer is recording; it is submitted and waited for at once.
+            unsafe { triangles.record_upload(commands) }.expect("an upload");
+            engine.submit(commands).expect("a submission");
+            (triangles, took, context.allocated_bytes() - before)
+        });
+        let globals = Globals { roughness: Some(0.0), ..Globals::default() };
+        for view in &scene.views {
+            let method = methods::find("traced").expect("a method");
+            let (camera, materials) = (view.camera(&scene, SIZE), globals.materials(&scene, view));
+            let setup = Setup::on_screen(SIZE);
+            let shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, camera, materials).expect("a shot");
+            stage.draw(&shot).expect("a frame");
+            let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+            let theirs = Theirs::new(&mut engine, &data, NATIVE);
+            let mut views = made.each_ref().map(|(triangles, ..)| {
+                let beyond = ReflectionsInfo { triangles: Some(triangles), method: "traced", ..Default::default() };
+                let info = ReflectionsInfo { extent: SIZE, reflection: false, ..beyond };
+                Reflections::new(&context, &info).expect("reflections")
+            });
+            let mut pairs = Vec::new();
+            for frame in 0..WARMUP + FRAMES {
+                let times = [0, 1].map(|which| {
+                    let triangles = Some(&made[which].0);
+                    let input = FrameInput { timed: true, triangles, ..theirs.input() };
+                    engine.frame(&mut views[which], &input).expect("a frame");
+                    engine.reset();
+                    counted(&views[which].times(input.slot).expect("times"))
+                });
+                if frame >= WARMUP {
+                    pairs.push(times);
+                }
+            }
+            let [color, texture] = [0, 1].map(|i| median(pairs.iter().map(|p| p[i])));
+            let ratio = median(pairs.iter().map(|p| p[1] / p[0]));
+            let [(_, color_made, color_bytes), (_, texture_made, texture_bytes)] = &made;
+            println!(
+                "{name},{},{color:.3},{texture:.3},{ratio:.3},{color_made:.1},{texture_made:.1},{color_bytes},{texture_bytes}",
+                view.name
+            );
+        }
+    }
+}

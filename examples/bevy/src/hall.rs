@@ -1,0 +1,162 @@
+//! A hall whose floor is a mirror and whose other surfaces are unlit, so that the truth of each reflection is known: the colour of
+//! the place that it shows. Each place of a surface has a colour of its own.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::Exposure;
+use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::light::EnvironmentMapLight;
+use bevy::mesh::{Indices, VertexAttributeValues};
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use embed_bevy::truth::{Look, Texture, Triangle};
+use std::sync::Arc;
+
+/// The sky over the hall, which has no ceiling.
+pub const SKY: LinearRgba = LinearRgba::rgb(0.25, 0.4, 0.7);
+
+/// Texels along a side of the textures.
+const SIDE: u32 = 128;
+
+/// A thing of the hall. `None` stands for the mirror.
+struct Thing {
+    mesh: Mesh,
+    transform: Transform,
+    colors: Option<[LinearRgba; 2]>,
+}
+
+/// The ball that the example moves.
+#[derive(Component)]
+pub struct Moving;
+
+pub fn camera() -> Transform {
+    Transform::from_xyz(0.0, 1.8, 5.2).looking_at(Vec3::new(0.0, 0.75, -2.0), Vec3::Y)
+}
+
+/// Where the ball is.
+pub fn ball(has_moved: bool) -> Vec3 {
+    if has_moved { Vec3::new(-0.9, 0.7, 0.4) } else { Vec3::new(1.9, 0.7, 0.2) }
+}
+
+fn things(has_moved: bool) -> Vec<Thing> {
+    let wall = |x: f32, z: f32, turn: f32, width: f32| {
+        let transform = Transform::from_xyz(x, 1.75, z).with_rotation(Quat::from_rotation_y(turn));
+        (Rectangle::new(width, 3.5).into(), transform)
+    };
+    let cuboid = |size: Vec3, at: Vec3, turn: f32| {
+        let transform = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(turn));
+        (Cuboid::from_size(size).into(), transform)
+    };
+    let sphere = |radius: f32, at: Vec3| {
+        let mesh = Sphere::new(radius).mesh().ico(3).map(Mesh::from).unwrap_or_else(|_| Sphere::new(radius).into());
+        (mesh, Transform::from_translation(at))
+    };
+    let colors = |a: [f32; 3], b: [f32; 3]| Some([a, b].map(|[r, g, b]| LinearRgba::rgb(r, g, b)));
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let floor = (Plane3d::new(Vec3::Y, Vec2::new(5.0, 6.0)).into(), Transform::default());
+    let list: Vec<((Mesh, Transform), _)> = vec![
+        (floor, None),
+        (wall(0.0, -6.0, 0.0, 10.0), colors([0.8, 0.5, 0.2], [0.1, 0.5, 0.6])),
+        (wall(-5.0, 0.0, quarter, 12.0), colors([0.7, 0.2, 0.15], [0.3, 0.3, 0.05])),
+        (wall(5.0, 0.0, -quarter, 12.0), colors([0.2, 0.6, 0.25], [0.1, 0.15, 0.5])),
+        (wall(0.0, 6.0, 2.0 * quarter, 10.0), colors([0.5, 0.5, 0.5], [0.2, 0.1, 0.3])),
+        (cuboid(Vec3::new(1.2, 1.6, 1.2), Vec3::new(-1.9, 0.8, -1.6), 0.5), colors([0.9, 0.8, 0.3], [0.5, 0.1, 0.1])),
+        (cuboid(Vec3::new(0.5, 2.4, 0.5), Vec3::new(0.6, 1.2, -3.2), 0.2), colors([0.2, 0.8, 0.9], [0.1, 0.2, 0.6])),
+        // Hangs over the view, so that the mirror alone shows it, and so does the underside of the one after it.
+        (cuboid(Vec3::new(2.2, 0.3, 1.4), Vec3::new(0.2, 3.0, 0.6), 0.3), colors([1.0, 0.9, 0.6], [0.9, 0.4, 0.1])),
+        (cuboid(Vec3::new(1.4, 0.2, 1.4), Vec3::new(2.4, 1.5, -2.6), 0.7), colors([0.9, 0.3, 0.7], [0.3, 0.6, 0.2])),
+        (sphere(0.7, ball(has_moved)), colors([0.9, 0.3, 0.1], [0.95, 0.9, 0.85])),
+    ];
+    list.into_iter().map(|((mesh, transform), colors)| Thing { mesh, transform, colors }).collect()
+}
+
+/// A texture between two colours, darker towards a side, with lighter squares: sRGB bytes.
+fn texels([a, b]: [LinearRgba; 2]) -> Vec<u8> {
+    let texel = |at: u32| {
+        let (x, y) = ((at % SIDE) as f32 / SIDE as f32, (at / SIDE) as f32 / SIDE as f32);
+        let is_light = ((8.0 * x) as u32 + (8.0 * y) as u32).is_multiple_of(2);
+        let color = a.mix(&b, x) * (1.0 - 0.6 * y) * if is_light { 1.0 } else { 0.7 };
+        Srgba::from(color).to_u8_array_no_alpha()
+    };
+    (0..SIDE * SIDE)
+        .flat_map(|at| {
+            let [r, g, b] = texel(at);
+            [r, g, b, 255]
+        })
+        .collect()
+}
+
+fn image(colors: [LinearRgba; 2]) -> Image {
+    let size = Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
+    let (of, usage) = (TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::default());
+    let mut image = Image::new(size, TextureDimension::D2, texels(colors), of, usage);
+    let repeat = ImageAddressMode::Repeat;
+    let sampler =
+        ImageSamplerDescriptor { address_mode_u: repeat, address_mode_v: repeat, ..ImageSamplerDescriptor::linear() };
+    image.sampler = ImageSampler::Descriptor(sampler);
+    image
+}
+
+/// Puts the hall into a world.
+pub fn spawn(
+    mut commands: Commands,
+    (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    let list = things(false);
+    let last = list.len() - 1;
+    for (number, Thing { mesh, transform, colors }) in list.into_iter().enumerate() {
+        let material = match colors {
+            None => {
+                StandardMaterial { base_color: Color::WHITE, metallic: 1.0, perceptual_roughness: 0.0, ..default() }
+            }
+            Some(colors) => StandardMaterial {
+                base_color: Color::WHITE,
+                base_color_texture: Some(images.add(image(colors))),
+                unlit: true,
+                double_sided: true,
+                cull_mode: None,
+                // Bevy's own reflections do not ask whether a surface is unlit, but leave out what is rough.
+                perceptual_roughness: 1.0,
+                ..default()
+            },
+        };
+        let mut thing = commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material)), transform));
+        if number == last {
+            thing.insert(Moving);
+        }
+    }
+}
+
+/// The sky as an environment map, as bright as it is to be seen.
+pub fn sky(images: &mut Assets<Image>) -> EnvironmentMapLight {
+    EnvironmentMapLight::solid_color(images, SKY).with_intensity(1.0 / Exposure::default().exposure())
+}
+
+/// The hall for whoever follows rays.
+pub fn triangles(has_moved: bool) -> Vec<Triangle> {
+    things(has_moved).into_iter().flat_map(of_thing).collect()
+}
+
+fn of_thing(Thing { mesh, transform, colors }: Thing) -> Vec<Triangle> {
+    let look = colors.map_or(Look::Mirror, |colors| {
+        let bytes = texels(colors);
+        let linear = |texel: &[u8; 4]| {
+            let color = LinearRgba::from(Srgba::rgb_u8(texel[0], texel[1], texel[2]));
+            Vec3::new(color.red, color.green, color.blue)
+        };
+        let texels = bytes.as_chunks::<4>().0.iter().map(linear).collect();
+        Look::Texture(Arc::new(Texture { width: SIDE as usize, height: SIDE as usize, texels }))
+    });
+    let (Some(VertexAttributeValues::Float32x3(positions)), Some(VertexAttributeValues::Float32x2(places))) =
+        (mesh.attribute(Mesh::ATTRIBUTE_POSITION), mesh.attribute(Mesh::ATTRIBUTE_UV_0))
+    else {
+        return Vec::new();
+    };
+    let indices: Vec<usize> = mesh.indices().map_or_else(Vec::new, |indices: &Indices| indices.iter().collect());
+    let of = |[a, b, c]: &[usize; 3]| Triangle {
+        corners: [a, b, c].map(|i| transform.transform_point(positions[*i].into())),
+        places: [a, b, c].map(|i| places[*i].into()),
+        look: look.clone(),
+    };
+    indices.as_chunks::<3>().0.iter().map(of).collect()
+}

@@ -1,0 +1,96 @@
+//! Reflections of `ssct` in Bevy's deferred renderer, in place of Bevy's own.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy::render::RenderPlugin;
+//! use embed_bevy::{SsctPlugin, SsctReflections, render_creation};
+//!
+//! fn main() -> embed_bevy::Result<()> {
+//!     let render = RenderPlugin { render_creation: render_creation()?, ..default() };
+//!     App::new().add_plugins((DefaultPlugins.set(render), SsctPlugin::default())).add_systems(Startup, set_up).run();
+//!     Ok(())
+//! }
+//!
+//! fn set_up(mut commands: Commands) {
+//!     commands.spawn((Camera3d::default(), Msaa::Off, SsctReflections::default()));
+//! }
+//! ```
+
+mod device;
+mod images;
+mod passes;
+mod reflect;
+pub mod truth;
+mod world;
+
+pub use device::{Result, render_creation};
+pub use images::KeepImages;
+pub use world::{LightOnMeshes, NotReflected, WorldMeshes};
+
+use bevy::camera::Hdr;
+use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
+use bevy::pbr::deferred::deferred_lighting;
+use bevy::pbr::{DefaultOpaqueRendererMethod, prepare_ssr_pipelines};
+use bevy::prelude::*;
+use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
+use std::ops::Range;
+
+/// Reflections of a camera by `ssct`, in place of Bevy's `ScreenSpaceReflections`. The camera must cover its whole target.
+#[derive(Component, Clone, Debug, PartialEq)]
+#[require(DepthPrepass, DeferredPrepass, Hdr)]
+pub struct SsctReflections {
+    /// A method of `ssct`: `unified`, or `traced`, whose rays all go among the world's meshes.
+    pub method: String,
+    /// Parameters of the method by name, as docs/options.md of `ssct` lists them.
+    pub parameters: Vec<(String, String)>,
+    /// Perceptual roughness at which reflections begin to fade out into the environment map, and at which they are gone.
+    pub max_perceptual_roughness: Range<f32>,
+    /// Averages reflections over frames.
+    pub history: bool,
+    /// Follows rays that leave the screen through the world's meshes.
+    pub world: bool,
+}
+
+impl Default for SsctReflections {
+    fn default() -> Self {
+        Self {
+            method: "unified".into(),
+            parameters: Vec::new(),
+            max_perceptual_roughness: 0.55..0.6,
+            history: false,
+            world: true,
+        }
+    }
+}
+
+/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`].
+#[derive(Default)]
+pub struct SsctPlugin;
+
+impl Plugin for SsctPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<WorldMeshes>()
+            .init_resource::<LightOnMeshes>()
+            .insert_resource(DefaultOpaqueRendererMethod::deferred())
+            .add_systems(Last, world::gather);
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+        render_app
+            .init_resource::<WorldMeshes>()
+            .add_systems(RenderStartup, reflect::start)
+            .add_systems(ExtractSchedule, (world::extract, reflect::extract))
+            .add_systems(
+                Render,
+                (
+                    reflect::begin.in_set(RenderSystems::PrepareAssets),
+                    reflect::leave_out_bevys.in_set(RenderSystems::Prepare).after(prepare_ssr_pipelines),
+                    images::write.after(RenderSystems::Render).before(RenderSystems::Cleanup),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                reflect::reflect.after(deferred_lighting).before(main_opaque_pass_3d).in_set(Core3dSystems::MainPass),
+            );
+    }
+}

@@ -1,0 +1,245 @@
+//! A hall with a mirror for a floor, drawn by Bevy without a window, with reflections by `ssct` or by Bevy itself, beside the
+//! truth.
+//!
+//! ```sh
+//! cargo run -- out.png [OPTION…]
+//! #   --with ssct|screen|traced|bevy|bevy-steps|nothing   who reflects
+//! #   --size 640x360, --frames 12                          the picture, and frames before it is taken
+//! #   --moved                                              the ball moves before the last frames
+//! #   --images FOLDER                                      what goes in and comes out of the last frame, as 32-bit floats
+//! #   --truth FILE.png                                     the truth
+//! #   --no-sky                                             no environment map
+//! ```
+//!
+//! It writes a line of figures: the error of mirrors against the truth, the share of them that show the right
+//! place, and how long the reflections took.
+
+mod hall;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{CameraProjection, Hdr, RenderTarget};
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
+use bevy::pbr::{DefaultOpaqueRendererMethod, ScreenSpaceReflections};
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::diagnostic::RenderDiagnosticsPlugin;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
+use bevy::window::ExitCondition;
+use embed_bevy::{KeepImages, Result, SsctPlugin, SsctReflections, truth};
+use std::path::PathBuf;
+
+struct Options {
+    output: PathBuf,
+    with: String,
+    size: [u32; 2],
+    frames: usize,
+    has_moved: bool,
+    images: Option<PathBuf>,
+    truth: Option<PathBuf>,
+    has_sky: bool,
+}
+
+/// The picture as it came back, in halves.
+#[derive(Resource, Default)]
+struct Shown(Vec<u8>);
+
+fn main() -> Result<()> {
+    let options = options()?;
+    let mut app = app(&options)?;
+    let camera = set_up(&mut app, &options)?;
+    let took = run(&mut app, camera, &options)?;
+    let [width, height] = options.size;
+    let shown = colors(&app.world().resource::<Shown>().0);
+    write(&options.output, options.size, &shown)?;
+
+    let world_from_view = hall::camera().to_matrix();
+    let aspect = width as f32 / height as f32;
+    let projection = PerspectiveProjection { aspect_ratio: aspect, ..default() };
+    let clip_from_view = projection.get_clip_from_view();
+    let sky = Vec3::new(hall::SKY.red, hall::SKY.green, hall::SKY.blue);
+    let size = [width as usize, height as usize];
+    let triangles = hall::triangles(options.has_moved);
+    let truth = truth::picture(&triangles, sky, size, clip_from_view, world_from_view);
+    if let Some(file) = &options.truth {
+        write(file, options.size, &truth.iter().map(|(color, _)| *color).collect::<Vec<_>>())?;
+    }
+    let figures = Figures::of(&shown, &truth);
+    let device = &app.world().resource::<RenderAdapterInfo>().name;
+    println!(
+        "{{\"device\": {device:?}, \"with\": {:?}, \"size\": [{width}, {height}], \"mirrors\": {}, \"rmse\": {:.5}, \
+         \"right\": {:.5}, \"others_rmse\": {:.5}, \"median_ms\": {:.3}, \"least_ms\": {:.3}}}",
+        options.with, figures.mirrors, figures.rmse, figures.right, figures.others_rmse, took[0], took[1]
+    );
+    Ok(())
+}
+
+fn options() -> Result<Options> {
+    let mut options = Options {
+        output: "bevy.png".into(),
+        with: "ssct".into(),
+        size: [640, 360],
+        frames: 12,
+        has_moved: false,
+        images: None,
+        truth: None,
+        has_sky: true,
+    };
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--with" => options.with = value()?,
+            "--size" => options.size = size(&value()?)?,
+            "--frames" => options.frames = value()?.parse()?,
+            "--images" => options.images = Some(value()?.into()),
+            "--truth" => options.truth = Some(value()?.into()),
+            "--moved" => options.has_moved = true,
+            "--no-sky" => options.has_sky = false,
+            name if name.starts_with("--") => return Err(format!("there is no option {name}").into()),
+            file => options.output = file.into(),
+        }
+    }
+    Ok(options)
+}
+
+fn size(text: &str) -> Result<[u32; 2]> {
+    let (width, height) = text.split_once('x').ok_or("--size takes a width and a height, as 640x360")?;
+    Ok([width.parse()?, height.parse()?])
+}
+
+fn app(options: &Options) -> Result<App> {
+    let mut app = App::new();
+    let render = RenderPlugin {
+        render_creation: embed_bevy::render_creation()?,
+        synchronous_pipeline_compilation: true,
+        ..default()
+    };
+    let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+    app.add_plugins((DefaultPlugins.set(window).set(render), RenderDiagnosticsPlugin));
+    if matches!(options.with.as_str(), "ssct" | "screen" | "traced") {
+        app.add_plugins(SsctPlugin);
+    }
+    app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+    app.insert_resource(GlobalAmbientLight::NONE);
+    app.init_resource::<Shown>();
+    app.add_systems(Startup, hall::spawn);
+    Ok(app)
+}
+
+/// Makes the camera, and what it draws to, which comes back after every frame.
+fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
+    let world = app.world_mut();
+    let [width, height] = options.size;
+    let mut images = world.resource_mut::<Assets<Image>>();
+    let mut target = Image::new_target_texture(width, height, TextureFormat::Rgba16Float, None);
+    target.asset_usage = RenderAssetUsages::RENDER_WORLD;
+    target.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    let target = images.add(target);
+    let sky = hall::sky(&mut images);
+    let camera = (
+        Camera3d::default(),
+        Camera { clear_color: Color::from(hall::SKY).into(), ..default() },
+        RenderTarget::Image(target.clone().into()),
+        (Tonemapping::None, DebandDither::Disabled, Hdr, Msaa::Off),
+        hall::camera(),
+    );
+    let camera = world.spawn(camera).id();
+    let own = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
+    let ours = SsctReflections::default();
+    let mut entity = world.entity_mut(camera);
+    if options.has_sky {
+        entity.insert(sky);
+    }
+    match options.with.as_str() {
+        "ssct" => entity.insert(ours),
+        // Bevy's reflections do not fade out at the borders of the screen either.
+        "screen" => {
+            entity.insert(SsctReflections { world: false, parameters: vec![("fade".into(), "off".into())], ..ours })
+        }
+        "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ours }),
+        "bevy" => entity.insert(own),
+        "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..own }),
+        "nothing" => {
+            entity.insert((bevy::core_pipeline::prepass::DepthPrepass, bevy::core_pipeline::prepass::DeferredPrepass))
+        }
+        other => return Err(format!("nobody called {other} reflects").into()),
+    };
+    world.spawn(Readback::texture(target)).observe(|read: On<ReadbackComplete>, mut shown: ResMut<Shown>| {
+        shown.0.clone_from(&read.data);
+    });
+    Ok(camera)
+}
+
+/// Draws the frames, and returns the median and the least of the milliseconds that reflections took.
+fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
+    app.finish();
+    app.cleanup();
+    let half = options.frames / 2;
+    for frame in 0..options.frames + 2 {
+        if frame == half && options.has_moved {
+            let mut balls = app.world_mut().query_filtered::<&mut Transform, With<hall::Moving>>();
+            for mut ball in balls.iter_mut(app.world_mut()) {
+                ball.translation = hall::ball(true);
+            }
+        }
+        if let Some(folder) = options.images.as_ref().filter(|_| frame == options.frames) {
+            app.world_mut().entity_mut(camera).insert(KeepImages(folder.clone()));
+        }
+        app.update();
+        app.world().resource::<RenderDevice>().wgpu_device().poll(wgpu::PollType::wait_indefinitely())?;
+    }
+    let name = if options.with.starts_with("bevy") { "ssr" } else { "ssct" };
+    let path = DiagnosticPath::new(format!("render/{name}/elapsed_gpu"));
+    let diagnostics = app.world().resource::<DiagnosticsStore>();
+    let mut times: Vec<f64> = diagnostics.get(&path).map_or_else(Vec::new, |d| d.values().skip(3).copied().collect());
+    times.sort_by(f64::total_cmp);
+    Ok([times.len() / 2, 0].map(|at| times.get(at).copied().unwrap_or_default()))
+}
+
+fn colors(halves: &[u8]) -> Vec<Vec3> {
+    let channel = |bytes: &[u8], at: usize| half::f16::from_ne_bytes([bytes[2 * at], bytes[2 * at + 1]]).to_f32();
+    halves.chunks_exact(8).map(|texel| Vec3::new(channel(texel, 0), channel(texel, 1), channel(texel, 2))).collect()
+}
+
+fn write(file: &PathBuf, [width, height]: [u32; 2], colors: &[Vec3]) -> Result<()> {
+    let byte = |color: &Vec3| {
+        let [r, g, b] = Srgba::from(LinearRgba::rgb(color.x, color.y, color.z)).to_u8_array_no_alpha();
+        [r, g, b]
+    };
+    let bytes = colors.iter().flat_map(byte).collect();
+    let picture = image::RgbImage::from_raw(width, height, bytes).ok_or("the picture did not come back")?;
+    Ok(picture.save(file)?)
+}
+
+/// How a picture differs from the truth.
+struct Figures {
+    mirrors: usize,
+    /// Root of the mean squared error of the mirrors' pixels, linear.
+    rmse: f64,
+    /// Share of them whose colour is the right place's within 0.04 in each channel.
+    right: f64,
+    /// The error of all other pixels: of the truth itself.
+    others_rmse: f64,
+}
+
+impl Figures {
+    fn of(shown: &[Vec3], truth: &[(Vec3, bool)]) -> Self {
+        let error = |(shown, (truth, _)): (&Vec3, &(Vec3, bool))| (*shown - *truth).abs();
+        let (mirrors, others): (Vec<_>, Vec<_>) = shown.iter().zip(truth).partition(|(_, (_, is_mirror))| *is_mirror);
+        let rmse = |pixels: &[(&Vec3, &(Vec3, bool))]| {
+            let sum: f64 = pixels.iter().map(|pixel| f64::from(error(*pixel).length_squared())).sum();
+            (sum / (3 * pixels.len().max(1)) as f64).sqrt()
+        };
+        let right = mirrors.iter().filter(|pixel| error(**pixel).max_element() < 0.04).count();
+        let count = mirrors.len();
+        Self {
+            mirrors: count,
+            rmse: rmse(&mirrors),
+            right: right as f64 / count.max(1) as f64,
+            others_rmse: rmse(&others),
+        }
+    }
+}

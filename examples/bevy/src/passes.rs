@@ -1,0 +1,215 @@
+//! The passes around the reflections, in wgpu, and the textures that they draw to.
+
+use crate::device::{NO_VULKAN, Result};
+use wgpu::hal::api::Vulkan;
+use wgpu::{TextureFormat, TextureUsages as U};
+
+pub const HALF: TextureFormat = TextureFormat::Rgba16Float;
+pub const PAIR: TextureFormat = TextureFormat::Rg16Float;
+pub const DEPTH: TextureFormat = TextureFormat::R32Float;
+
+/// A texture with its view.
+pub struct Picture {
+    pub texture: wgpu::Texture,
+    pub view: wgpu::TextureView,
+}
+
+/// `View` of passes.wgsl.
+pub struct View {
+    pub world_from_clip: [f32; 16],
+    pub view_from_world: [f32; 16],
+    pub eye: [f32; 4],
+    pub environment: [f32; 4],
+    pub fade: [f32; 2],
+    pub exposure: f32,
+    pub levels: f32,
+}
+
+impl View {
+    pub const BYTES: u64 = 4 * 44;
+
+    pub fn bytes(&self) -> Vec<u8> {
+        let Self { world_from_clip, view_from_world, eye, environment, fade, exposure, levels } = self;
+        let last = [*exposure, *levels];
+        let parts: [&[f32]; 6] = [world_from_clip, view_from_world, eye, environment, fade, &last];
+        parts.concat().iter().flat_map(|number| number.to_ne_bytes()).collect()
+    }
+}
+
+pub struct Passes {
+    pub inputs: wgpu::RenderPipeline,
+    pub add: wgpu::RenderPipeline,
+    pub face: wgpu::RenderPipeline,
+    pub depth: wgpu::RenderPipeline,
+    pub sampler: wgpu::Sampler,
+    /// A cube of one black texel, where there is no environment map.
+    pub nothing: Picture,
+}
+
+impl Passes {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let module = device.create_shader_module(wgpu::include_wgsl!("passes.wgsl"));
+        let pipeline = |fragment, colors: &[TextureFormat]| pipeline(device, &module, fragment, colors);
+        Self {
+            inputs: pipeline("inputs", &[HALF, PAIR]),
+            add: pipeline("add", &[HALF]),
+            face: pipeline("face", &[HALF]),
+            depth: pipeline("depth", &[DEPTH]),
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+            nothing: cube(device, 1, wgpu::TextureViewDimension::Cube),
+        }
+    }
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    fragment: &str,
+    colors: &[TextureFormat],
+) -> wgpu::RenderPipeline {
+    let targets: Vec<_> = colors.iter().map(|format| Some((*format).into())).collect();
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("whole_image"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Draws a triangle over whole images with some bindings of passes.wgsl; `instance` is the face of a cube.
+pub fn draw(
+    device: &wgpu::Device,
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::RenderPipeline,
+    bindings: &[(u32, wgpu::BindingResource)],
+    targets: &[&wgpu::TextureView],
+    instance: u32,
+) {
+    let entries: Vec<_> = bindings
+        .iter()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+        .collect();
+    let layout = &pipeline.get_bind_group_layout(0);
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
+    let (ops, depth_slice, resolve_target) = (wgpu::Operations::default(), None, None);
+    let color = |view| Some(wgpu::RenderPassColorAttachment { view, depth_slice, resolve_target, ops });
+    let attachments: Vec<_> = targets.iter().map(|view| color(*view)).collect();
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("ssct"),
+        color_attachments: &attachments,
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, instance..instance + 1);
+}
+
+/// An image that a pass draws, and that is read after it.
+pub fn picture(device: &wgpu::Device, name: &str, [width, height]: [u32; 2], format: TextureFormat) -> Picture {
+    let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC;
+    let texture = device.create_texture(&description(name, [width, height, 1], format, usage));
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    Picture { texture, view }
+}
+
+/// A cube of colours with one level.
+pub fn cube(device: &wgpu::Device, side: u32, dimension: wgpu::TextureViewDimension) -> Picture {
+    let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING;
+    let texture = device.create_texture(&description("ssct sky", [side, side, 6], HALF, usage));
+    let view = texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() });
+    Picture { texture, view }
+}
+
+fn description(
+    name: &str,
+    [width, height, depth_or_array_layers]: [u32; 3],
+    format: TextureFormat,
+    usage: U,
+) -> wgpu::TextureDescriptor<'_> {
+    wgpu::TextureDescriptor {
+        label: Some(name),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    }
+}
+
+/// How a texture of a format is in wgpu's state `RESOURCE`, in which wgpu samples it.
+pub fn resource(format: TextureFormat) -> ssct::ImageUse {
+    use ash::vk::{AccessFlags2, ImageLayout as L, PipelineStageFlags2 as S};
+    let is_depth = format.is_depth_stencil_format();
+    ssct::ImageUse {
+        layout: if is_depth { L::DEPTH_STENCIL_READ_ONLY_OPTIMAL } else { L::SHADER_READ_ONLY_OPTIMAL },
+        stages: S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER,
+        access: AccessFlags2::SHADER_READ,
+    }
+}
+
+/// A texture of wgpu's that is in the state `RESOURCE`, and is to stay so.
+pub fn input(adapter: &wgpu::Adapter, texture: &wgpu::Texture, view: &wgpu::TextureView) -> Result<ssct::ImageInput> {
+    let (format, extent) = (texture.format(), [texture.width(), texture.height()]);
+    // wgpu panics where a statement holds two of its guards.
+    // SAFETY: nothing is destroyed.
+    let image = unsafe { texture.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
+    // SAFETY: as above.
+    let view = unsafe { view.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
+    // SAFETY: as above.
+    let raw_format = unsafe { adapter.as_hal::<Vulkan>() }.ok_or(NO_VULKAN)?.texture_format_as_raw(format);
+    let of = match (format.is_depth_stencil_format(), texture.depth_or_array_layers()) {
+        (true, _) => ssct::ImageInput::depth,
+        (false, 6) => ssct::ImageInput::cube,
+        (false, _) => ssct::ImageInput::color,
+    };
+    Ok(of(image, view, raw_format, extent).used(resource(format), resource(format)))
+}
+
+/// An image of the library's that is in the state `RESOURCE`, as a texture of wgpu's. wgpu does not destroy it.
+pub fn adopt(device: &wgpu::Device, image: &ssct::OutputImage) -> Result<Picture> {
+    let [width, height] = image.extent;
+    let description = description("ssct reflection", [width, height, 1], HALF, U::TEXTURE_BINDING | U::COPY_SRC);
+    let raw = wgpu::hal::TextureDescriptor {
+        label: description.label,
+        size: description.size,
+        mip_level_count: description.mip_level_count,
+        sample_count: description.sample_count,
+        dimension: description.dimension,
+        format: description.format,
+        usage: wgpu::TextureUses::RESOURCE | wgpu::TextureUses::COPY_SRC,
+        memory_flags: wgpu::hal::MemoryFlags::empty(),
+        view_formats: Vec::new(),
+    };
+    let (stays, memory) = (Box::new(|| ()), wgpu::hal::vulkan::TextureMemory::External);
+    // SAFETY: the image is the device's, as described, and in that state when wgpu uses it first.
+    let texture = unsafe {
+        let hal = device.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
+        let texture = hal.texture_from_raw(image.image, &raw, Some(stays), memory);
+        drop(hal);
+        device.create_texture_from_hal::<Vulkan>(texture, &description, wgpu::TextureUses::RESOURCE)
+    };
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    Ok(Picture { texture, view })
+}

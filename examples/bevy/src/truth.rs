@@ -1,0 +1,130 @@
+//! What a camera sees of a scene whose surfaces are unlit or mirrors, by following rays through every triangle, one by one:
+//! the truth that reflections are held to. It knows nothing of `ssct` or Bevy's renderer.
+
+use bevy::math::{Mat4, Vec2, Vec3};
+
+/// What a triangle looks like from everywhere.
+#[derive(Clone)]
+pub enum Look {
+    /// A colour, linear.
+    Color(Vec3),
+    /// A texture at each corner's place.
+    Texture(std::sync::Arc<Texture>),
+    /// A perfect mirror.
+    Mirror,
+}
+
+/// Linear colours, looked up between four texels; it repeats.
+pub struct Texture {
+    pub width: usize,
+    pub height: usize,
+    pub texels: Vec<Vec3>,
+}
+
+#[derive(Clone)]
+pub struct Triangle {
+    pub corners: [Vec3; 3],
+    pub places: [Vec2; 3],
+    pub look: Look,
+}
+
+/// Where a ray ends.
+struct Met<'a> {
+    at: f32,
+    weights: Vec3,
+    triangle: &'a Triangle,
+}
+
+/// What each pixel shows: its colour, and whether it is a mirror's.
+pub fn picture(
+    triangles: &[Triangle],
+    sky: Vec3,
+    [width, height]: [usize; 2],
+    clip_from_view: Mat4,
+    world_from_view: Mat4,
+) -> Vec<(Vec3, bool)> {
+    let scale = Vec2::new(1.0 / clip_from_view.x_axis.x, 1.0 / clip_from_view.y_axis.y);
+    let pixel = |at: usize| {
+        let ndc =
+            Vec2::new((at % width) as f32 + 0.5, (at / width) as f32 + 0.5) / Vec2::new(width as f32, height as f32);
+        let ndc = ndc * Vec2::new(2.0, -2.0) + Vec2::new(-1.0, 1.0);
+        let direction = world_from_view.transform_vector3((ndc * scale).extend(-1.0)).normalize();
+        let eye = world_from_view.w_axis.truncate();
+        let Some(first) = nearest(triangles, eye, direction) else { return (sky, false) };
+        if !matches!(first.triangle.look, Look::Mirror) {
+            return (first.color(), false);
+        }
+        let normal = first.triangle.normal();
+        let start = eye + first.at * direction;
+        let mirrored = direction - 2.0 * direction.dot(normal) * normal;
+        let start = start + 1e-4 * normal * mirrored.dot(normal).signum();
+        let color = nearest(triangles, start, mirrored).map_or(sky, |met| met.color());
+        (color, true)
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let (all, part) = (width * height, (width * height).div_ceil(threads));
+    let pixel = &pixel;
+    std::thread::scope(|scope| {
+        let parts = (0..all)
+            .step_by(part)
+            .map(|first| scope.spawn(move || (first..(first + part).min(all)).map(pixel).collect::<Vec<_>>()));
+        let parts: Vec<_> = parts.collect();
+        parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect()
+    })
+}
+
+/// The nearest triangle that a ray meets, by Möller and Trumbore (1997).
+fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<'_>> {
+    let mut best: Option<Met> = None;
+    for triangle in triangles {
+        let [a, b, c] = triangle.corners;
+        let (along, across) = (b - a, c - a);
+        let normal = direction.cross(across);
+        let determinant = along.dot(normal);
+        let from = origin - a;
+        let u = from.dot(normal) / determinant;
+        let turned = from.cross(along);
+        let v = direction.dot(turned) / determinant;
+        let at = across.dot(turned) / determinant;
+        let is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && at > 0.0;
+        if is_met && best.as_ref().is_none_or(|best| at < best.at) {
+            best = Some(Met { at, weights: Vec3::new(1.0 - u - v, u, v), triangle });
+        }
+    }
+    best
+}
+
+impl Triangle {
+    fn normal(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a).normalize()
+    }
+}
+
+impl Met<'_> {
+    /// A mirror that another one shows is black, since it sends out no light of its own.
+    fn color(&self) -> Vec3 {
+        match &self.triangle.look {
+            Look::Color(color) => *color,
+            Look::Mirror => Vec3::ZERO,
+            Look::Texture(texture) => {
+                let [a, b, c] = self.triangle.places;
+                texture.at(self.weights.x * a + self.weights.y * b + self.weights.z * c)
+            }
+        }
+    }
+}
+
+impl Texture {
+    fn at(&self, place: Vec2) -> Vec3 {
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let at = (place - place.floor()) * size - 0.5;
+        let (low, part) = (at.floor(), at - at.floor());
+        let texel = |x: f32, y: f32| {
+            let wrapped = Vec2::new(x, y).rem_euclid(size);
+            self.texels[wrapped.y as usize * self.width + wrapped.x as usize]
+        };
+        let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), part.x);
+        row(low.y).lerp(row(low.y + 1.0), part.y)
+    }
+}

@@ -1,0 +1,200 @@
+//! The world's meshes as triangles, with the light that comes from each: gathered anew where something changed, and built into
+//! a tree in the render world.
+
+use crate::device::Result;
+use bevy::asset::AssetEvent;
+use bevy::ecs::query::Or;
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
+use bevy::prelude::*;
+use bevy::render::Extract;
+use std::collections::HashMap;
+use std::sync::Arc;
+use wgpu::TextureFormat;
+
+/// A mesh where it stands.
+pub struct WorldMesh {
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    mesh_to_world: [f32; 16],
+    color: [f32; 3],
+    /// Which of the images, and where each vertex is on it.
+    texture: Option<(usize, Vec<[f32; 2]>)>,
+}
+
+/// An image of base colours.
+pub struct WorldImage {
+    extent: [u32; 2],
+    is_srgb: bool,
+    rgba: Vec<u8>,
+}
+
+/// The meshes of the main world, and how often they changed.
+#[derive(Resource, Clone, Default)]
+pub struct WorldMeshes {
+    pub changes: u64,
+    pub meshes: Arc<Vec<WorldMesh>>,
+    pub images: Arc<Vec<WorldImage>>,
+}
+
+/// How bright surfaces that lights shine on are in reflections, as a factor on their base colour: no light is computed for what
+/// rays meet. Unlit and emissive colours need no such guess.
+#[derive(Resource, Clone, Copy)]
+pub struct LightOnMeshes(pub LinearRgba);
+
+impl Default for LightOnMeshes {
+    fn default() -> Self {
+        Self(LinearRgba::rgb(0.5, 0.5, 0.5))
+    }
+}
+
+/// Leaves an entity's mesh out of reflections beyond the screen.
+#[derive(Component, Clone, Copy, Default)]
+pub struct NotReflected;
+
+type Drawn = (
+    &'static Mesh3d,
+    &'static MeshMaterial3d<StandardMaterial>,
+    &'static GlobalTransform,
+    Option<&'static InheritedVisibility>,
+);
+type Changed3d = Or<(
+    Changed<Mesh3d>,
+    Changed<MeshMaterial3d<StandardMaterial>>,
+    Changed<GlobalTransform>,
+    Changed<InheritedVisibility>,
+)>;
+
+/// Gathers the meshes where any of them, or what they are made of, changed.
+#[expect(clippy::too_many_arguments, reason = "each is a table of Bevy's")]
+pub fn gather(
+    mut world: ResMut<WorldMeshes>,
+    light: Res<LightOnMeshes>,
+    drawn: Query<Drawn, Without<NotReflected>>,
+    changed: Query<(), (With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d)>,
+    mut removed: RemovedComponents<Mesh3d>,
+    (mut mesh_events, mut material_events, mut image_events): (
+        MessageReader<AssetEvent<Mesh>>,
+        MessageReader<AssetEvent<StandardMaterial>>,
+        MessageReader<AssetEvent<Image>>,
+    ),
+    meshes: Res<Assets<Mesh>>,
+    (materials, images): (Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
+) {
+    let of_assets = mesh_events.read().count() + material_events.read().count() + image_events.read().count();
+    if changed.is_empty() && removed.read().count() == 0 && of_assets == 0 && !light.is_changed() {
+        return;
+    }
+    let mut taken = Taken { light: light.0, ..default() };
+    for (mesh, material, transform, visible) in &drawn {
+        let (Some(mesh), Some(material)) = (meshes.get(&mesh.0), materials.get(&material.0)) else { continue };
+        if visible.is_none_or(|visible| visible.get()) {
+            taken.add(mesh, material, transform, &images);
+        }
+    }
+    let changes = world.changes + 1;
+    *world = WorldMeshes { changes, meshes: Arc::new(taken.meshes), images: Arc::new(taken.images) };
+}
+
+/// Hands the meshes to the render world.
+pub fn extract(main: Extract<Res<WorldMeshes>>, mut world: ResMut<WorldMeshes>) {
+    if world.changes != main.changes {
+        *world = main.clone();
+    }
+}
+
+#[derive(Default)]
+struct Taken {
+    light: LinearRgba,
+    meshes: Vec<WorldMesh>,
+    images: Vec<WorldImage>,
+    /// Which of `images` an asset is; `None` for one in a format that no ray can look up.
+    places: HashMap<AssetId<Image>, Option<usize>>,
+}
+
+impl Taken {
+    /// Adds a mesh of triangles, unless its vertices are in the render world alone.
+    fn add(&mut self, mesh: &Mesh, material: &StandardMaterial, transform: &GlobalTransform, images: &Assets<Image>) {
+        let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {
+            return;
+        };
+        if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+            return;
+        }
+        let indices = match mesh.try_indices() {
+            Ok(Indices::U16(indices)) => indices.iter().map(|index| u32::from(*index)).collect(),
+            Ok(Indices::U32(indices)) => indices.clone(),
+            Err(_) => (0..positions.len() as u32).collect(),
+        };
+        // Metals send out no light of their own.
+        let base = material.base_color.to_linear() * if material.unlit { 1.0 } else { 1.0 - material.metallic };
+        let light = if material.unlit { LinearRgba::WHITE } else { self.light };
+        let emitted = if material.unlit { LinearRgba::BLACK } else { material.emissive };
+        let texture = material.base_color_texture.as_ref().and_then(|image| self.image(image.id(), images));
+        let texture = texture.and_then(|place| Some((place, places_on(mesh, material)?)));
+        let channel = |base: f32, light: f32, emitted: f32| (base * light + emitted).max(0.0);
+        self.meshes.push(WorldMesh {
+            positions: positions.clone(),
+            indices,
+            mesh_to_world: transform.to_matrix().to_cols_array(),
+            color: [
+                channel(base.red, light.red, emitted.red),
+                channel(base.green, light.green, emitted.green),
+                channel(base.blue, light.blue, emitted.blue),
+            ],
+            texture,
+        });
+    }
+
+    fn image(&mut self, id: AssetId<Image>, images: &Assets<Image>) -> Option<usize> {
+        let image = images.get(id)?;
+        let next = self.images.len();
+        let place = *self.places.entry(id).or_insert_with(|| {
+            let is_srgb = match image.texture_descriptor.format {
+                TextureFormat::Rgba8UnormSrgb => true,
+                TextureFormat::Rgba8Unorm => false,
+                _ => return None,
+            };
+            let (width, height) = (image.width(), image.height());
+            let texels = image.data.as_ref()?.get(..4 * width as usize * height as usize)?;
+            self.images.push(WorldImage { extent: [width, height], is_srgb, rgba: texels.to_vec() });
+            Some(next)
+        });
+        place
+    }
+}
+
+/// Where the vertices are on the image of base colours.
+fn places_on(mesh: &Mesh, material: &StandardMaterial) -> Option<Vec<[f32; 2]>> {
+    match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
+        Ok(VertexAttributeValues::Float32x2(places)) => {
+            Some(places.iter().map(|place| material.uv_transform.transform_point2((*place).into()).into()).collect())
+        }
+        _ => None,
+    }
+}
+
+impl WorldMeshes {
+    /// The tree over the triangles, which is built here, on the CPU.
+    ///
+    /// # Errors
+    /// Returns what `ssct` says.
+    pub fn triangles(&self, context: &ssct::Context) -> Result<ssct::Triangles> {
+        let textures: Vec<_> = self.images.iter().map(WorldImage::texture).collect();
+        let meshes: Vec<_> = self.meshes.iter().map(WorldMesh::triangles).collect();
+        Ok(ssct::Triangles::with_textures(context, &meshes, &textures)?)
+    }
+}
+
+impl WorldImage {
+    fn texture(&self) -> ssct::HitTexture<'_> {
+        ssct::HitTexture { extent: self.extent, is_srgb: self.is_srgb, texels: &self.rgba }
+    }
+}
+
+impl WorldMesh {
+    fn triangles(&self) -> ssct::TriangleMesh<'_> {
+        let Self { positions, indices, mesh_to_world, color, texture } = self;
+        let texture = texture.as_ref().map(|(number, places)| ssct::MeshTexture { number: *number, places });
+        ssct::TriangleMesh { positions, indices, mesh_to_world: *mesh_to_world, color: *color, texture }
+    }
+}
