@@ -31,6 +31,7 @@
 //!     captures: None,
 //!     triangles: None,
 //!     triangle_numbers: None,
+//!     motion: None,
 //!     timed: false,
 //!     outputs: ssct::ImageUse::FRAGMENT_SAMPLED,
 //! };
@@ -87,8 +88,8 @@ struct Embedding;
 
 pub use embed::{
     CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, ImageInput,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, TriangleMesh,
-    Triangles, methods,
+    MotionInput, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo,
+    TriangleMesh, Triangles, methods,
 };
 pub use error::{Error, Result};
 pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures, enable_features};

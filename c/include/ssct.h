@@ -309,6 +309,9 @@ typedef struct SsctFrame {
   SsctReflectors reflectors;
   /// How you use the outputs next.
   struct SsctImageUse outputs;
+  /// How surfaces moved since the frame that was recorded before, for the parameter "history"; NULL where it is not known, or
+  /// nothing but the camera moved.
+  const struct SsctMotion *motion;
 } SsctFrame;
 
 /// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or

@@ -7,6 +7,7 @@ pub mod camera;
 pub mod capture;
 pub mod gbuffer;
 pub mod path;
+pub mod placement;
 pub mod planes;
 pub mod proxies;
 pub mod sky;
@@ -20,6 +21,7 @@ pub use camera::{Camera, Lens, Opening, Projection, ProjectionKind, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
 pub use path::CameraPath;
+pub use placement::Placement;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
@@ -96,6 +98,12 @@ impl Mesh {
     /// Moves the mesh by an offset in metres.
     pub fn translate(&mut self, offset: Vec3) {
         self.vertices.iter_mut().for_each(|v| v.position = (Vec3::from(v.position) + offset).to_array());
+        self.bounds = Aabb::of(&self.vertices);
+    }
+
+    /// Moves the mesh to where a placement has it.
+    pub fn place(&mut self, placement: &Placement) {
+        self.vertices.iter_mut().for_each(|v| placement.place_vertex(v));
         self.bounds = Aabb::of(&self.vertices);
     }
 }
@@ -268,6 +276,16 @@ impl Aabb {
     /// The box moved by an offset.
     pub fn moved(self, offset: Vec3) -> Self {
         Self { min: self.min + offset, max: self.max + offset }
+    }
+
+    /// A box around what is in this one, where a placement has it.
+    pub fn placed(self, placement: &Placement) -> Self {
+        if placement.is_offset() || !self.min.cmple(self.max).all() {
+            return self.moved(placement.offset);
+        }
+        let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), self.max, self.min);
+        let corners = (0..8).map(|i| placement.place(corner(i)));
+        corners.fold(Self::default(), |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
     /// The box that is larger on every side by a share of this one's diagonal; [`Self::ALL`] for an empty box.
