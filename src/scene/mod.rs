@@ -6,6 +6,7 @@
 pub mod camera;
 pub mod capture;
 pub mod gbuffer;
+pub mod motion;
 pub mod path;
 pub mod placement;
 pub mod planes;
@@ -15,11 +16,12 @@ pub mod texture;
 pub mod tree;
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{DMat4, DVec3, Vec3};
 
 pub use camera::{Camera, Lens, Opening, Projection, ProjectionKind, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
+pub use motion::Motion;
 pub use path::CameraPath;
 pub use placement::Placement;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
@@ -57,6 +59,8 @@ pub struct Scene {
     pub views: Vec<View>,
     /// Named paths of the camera.
     pub paths: Vec<CameraPath>,
+    /// Named motions of its meshes, which stand as they do before any of them begins.
+    pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
 }
@@ -308,6 +312,7 @@ impl View {
 /// The parts of a scene that scale and move by rules of their own.
 struct Extended<'a> {
     paths: &'a mut [CameraPath],
+    motions: &'a mut [Motion],
     probes: &'a mut [Probe],
     impostors: &'a mut [Impostor],
     area_lights: &'a mut [AreaLight],
@@ -332,7 +337,9 @@ impl Scene {
                 *energy *= factor * factor;
             }
         }
-        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
+        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
+        let matrix = DMat4::from_scale(DVec3::splat(factor.into()));
+        motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.scale(factor));
         probes.iter_mut().for_each(|p| p.scale(factor));
         impostors.iter_mut().for_each(|i| i.scale(factor));
@@ -342,7 +349,9 @@ impl Scene {
 
     /// Moves everything that has a place.
     pub fn translate(&mut self, offset: Vec3) {
-        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
+        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
+        let matrix = DMat4::from_translation(offset.as_dvec3());
+        motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.translate(offset));
         probes.iter_mut().for_each(|p| p.translate(offset));
         impostors.iter_mut().for_each(|i| i.centre += offset);
@@ -366,6 +375,7 @@ impl Scene {
             lens: _,
             views,
             paths,
+            motions,
             warnings: _,
         } = self;
         for mesh in meshes {
@@ -384,7 +394,7 @@ impl Scene {
                 Light::Directional { direction: _, energy: _ } => {}
             }
         }
-        Extended { paths, probes, impostors, area_lights, captures }
+        Extended { paths, motions, probes, impostors, area_lights, captures }
     }
 
     /// The number of triangles.
