@@ -31,6 +31,7 @@
 //!     captures: None,
 //!     triangles: None,
 //!     triangle_numbers: None,
+//!     motion: None,
 //!     timed: false,
 //!     outputs: ssct::ImageUse::FRAGMENT_SAMPLED,
 //! };
@@ -87,7 +88,7 @@ struct Embedding;
 
 pub use embed::{
     CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, HitTexture,
-    ImageInput, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
+    ImageInput, MeshTexture, MotionInput, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
     ReflectionsInfo, TriangleMesh, Triangles, methods,
 };
 pub use error::{Error, Result};

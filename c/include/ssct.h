@@ -274,6 +274,22 @@ typedef struct SsctFactor {
 /// known not to be there costs nothing.
 typedef uint32_t SsctReflectors;
 
+/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
+/// where it was seen, x in red and y in green.
+typedef struct SsctMotion {
+  /// sizeof(SsctMotion).
+  size_t struct_size;
+  /// Where the way is, in floats or signed normalised numbers.
+  const struct SsctImage *image;
+  /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates the
+  /// image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
+  /// both have the other sign.
+  float scale[2];
+  /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices that
+  /// the images were drawn with.
+  VkBool32 jittered;
+} SsctMotion;
+
 /// What a frame shows, and where from.
 typedef struct SsctFrame {
   /// sizeof(SsctFrame).
@@ -309,6 +325,9 @@ typedef struct SsctFrame {
   SsctReflectors reflectors;
   /// How you use the outputs next.
   struct SsctImageUse outputs;
+  /// How surfaces moved since the frame that was recorded before, for the parameter "history"; NULL where it is not known, or
+  /// nothing but the camera moved.
+  const struct SsctMotion *motion;
 } SsctFrame;
 
 /// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or

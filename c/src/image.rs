@@ -2,11 +2,13 @@
 
 use crate::border::{Failure, Growing, Outcome, or, take};
 use crate::vulkan::{
-    VkAccessFlags2, VkExtent2D, VkFormat, VkImage, VkImageLayout, VkImageSubresourceRange, VkImageUsageFlags,
+    VkAccessFlags2, VkBool32, VkExtent2D, VkFormat, VkImage, VkImageLayout, VkImageSubresourceRange, VkImageUsageFlags,
     VkImageView, VkPipelineStageFlags2,
 };
 use ash::vk;
-use ssct::{CameraInput, ClipY, FactorInput, ImageInput, ImageUse, NormalEncoding, NormalInput, NormalSpace};
+use ssct::{
+    CameraInput, ClipY, FactorInput, ImageInput, ImageUse, MotionInput, NormalEncoding, NormalInput, NormalSpace,
+};
 
 /// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
 pub type SsctClipY = u32;
@@ -137,6 +139,24 @@ pub struct SsctFactor {
     pub value: f32,
 }
 
+/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
+/// where it was seen, x in red and y in green.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SsctMotion {
+    /// sizeof(SsctMotion).
+    pub struct_size: usize,
+    /// Where the way is, in floats or signed normalised numbers.
+    pub image: *const SsctImage,
+    /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates the
+    /// image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
+    /// both have the other sign.
+    pub scale: [f32; 2],
+    /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices that
+    /// the images were drawn with.
+    pub jittered: VkBool32,
+}
+
 // SAFETY: the size comes first, and numbers, handles and pointers are all there is.
 unsafe impl Growing for SsctImage {
     const NAME: &'static str = "SsctImage";
@@ -155,6 +175,11 @@ unsafe impl Growing for SsctNormals {
 // SAFETY: as above.
 unsafe impl Growing for SsctFactor {
     const NAME: &'static str = "SsctFactor";
+}
+
+// SAFETY: as above.
+unsafe impl Growing for SsctMotion {
+    const NAME: &'static str = "SsctMotion";
 }
 
 /// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
@@ -282,5 +307,21 @@ pub unsafe fn factor(argument: &str, at: *const SsctFactor) -> Outcome<FactorInp
             return Ok(FactorInput::Constant(factor.value));
         }
         Ok(FactorInput::Channel(image(&format!("{argument}.image"), factor.image, 1)?, factor.channel))
+    }
+}
+
+/// Motion as the door takes it; none for NULL.
+///
+/// # Safety
+/// The contract is that of [`image`].
+pub unsafe fn motion(argument: &str, at: *const SsctMotion) -> Outcome<Option<MotionInput>> {
+    if at.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: by the contract.
+    unsafe {
+        let SsctMotion { image: held, scale, jittered, .. } = take(argument, at)?;
+        let image = image(&format!("{argument}.image"), held, 1)?;
+        Ok(Some(MotionInput { image, scale, jittered: jittered != vk::FALSE }))
     }
 }

@@ -7,7 +7,8 @@ use crate::border::{
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
 use crate::image::{
-    SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctNormals, camera, factor, image, none_of, normals,
+    SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctMotion, SsctNormals, camera, factor, image, motion, none_of,
+    normals,
 };
 use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
@@ -137,6 +138,9 @@ pub struct SsctFrame {
     pub reflectors: SsctReflectors,
     /// How you use the outputs next.
     pub outputs: SsctImageUse,
+    /// How surfaces moved since the frame that was recorded before, for the parameter "history"; NULL where it is not known, or
+    /// nothing but the camera moved.
+    pub motion: *const SsctMotion,
 }
 
 /// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or
@@ -412,6 +416,7 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
                 true => None,
                 false => Some(image("frame.triangle_numbers", frame.triangle_numbers, 1)?),
             },
+            motion: motion("frame.motion", frame.motion)?,
             timed: frame.timed != vk::FALSE,
             outputs: frame.outputs.taken(),
         })

@@ -69,6 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         captures: None,
         triangles: None,
         triangle_numbers: None,
+        motion: None,
         timed: false,
         outputs: copied,
     };

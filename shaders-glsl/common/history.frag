@@ -34,6 +34,10 @@ layout(std140, binding = 0) uniform HistoryBlock {
     int rests;                // 1: the frame before had this camera; 2: so had as many as are averaged
     int repeats;              // 1: and the same directions of rays
     int mover_count;
+    int may_move;             // 1: something may have moved since the frame before
+    mat4 view_to_clip;        // of this frame, reversed depth
+    vec2 motion_scale;        // of what motion_buffer holds to pixels
+    vec2 motion_shift;        // pixels that are added to it
     MoverData movers[MOST_MOVERS];
 } history;
 
@@ -46,8 +50,10 @@ layout(binding = 6, rgba32ui) uniform readonly uimage2D guide_before;
 layout(binding = 7, rg32ui) uniform readonly uimage2D ends_image;     // where rays ended (unified/ends.glsl)
 layout(binding = 8, r32ui) uniform readonly uimage2D triangle_buffer; // of each pixel; one texel where none is known
 layout(binding = 9) uniform sampler2D color_buffer;                   // lit colour
+layout(binding = 10) uniform sampler2D motion_buffer; // in red and green, the way to where a surface was seen; with MOTION
 
 layout(constant_id = 0) const bool COMPOSITE = true; // the finished image is wanted
+layout(constant_id = 1) const bool MOTION = false;   // motion_buffer is known
 
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
 layout(location = 1) out uvec4 out_guide;     // Guide, packed
@@ -67,6 +73,14 @@ layout(location = 2) out vec4 out_color;      // lit colour + reflectivity * fad
 #define AT_REST 8.0
 // Frames that are averaged at most at rest.
 #define MOST_AT_REST 128.0
+// What is seen so many pixels from where a thing at rest would be seen stands still, and so much of the way farther, since
+// 16-bit floats round motion by a quarter of that.
+#define STILL 0.05
+#define STILL_SHARE (1.0 / 512.0)
+// A thing that moves is as far away as it was, within this share.
+#define SAME_DEPTH 0.1
+// The screen shows a reflected point where it shows something at its depth, within this share.
+#define SHOWN 0.05
 
 // What is kept of a pixel.
 struct Guide {
@@ -181,11 +195,16 @@ Found At(vec2 position, Sought sought) {
     return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole) : Found(vec4(0.0), 0.0, 0.0);
 }
 
-// Where a point was seen in the frame before, in pixels; outside if it was behind the eye.
-vec2 Position(vec3 seen) {
-    vec4 clip = history.view_to_clip_before * vec4(seen, 1.0);
+// Where a projection shows a point, in pixels; outside if it is behind the eye.
+vec2 PositionBy(mat4 view_to_clip, vec3 seen) {
+    vec4 clip = view_to_clip * vec4(seen, 1.0);
     vec2 position = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * history.resolution;
     return clip.w > 0.0 ? clamp(position, vec2(-10.0), history.resolution + 10.0) : vec2(-10.0);
+}
+
+// Where a point was seen in the frame before.
+vec2 Position(vec3 seen) {
+    return PositionBy(history.view_to_clip_before, seen);
 }
 
 // The mover that a triangle is of; -1 for what stands still.
@@ -204,6 +223,36 @@ vec3 Before(vec3 v, float w, int mover) {
     for (int i = 0; i < history.mover_count; ++i)
         before = mover == i ? (history.movers[i].to_before * vec4(v, w)).xyz : before;
     return before;
+}
+
+// Where a point of the surface that a pixel shows was in the view space of the frame before, by the motion that the caller
+// knows. `seen` is where the point is seen now, `still` where it would have been at rest. The motion says where it was seen,
+// but not how far away: as far as the frame before shows there, if a history of that is kept.
+vec3 Moved(vec2 seen, ivec2 pixel, vec3 still) {
+    vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
+    float beside = distance(seen + way, Position(still));
+    vec2 before = clamp(seen + way, vec2(-10.0), history.resolution + 10.0);
+    ivec2 at = ivec2(floor(before));
+    float kept = IsOn(at) ? GuideAt(at).depth : 0.0;
+    float shown = kept > 0.0 ? Unproject(history.clip_to_view_before, before, kept).z : still.z;
+    float reach = SAME_DEPTH * Reach(still.z, history.clip_to_view_before);
+    float z = clamp(shown, still.z - reach, still.z + reach);
+    vec4 clip = history.view_to_clip_before * vec4(still.xy, z, 1.0);
+    vec3 moved = Unproject(history.clip_to_view_before, before, clip.z / clip.w);
+    // False for what is no number.
+    bool moves = beside > STILL + STILL_SHARE * length(way);
+    return moves && still.z > 0.0 ? moved : still;
+}
+
+// Where a reflected point was that may be of a thing that moves. The caller knows the motion of what the screen shows.
+vec3 MovedEnd(vec3 end, vec3 still) {
+    vec2 seen = PositionBy(history.view_to_clip, end);
+    ivec2 at = ivec2(floor(seen));
+    ivec2 inside = clamp(at, ivec2(0), ivec2(history.resolution) - 1);
+    float depth = texelFetch(depth_buffer, inside, 0).r;
+    float z = Unproject(history.clip_to_view, seen, depth).z;
+    bool is_shown = IsOn(at) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
+    return is_shown ? Moved(seen, inside, still) : still;
 }
 
 uint TriangleAt(ivec2 pixel) {
@@ -262,15 +311,19 @@ void main() {
     Sought sought;
     int own = MoverOf(TriangleAt(inside));
     sought.surface = Before(point, 1.0, own);
+    if (MOTION && own < 0)
+        sought.surface = Moved(vec2(pixel) + 0.5, inside, sought.surface);
     sought.normal = Before(normal, 0.0, own);
     sought.power = LobePower(material.g);
     bool known = ends.away > 0.0;
     float inverse = known ? 1.0 / (eye + ends.away) : 0.0;
     vec3 end = point + ends.away * MirrorDirection(Sight(point), normal);
     sought.end = Before(end, 1.0, ends.mover);
+    if (MOTION && known && ends.mover < 0)
+        sought.end = MovedEnd(end, sought.end);
     float eye_before = ORTHOGRAPHIC ? 0.0 : length(sought.surface);
     // Where nothing moves, what is reflected is what it was.
-    bool may_differ = known && (history.rests == 0 || history.mover_count > 0);
+    bool may_differ = known && (history.rests == 0 || history.may_move != 0);
     sought.inverse = may_differ ? 1.0 / (eye_before + distance(sought.surface, sought.end)) : 0.0;
     // What a plane mirror shows stands behind it.
     float before_plane = dot(sought.end - sought.surface, sought.normal);
@@ -284,7 +337,7 @@ void main() {
     uvec4 kept = imageLoad(guide_before, inside);
     bool stays = history.repeats != 0 && kept.z != 0u && kept.w == print;
     // What changed by itself is not what it was.
-    bool is_new = history.begins != 0 || (history.repeats != 0 && history.mover_count == 0);
+    bool is_new = history.begins != 0 || (history.repeats != 0 && history.may_move == 0);
     float age = is_new ? 0.0 : found.age * found.agreement;
     vec4 mean = sum / max(count, 1.0);
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
@@ -293,7 +346,7 @@ void main() {
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
     age = min(age + 1.0, history.rests != 0 ? MOST_AT_REST : history.frames);
     // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
-    bool is_whole = history.rests > 1 && history.mover_count == 0 && !is_new && found.age > history.frames - 0.5;
+    bool is_whole = history.rests > 1 && history.may_move == 0 && !is_new && found.age > history.frames - 0.5;
     vec4 mixed = FromLinear(mix(before, now, is_whole ? 0.0 : 1.0 / age));
     vec4 shown = stays ? imageLoad(color_before, inside) : age > 1.0 ? mixed : alone;
     out_reflection = reflects ? shown : alone;

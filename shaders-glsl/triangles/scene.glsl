@@ -37,6 +37,7 @@ layout(std140, binding = 26) uniform TriangleBlock {
     int attributes;      // where the attributes begin
     int count;           // triangles
     int nodes;           // of the tree; 0 for an empty one
+    int moving;          // the root of the tree of what moves; 0 for none
     float beside;        // how far a pixel's point may lie beside its surface, in metres at a metre (parallel sight: in view units)
 } triangles;
 

@@ -2,9 +2,11 @@
 // reference::triangles.
 //
 // The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
-// walk pushes at most one group of nodes for each level of the tree, and the host takes no tree with more than TREE_DEPTH
+// walk pushes at most one group of nodes for each level below the root, and the host takes no tree with more than TREE_DEPTH
 // levels, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
 // not even one with NaN in it, which meets no box.
+//
+// What moves has a small tree of its own in the same buffer, whose root waits at the bottom of the stack.
 
 #ifndef TRIANGLES_WALK_GLSL
 #define TRIANGLES_WALK_GLSL
@@ -119,6 +121,8 @@ Met WalkTree(TreeRay ray) {
     uint octant = (back.x ? 0u : 0x04040404u) | (back.y ? 0u : 0x02020202u) | (back.z ? 0u : 0x01010101u);
     // A group of nodes: the first child's number, and the bits of those that are still to be looked at.
     uvec2 group = uvec2(0u, triangles.nodes > 0 ? 0x80000000u : 0u);
+    if (triangles.moving > 0)
+        stack[height++] = uvec2(uint(triangles.moving), 0x80000000u);
     while (true) {
         uvec2 leaves = uvec2(0u);
         if ((group.y & 0xff000000u) != 0u) {

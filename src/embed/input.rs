@@ -247,6 +247,43 @@ impl NormalInput {
     }
 }
 
+/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
+/// where it was seen. The history then looks there for what a moving surface reflected, and for moving things that are
+/// reflected and seen on the screen.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionInput {
+    /// Where the way is: x in red and y in green.
+    pub image: ImageInput,
+    /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates
+    /// the image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
+    /// both have the other sign.
+    pub scale: [f32; 2],
+    /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices
+    /// that the images were drawn with.
+    pub jittered: bool,
+}
+
+impl MotionInput {
+    /// What is wrong with it, if anything.
+    pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
+        self.image.check("motion", Some(extent))?;
+        let (format, scale) = (self.image.format, self.scale);
+        let name = format!("{format:?}");
+        if is_depth_format(format) || !name.contains('G') {
+            return Err(Error::Usage(format!("the input motion has the format {name}, which has no green for y")));
+        }
+        if ["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind)) {
+            return Err(Error::Usage(format!("the input motion has the format {name}, which holds no number below 0")));
+        }
+        if !scale.iter().all(|s| s.is_finite() && *s != 0.0) {
+            return Err(Error::Usage(format!(
+                "the input motion has the scale {scale:?}; both must be finite and not 0"
+            )));
+        }
+        Ok(())
+    }
+}
+
 /// Reflectivity or roughness of a frame (docs/definitions.md, "Surfaces").
 #[derive(Debug, Clone, Copy)]
 pub enum FactorInput {

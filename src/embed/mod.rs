@@ -10,7 +10,7 @@ mod triangles;
 
 pub use camera::{CameraInput, ClipY};
 pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
-pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
+pub use input::{FactorInput, ImageInput, MotionInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
 pub use triangles::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 

@@ -2,7 +2,7 @@
 
 use super::camera::Taken;
 use super::input::Borrowed;
-use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, NormalInput, Triangles};
+use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, MotionInput, NormalInput, Triangles};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::sync::ImageUse;
@@ -10,6 +10,7 @@ use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
 use crate::methods::effect::Effect;
 use crate::methods::{Input, MethodInfo, Setup, Wants};
 use crate::parameter::{Choices, Parameter, Preset};
+use crate::passes::history::SurfaceMotion;
 use crate::passes::import::{Foreign, ImportPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{GBuffer, Reflectors};
@@ -91,6 +92,9 @@ pub struct FrameInput<'a> {
     /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or `u32::MAX` for none;
     /// R32_UINT. Without it, some rays meet the surface that they begin on.
     pub triangle_numbers: Option<ImageInput>,
+    /// How surfaces moved since the frame that was recorded before, for the parameter `history`; `None` where it is not
+    /// known, or nothing but the camera moved.
+    pub motion: Option<MotionInput>,
     /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
     pub timed: bool,
     /// How the caller uses the outputs next.
@@ -256,6 +260,7 @@ impl Reflections {
         let color = borrowed.take(&gpu, "color", &input.color)?;
         let sky = input.sky.map(|sky| borrowed.take(&gpu, "sky", &sky)).transpose()?;
         let numbers = input.triangle_numbers.map(|n| borrowed.take(&gpu, "triangle_numbers", &n)).transpose()?;
+        let motion = input.motion.map(|m| Ok::<_, Error>((m, borrowed.take(&gpu, "motion", &m.image)?))).transpose()?;
         let mode = if input.timed { Mode::Timed } else { Mode::Plain };
         // SAFETY: by the contract.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
@@ -277,6 +282,11 @@ impl Reflections {
             sky: sky.map(|sky| borrowed.image(sky)),
             captures: captures.map(|images| images.captures()),
             triangles,
+            motion: motion.map(|(MotionInput { scale, jittered, .. }, image)| SurfaceMotion {
+                image: borrowed.image(image),
+                scale,
+                shifted: jittered,
+            }),
             ..Input::of_screen(gbuffer, &taken.camera)
         };
         let output = self.effect.record(&mut frame, &seen)?;
@@ -325,6 +335,9 @@ impl Reflections {
         }
         if let Some(numbers) = &input.triangle_numbers {
             numbers.check_numbers("triangle_numbers", extent)?;
+        }
+        if let Some(motion) = &input.motion {
+            motion.check(extent)?;
         }
         let given = Beyond::of(input.captures.map(|c| c.extent()[0]), input.triangles)?;
         if !self.beyond.takes(given) {

@@ -109,6 +109,8 @@ pub struct Frame<'c> {
     context: &'c mut FrameContext,
     mode: Mode,
     passes: Vec<(String, bool)>,
+    /// What the host did for the frame.
+    on_host: Vec<PassTime>,
     skipped: Vec<Skipped>,
     counted: bool,
     /// What the names of passes begin with.
@@ -147,6 +149,7 @@ impl<'c> Frame<'c> {
             context,
             mode,
             passes: Vec::new(),
+            on_host: Vec::new(),
             skipped: Vec::new(),
             counted: false,
             stage: String::new(),
@@ -175,6 +178,11 @@ impl Frame<'_> {
     /// Notes a pass that this frame does not need, and why.
     pub fn skip(&mut self, pass: &str, why: &str) {
         self.skipped.push(Skipped { pass: format!("{}{pass}", self.stage), why: why.to_owned() });
+    }
+
+    /// Notes work that the host did for this frame before it was recorded, as a pass that took so many milliseconds.
+    pub fn on_host(&mut self, name: &str, ms: f64) {
+        self.on_host.push(PassTime { name: format!("{}{name}", self.stage), ms, start_ms: 0.0, counted: self.counted });
     }
 
     /// Moves levels to a use without a pass of its own: textures after their upload.
@@ -268,7 +276,9 @@ impl Frame<'_> {
             device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
             waited.map_err(vulkan("vkWaitForFences"))?;
         }
+        let on_host = std::mem::take(&mut self.on_host);
         let mut report = self.recorded();
+        report.recorded.splice(..0, on_host.iter().map(|pass| pass.name.clone()));
         let (at, begun) = self.begun;
         let milliseconds = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
         report.host = Some(HostTime {
@@ -280,6 +290,7 @@ impl Frame<'_> {
             (Mode::Timed, _) => {
                 let slot = self.slot();
                 (report.passes, report.frame_ms) = slot.times()?;
+                report.passes.splice(..0, on_host);
             }
             (Mode::Counted, Some(statistics)) => report.work = statistics.results()?,
             _ => {}

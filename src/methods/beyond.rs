@@ -49,6 +49,12 @@ impl PreparedTriangles {
             let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
             Error::Usage(message.into())
         })?;
+        // What moves takes room of its own.
+        if self.reading.geometry_texels && !geometry.reading(images, lights).geometry_texels {
+            let message =
+                "the scene's triangles are more now than this device can read as the effect does: make it anew";
+            return Err(Error::Usage(message.into()));
+        }
         Ok(geometry.bound(images, table).queried(structure))
     }
 }

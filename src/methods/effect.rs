@@ -419,13 +419,18 @@ impl Effect {
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
         let standing = || input.scene.map_or(Vec::new(), |scene| scene.data.standing());
-        let turns = self.history.as_ref().map(|history| history.begin(input.camera, standing())).unwrap_or_default();
+        let begin = |history: &HistoryPass| history.begin(input.camera, standing(), input.motion.is_some());
+        let turns = self.history.as_ref().map(begin).unwrap_or_default();
         let behind = match &self.second_layer {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
         };
         let triangles = match (&self.triangles, input.triangles) {
-            (Some(prepared), None) => Some(prepared.bound(input.scene()?.data)?),
+            (Some(prepared), None) => {
+                let data = input.scene()?.data;
+                data.bring_moving(frame)?;
+                Some(prepared.bound(data)?)
+            }
             (_, given) => given,
         };
         let mut input =
@@ -442,7 +447,8 @@ impl Effect {
         if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
             // The ends of smaller pixels are of another grid.
             let ends = traced.ends.filter(|_| self.scaled.is_none());
-            let (averaged, composite) = history.record(frame, &gbuffer, input.camera, reflection, ends)?;
+            let (averaged, composite) =
+                history.record(frame, &gbuffer, input.camera, reflection, (ends, input.motion))?;
             traced = Traced { reflection: Some(averaged), composite, ..traced };
         }
         let composite = match (traced.composite, traced.reflection, &self.composite) {

@@ -31,6 +31,7 @@ pub mod unified;
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::parameter::{Parameter, Parameters, Preset};
+use crate::passes::history::SurfaceMotion;
 use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
@@ -61,6 +62,8 @@ pub struct Input<'a, 's> {
     pub behind: Option<GBuffer<'a>>,
     /// The reflection that stands in front of what the method makes, for one that is a fallback.
     pub in_front: Option<Reflection<'a>>,
+    /// How surfaces moved since the frame before, where the caller knows it; for a history.
+    pub motion: Option<SurfaceMotion<'s>>,
     /// How many frames with other directions of rays came before this one since the history began; 0 without a history, so that
     /// frames are equal.
     pub frame: u32,
@@ -83,6 +86,7 @@ impl<'a, 's> Input<'a, 's> {
             triangles: None,
             behind: None,
             in_front: None,
+            motion: None,
             frame: 0,
             rested: 0,
             bounce: 0,

@@ -16,7 +16,7 @@ use crate::gpu::{
 };
 use crate::math::constants::{ALPHA_MASK, NO_TRIANGLE, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
 use crate::math::frustum::Frustum;
-use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
+use crate::scene::{Aabb, Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
 use glam::{DMat4, Vec3};
 use std::mem::offset_of;
@@ -377,8 +377,10 @@ impl<'a> SceneView<'a> {
     fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
-        let (seen, culled): (Vec<&MeshData>, Vec<_>) =
-            scene.meshes.iter().partition(|m| frustum.may_see(m.bounds.min + m.offset, m.bounds.max + m.offset));
+        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().partition(|m| {
+            let Aabb { min, max } = m.bounds.placed(&m.placement);
+            frustum.may_see(min, max)
+        });
         let camera = camera_block(camera, extent);
         Self { scene, materials, seen, culled: culled.len(), world_to_clip, camera }
     }
@@ -400,14 +402,15 @@ impl<'a> SceneView<'a> {
     ) -> Result<()> {
         let mut bound = None;
         for mesh in &self.seen {
-            if bound != Some((mesh.material, mesh.offset)) {
+            if bound != Some((mesh.material, mesh.placement)) {
                 let material = &self.materials[mesh.material];
                 let map = |index: Option<usize>| {
                     let image = index.map_or(&self.scene.white, |i| &self.scene.textures[i]);
                     Sampled(image.all(), Sampler::Material)
                 };
-                let placed = self.world_to_clip * DMat4::from_translation(mesh.offset.as_dvec3());
-                let block = draw_block(material, placed.as_mat4().to_cols_array_2d());
+                let placed = self.world_to_clip * mesh.placement.matrix();
+                let turn = mesh.placement.turn.to_array();
+                let block = DrawBlock { turn, ..draw_block(material, placed.as_mat4().to_cols_array_2d()) };
                 let surface = SurfaceInput {
                     albedo_map: map(material.albedo_map),
                     normal_map: map(material.normal_map),
@@ -417,7 +420,7 @@ impl<'a> SceneView<'a> {
                     draw: &block,
                 };
                 bind(raster, &surface)?;
-                bound = Some((mesh.material, mesh.offset));
+                bound = Some((mesh.material, mesh.placement));
             }
             raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count, mesh.first_triangle);
         }

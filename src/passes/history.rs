@@ -9,15 +9,19 @@ use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
 use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
-use glam::{DMat4, Vec3};
-use std::cell::{Cell, RefCell};
+use glam::{DMat4, Vec2, Vec4Swizzles};
+use std::cell::{Cell, OnceCell, RefCell};
 
 /// Format of what guides the search: `Guide` of `shaders-glsl/common/history.frag`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
 /// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
-    pipeline: GraphicsPipeline<programs::History<'static>>,
+    gpu: Gpu,
+    constants: programs::HistoryConstants,
+    pipeline: Pipeline,
+    /// Made when a frame first knows how surfaces moved.
+    with_motion: OnceCell<Pipeline>,
     kept: [Kept; 2],
     composite: Option<Image>,
     /// In place of the ends of rays, where the method does not know them.
@@ -29,6 +33,19 @@ pub struct HistoryPass {
     frames: Cell<u32>,
     averaged: u32,
     deviations: f32,
+}
+
+type Pipeline = GraphicsPipeline<programs::History<'static>>;
+
+/// How the surfaces that pixels show have moved since the frame before, by somebody who knows it.
+#[derive(Clone, Copy)]
+pub struct SurfaceMotion<'a> {
+    /// In red and green the way over the screen from where a surface is seen to where it was seen.
+    pub image: &'a Image,
+    /// Pixels to a unit of it, x to the right and y down.
+    pub scale: [f32; 2],
+    /// Whether the way holds the difference of the shifts of the two frames' projections.
+    pub shifted: bool,
 }
 
 /// What is kept of a frame.
@@ -55,8 +72,8 @@ struct Past {
 /// A thing that moved since the frame before.
 struct Mover {
     triangles: [u32; 2],
-    /// From where it stands now to where it stood, in metres along the world's axes.
-    back: Vec3,
+    /// From where it stands now to where it stood, in the world.
+    back: DMat4,
 }
 
 /// In which directions the rays of a frame leave.
@@ -98,14 +115,16 @@ impl HistoryPass {
         (averaged, deviations): (u32, f32),
         composite: bool,
     ) -> Result<Self> {
-        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic(), composite };
-        let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
+        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic(), composite, motion: false };
         let image = |name, format| Image::target(gpu, name, format, extent);
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], &constants)?,
+            gpu: gpu.clone(),
+            pipeline: pipeline(gpu, &constants)?,
+            constants,
+            with_motion: OnceCell::new(),
             kept: [kept()?, kept()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
             no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
@@ -128,13 +147,14 @@ impl HistoryPass {
         self.past.take();
     }
 
-    /// Begins a frame that is seen from a camera, with things where they stand now. Says in which directions its rays leave.
-    pub fn begin(&self, camera: &Camera, standing: Vec<Standing>) -> Turns {
+    /// Begins a frame that is seen from a camera, with things where they stand now; `may_move` if others may move that are not
+    /// among them. Says in which directions its rays leave.
+    pub fn begin(&self, camera: &Camera, standing: Vec<Standing>, may_move: bool) -> Turns {
         let mut past = self.past.borrow_mut();
         past.movers = movers(&past.standing, &standing);
         past.before = past.camera.replace(*camera);
         past.rests = past.before == Some(*camera);
-        let moves = !past.movers.is_empty();
+        let moves = may_move || !past.movers.is_empty();
         let turns = match past.before {
             None => Turns { left: self.averaged.saturating_sub(1), ..Turns::default() },
             Some(_) => past.turns.next(!past.rests, past.moved && !moves, self.averaged),
@@ -145,7 +165,8 @@ impl HistoryPass {
     }
 
     /// Pass "history", of the frame that [`Self::begin`] began: the averaged reflection, and the finished image if it makes
-    /// one. `ends` says where the rays of each pixel ended, in units of [`unit()`], where the method knows it.
+    /// one. `ends` says where the rays of each pixel ended, in units of [`unit()`], where the method knows it, and `motion` how
+    /// surfaces moved, where the caller knows it.
     ///
     /// # Errors
     /// Errors of the device.
@@ -155,7 +176,7 @@ impl HistoryPass {
         gbuffer: &GBuffer,
         camera: &Camera,
         reflection: Reflection,
-        ends: Option<&Image>,
+        (ends, motion): (Option<&Image>, Option<SurfaceMotion>),
     ) -> Result<(Reflection<'_>, Option<&Image>)> {
         let past = self.past.borrow();
         let turn = self.frames.get() as usize % 2;
@@ -167,8 +188,10 @@ impl HistoryPass {
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
             frame.clear("history/no triangle", self.no_triangle.all(), [f32::from_bits(NO_TRIANGLE); 4])?;
         }
-        let block =
-            HistoryBlock { has_ends: i32::from(ends.is_some()), ..self.block(camera, &past, gbuffer.depth.extent()) };
+        let block = HistoryBlock {
+            has_ends: i32::from(ends.is_some()),
+            ..self.block(camera, &past, gbuffer.depth.extent(), motion)
+        };
         let program = programs::History {
             history: &block,
             depth_buffer: Sampled::nearest(gbuffer.depth.all()),
@@ -181,6 +204,7 @@ impl HistoryPass {
             // Not read where they are not known.
             ends_image: ends.unwrap_or(&self.no_ends).all(),
             triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
+            motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
         };
         let composite = self.composite.as_ref();
         let targets = [
@@ -188,11 +212,20 @@ impl HistoryPass {
             Target::overwrite(now.guide.all()),
             composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
         ];
-        frame.fullscreen("history", &self.pipeline, targets, &program)?;
+        let pipeline = if motion.is_some() { self.with_motion()? } else { &self.pipeline };
+        frame.fullscreen("history", pipeline, targets, &program)?;
         Ok((Reflection(&now.reflection), composite))
     }
 
-    fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2]) -> HistoryBlock {
+    fn with_motion(&self) -> Result<&Pipeline> {
+        if let Some(made) = self.with_motion.get() {
+            return Ok(made);
+        }
+        let made = pipeline(&self.gpu, &programs::HistoryConstants { motion: true, ..self.constants })?;
+        Ok(self.with_motion.get_or_init(|| made))
+    }
+
+    fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2], motion: Option<SurfaceMotion>) -> HistoryBlock {
         let earlier = past.before.as_ref().unwrap_or(camera);
         let array = |m: DMat4| m.as_mat4().to_cols_array_2d();
         let [clip, clip_before] = [camera, earlier].map(|c| c.view_to_clip_reversed().as_dmat4());
@@ -210,28 +243,54 @@ impl HistoryPass {
             begins: i32::from(past.before.is_none()),
             rests: i32::from(past.rests) + i32::from(past.rests && past.turns.rested >= self.averaged),
             repeats: i32::from(past.repeats),
+            may_move: i32::from(motion.is_some() || !past.movers.is_empty()),
+            view_to_clip: array(clip),
             ..HistoryBlock::default()
         };
+        if let Some(SurfaceMotion { scale, shifted, .. }) = motion {
+            let shift = if shifted { Vec2::ZERO } else { shift(earlier, extent) - shift(camera, extent) };
+            (block.motion_scale, block.motion_shift) = (scale, shift.to_array());
+        }
         for (data, mover) in block.movers.iter_mut().zip(&past.movers) {
             let [first, end] = mover.triangles;
-            let back = DMat4::from_translation(mover.back.as_dvec3());
-            *data = MoverData { to_before: array(world_before * back * to_world), triangles: [first, end, 0, 0] };
+            *data = MoverData { to_before: array(world_before * mover.back * to_world), triangles: [first, end, 0, 0] };
             block.mover_count += 1;
         }
         block
     }
 }
 
+fn pipeline(gpu: &Gpu, constants: &programs::HistoryConstants) -> Result<Pipeline> {
+    let color = if constants.composite { LIT_COLOR } else { vk::Format::UNDEFINED };
+    GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], constants)
+}
+
+/// How far a camera's projection shifts the image, in pixels, x to the right and y down: by its jitter, for one.
+fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
+    let projection = camera.view_to_clip_reversed();
+    let column = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
+    let [width, height] = extent.map(|side| 0.5 * side as f32);
+    column.xy() * Vec2::new(width, -height)
+}
+
 /// The things that stand elsewhere than before. Of more than a block has room for, only the first.
 fn movers(before: &[Standing], now: &[Standing]) -> Vec<Mover> {
-    let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.offset != b.offset);
-    let moved = pairs.map(|(a, b)| Mover { triangles: b.triangles, back: a.offset - b.offset });
+    let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.placement != b.placement);
+    let back = |a: &Standing, b: &Standing| {
+        let [before, now] = [a, b].map(|standing| standing.placement);
+        if before.is_offset() && now.is_offset() {
+            return DMat4::from_translation((before.offset - now.offset).as_dvec3());
+        }
+        before.matrix() * now.matrix().inverse()
+    };
+    let moved = pairs.map(|(a, b)| Mover { triangles: b.triangles, back: back(a, b) });
     moved.take(MOST_MOVERS as usize).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{DVec3, Vec3};
 
     #[test]
     fn rays_turn_once_through_their_directions_after_each_stop() {
@@ -252,11 +311,12 @@ mod tests {
 
     #[test]
     fn movers_are_the_things_that_stand_elsewhere_than_before() {
-        let standing = |first: u32, x: f32| Standing { triangles: [first, first + 2], offset: Vec3::X * x };
+        let standing = |first: u32, x: f32| Standing { triangles: [first, first + 2], placement: (Vec3::X * x).into() };
         let before = [standing(0, 0.0), standing(2, 1.0), standing(4, 0.0)];
         let now = [standing(0, 0.0), standing(2, 1.5), standing(4, 0.0)];
         let moved = movers(&before, &now);
-        assert_eq!(moved.iter().map(|m| (m.triangles, m.back)).collect::<Vec<_>>(), [([2, 4], Vec3::X * -0.5)]);
+        let back = DMat4::from_translation(DVec3::X * -0.5);
+        assert_eq!(moved.iter().map(|m| (m.triangles, m.back)).collect::<Vec<_>>(), [([2, 4], back)]);
         assert!(movers(&[], &now).is_empty(), "nothing is known of a frame before the first");
     }
 }

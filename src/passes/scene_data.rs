@@ -1,6 +1,8 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
-use super::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
+mod triangles;
+
+use super::triangle_scene::{TriangleGeometry, TriangleImages};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
@@ -9,11 +11,13 @@ use crate::math::constants;
 use crate::scene::capture::{BOUNDS_MARGIN, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::sky::SkyCube;
-use crate::scene::tree::{Tree, TriangleRecords};
-use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
+use crate::scene::tree::BuildTrees;
+use crate::scene::{
+    Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Placement, Probe, Scene, Texture, Vertex, sky,
+};
 use ash::vk;
 use glam::{Mat4, Vec3};
-use std::cell::{OnceCell, RefCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -38,8 +42,14 @@ pub struct SceneData {
     /// The captures that the scene names itself.
     captures: Vec<Capture>,
     find_captures: Option<FindCaptures>,
-    build_tree: Option<BuildTree>,
-    /// Built when rays are first followed among them, and again after a mesh has moved.
+    trees: Option<Box<dyn BuildTrees>>,
+    /// The meshes that have moved, whose triangles have a tree of their own.
+    moving: Vec<String>,
+    /// Whether they have moved since that tree was built.
+    has_moved: Cell<bool>,
+    /// Milliseconds in which it was built for the next frame.
+    moving_ms: Cell<Option<f64>>,
+    /// Built when rays are first followed among them, and again when a mesh moves that never has.
     triangle_geometry: OnceCell<TriangleGeometry>,
     triangle_images: OnceCell<TriangleImages>,
     /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
@@ -50,10 +60,6 @@ pub struct SceneData {
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
 }
-
-/// Builds the tree over a scene's triangles, with their records, where some of its meshes stand off by an offset in metres:
-/// their names, and how far.
-pub type BuildTree = Box<dyn Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)>>;
 
 /// Finds the captures of a scene that are wanted, given those that it names itself.
 pub type FindCaptures = Box<dyn Fn(&[Capture], Wanted) -> Vec<Capture>>;
@@ -72,8 +78,8 @@ pub struct Placed {
 pub struct Standing {
     /// The numbers of its triangles: the first, and the one behind the last.
     pub triangles: [u32; 2],
-    /// Metres along the world's axes from where it stood at first.
-    pub offset: Vec3,
+    /// Where it stands, seen from where it stood at first.
+    pub placement: Placement,
 }
 
 /// A mesh in device memory.
@@ -86,8 +92,8 @@ pub(super) struct MeshData {
     pub material: usize,
     pub bounds: Aabb,
     name: String,
-    /// How far it stands from where it was uploaded, in metres along the world's axes.
-    pub offset: Vec3,
+    /// Where it stands, seen from where it was uploaded.
+    pub placement: Placement,
 }
 
 impl SceneData {
@@ -121,7 +127,7 @@ impl SceneData {
                 material: mesh.material,
                 bounds: mesh.bounds,
                 name: mesh.name.clone(),
-                offset: Vec3::ZERO,
+                placement: Placement::HERE,
             });
         }
         // Neighbouring draws of one material save descriptor pushes.
@@ -139,7 +145,10 @@ impl SceneData {
             probes: probes(scene),
             captures: scene.captures.clone(),
             find_captures: None,
-            build_tree: None,
+            trees: None,
+            moving: Vec::new(),
+            has_moved: Cell::new(false),
+            moving_ms: Cell::new(None),
             triangle_geometry: OnceCell::new(),
             triangle_images: OnceCell::new(),
             ray_structure: OnceCell::new(),
@@ -154,7 +163,7 @@ impl SceneData {
     /// A box in the world, in metres, outside of which nothing stands: that around all meshes where they stand now, grown by
     /// [`BOUNDS_MARGIN`]. All there is if the scene has no mesh.
     pub fn bounds(&self) -> Aabb {
-        let all = self.meshes.iter().map(|m| m.bounds.moved(m.offset));
+        let all = self.meshes.iter().map(|m| m.bounds.placed(&m.placement));
         all.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)
     }
 
@@ -206,24 +215,38 @@ impl SceneData {
         Ok(())
     }
 
-    /// Places the meshes of a name so far from where they were uploaded, in metres along the world's axes. What was
+    /// Places the meshes of a name, seen from where they were uploaded: so many metres along the world's axes, say. What was
     /// captured of the scene shows them where they stood until it is captured again; places of captures, and the planes
     /// that mirror, stay those of the scene that was uploaded.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an offset that is not finite, and if no mesh has the name.
-    pub fn place_meshes(&mut self, name: &str, offset: Vec3) -> Result<()> {
-        if !offset.is_finite() {
-            return Err(Error::Usage(format!("mesh {name} cannot be placed at {offset}: numbers must be finite")));
+    /// [`Error::Usage`] for a placement whose numbers are not finite, and if no mesh has the name.
+    pub fn place_meshes(&mut self, name: &str, placement: impl Into<Placement>) -> Result<()> {
+        let placement = placement.into();
+        if !placement.is_sound() {
+            let Placement { turn, size, offset } = placement;
+            return Err(Error::Usage(format!(
+                "mesh {name} cannot be placed at {offset}, turned by {turn}, {size} times as large: numbers must be finite, and \
+                 the size above 0"
+            )));
         }
-        let mut placed = 0;
+        let mut placed = false;
+        let mut moves = false;
         for mesh in self.meshes.iter_mut().filter(|m| m.name == name) {
-            mesh.offset = offset;
-            placed += 1;
+            placed = true;
+            moves |= mesh.placement != placement;
+            mesh.placement = placement;
         }
-        self.forget_triangles();
-        if placed == 0 {
+        if !placed {
             return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
+        }
+        if moves {
+            self.ray_structure.take();
+            self.has_moved.set(true);
+            if !self.moving.iter().any(|of| of == name) {
+                self.moving.push(name.to_owned());
+                self.triangle_geometry.take();
+            }
         }
         Ok(())
     }
@@ -232,7 +255,7 @@ impl SceneData {
     pub fn standing(&self) -> Vec<Standing> {
         let of = |m: &MeshData| Standing {
             triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
-            offset: m.offset,
+            placement: m.placement,
         };
         self.meshes.iter().map(of).collect()
     }
@@ -248,74 +271,6 @@ impl SceneData {
     pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], Wanted) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
-    }
-
-    /// Says how the tree over the scene's triangles is built. It is asked when an effect first follows rays among them, and
-    /// again after a mesh has moved; without it no effect can.
-    pub fn build_tree_by(&mut self, build: impl Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)> + 'static) {
-        self.build_tree = Some(Box::new(build));
-        self.forget_triangles();
-    }
-
-    /// Has the triangles built anew when they are needed next.
-    fn forget_triangles(&mut self) {
-        self.triangle_geometry.take();
-        self.ray_structure.take();
-    }
-
-    /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
-    pub fn read_triangles_as_blocks(&mut self, as_blocks: bool) {
-        self.triangles_as_blocks = as_blocks;
-    }
-
-    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
-    /// their tree is built. With `queries`, the structure for ray queries is made ready as well. To be asked before each
-    /// frame that follows rays among them, which costs nothing unless a mesh has moved.
-    ///
-    /// # Errors
-    /// What building the tree returns, [`Error::Usage`] for ray queries where there are none, and [`Error::Memory`] without
-    /// memory.
-    pub fn prepare_triangles(&self, context: &mut FrameContext, queries: bool) -> Result<Option<TriangleReading>> {
-        let Some(build) = &self.build_tree else { return Ok(None) };
-        if queries {
-            context.gpu().ray_queries()?;
-        }
-        if self.triangle_geometry.get().is_none() {
-            let moved: Vec<(&str, Vec3)> = self.meshes.iter().map(|m| (m.name.as_str(), m.offset)).collect();
-            let moved: Vec<_> = moved.into_iter().filter(|(_, offset)| *offset != Vec3::ZERO).collect();
-            let (tree, records) = build(&moved)?;
-            let made = TriangleGeometry::new(context, &tree, &records)?;
-            self.triangle_geometry.get_or_init(|| made);
-        }
-        if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
-            let made = geometry.structure(context)?;
-            self.ray_structure.get_or_init(|| made);
-        }
-        if self.triangle_images.get().is_none() {
-            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
-            let made = TriangleImages::new(context, &images)?;
-            self.triangle_images.get_or_init(|| made);
-        }
-        Ok(self.triangles().map(|(geometry, images)| {
-            let reading = geometry.reading(images, self.lights.len() as u32);
-            let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
-            TriangleReading {
-                geometry_texels: as_texels(reading.geometry_texels),
-                image_texels: as_texels(reading.image_texels),
-                queries,
-                ..reading
-            }
-        }))
-    }
-
-    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before it, and after a mesh has moved.
-    pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
-        self.triangle_geometry.get().zip(self.triangle_images.get())
-    }
-
-    /// The structure for ray queries that [`Self::prepare_triangles`] has built, in the same way.
-    pub fn ray_structure(&self) -> Option<&RayStructure> {
-        self.ray_structure.get()
     }
 
     /// How many lights there are.

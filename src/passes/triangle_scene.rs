@@ -6,14 +6,15 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::ray_structure::{Corners, RayStructure};
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
+use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Image, TexelBuffer};
 use crate::math::constants::{
     ALBEDO_SHIFT, MAP_LEVELS, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT,
 };
-use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
+use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
 use crate::scene::{Camera, Encoding, Material, Surface, Texture};
 use ash::vk;
 use glam::{DVec3, Mat4};
+use std::cell::{Cell, RefCell};
 
 /// Format of [`GBuffer::triangle`](super::GBuffer::triangle).
 pub const TRIANGLE: vk::Format = vk::Format::R32_UINT;
@@ -32,11 +33,72 @@ pub struct TriangleGeometry {
     origin: DVec3,
     /// Where corners and attributes begin among the vectors of `buffer`, the number of triangles and that of nodes.
     counts: [i32; 4],
-    /// The greatest coordinate of a corner, in metres.
+    /// The greatest coordinate of a corner of what stands, in metres.
     extent_m: f32,
     /// Whether a material decides at each hit whether its surface is there.
     asks: bool,
     buffer: TexelBuffer,
+    /// What moves.
+    moving: MovingPart,
+    /// `None` where nothing can move.
+    places: Option<Places>,
+}
+
+/// The part of a scene's triangles that moves, among the vectors of all. Its corners stand behind those of what stands, and its
+/// nodes behind everything else, so that a walk begins with a second root and numbers nodes and slots on.
+#[derive(Default)]
+struct MovingPart {
+    /// The number of its root; 0 without one.
+    root: Cell<i32>,
+    /// The greatest coordinate of a corner, in metres.
+    extent_m: Cell<f32>,
+    update: RefCell<Option<Update>>,
+}
+
+/// Vectors that are copied to their places in a frame.
+struct Update {
+    staging: Buffer,
+    /// Where each run of bytes is, where it goes, and how many they are; empty once they have been copied.
+    runs: Vec<[u64; 3]>,
+}
+
+/// Where the parts of the vectors begin.
+struct Places {
+    /// Corners of what stands, then of what moves, by slots.
+    corners: usize,
+    moving_corners: usize,
+    attributes: usize,
+    /// Nodes of what moves; a whole number of nodes from the beginning.
+    root: usize,
+    end: usize,
+}
+
+impl Places {
+    fn new(tree: &Tree, records: &TriangleRecords, moving: &MovingTriangles) -> Self {
+        let room = moving.numbers.len();
+        let corners = tree.nodes.len();
+        let moving_corners = corners + records.corners.len();
+        let attributes = moving_corners + 3 * room;
+        let behind = attributes + records.attributes.len();
+        let root = behind.next_multiple_of(NODE_WORDS);
+        // A hierarchy over some triangles has no more nodes than triangles.
+        let end = if room == 0 { behind } else { root + NODE_WORDS * room };
+        Self { corners, moving_corners, attributes, root, end }
+    }
+
+    /// What moves, as runs of vectors and their places.
+    fn of_moving(&self, moving: &MovingTriangles) -> Vec<(usize, Vec<Words>)> {
+        let slots = ((self.moving_corners - self.corners) / 3) as u32;
+        let mut corners = moving.records.corners.clone();
+        // What has no area at the moment has room too.
+        corners.resize(3 * moving.numbers.len(), [0; 4]);
+        let nodes = moving.tree.nodes_behind((self.root / NODE_WORDS) as u32, slots);
+        assert!(self.root + nodes.len() <= self.end.max(self.root), "more nodes than triangles");
+        let attributes = moving.attributes_behind(slots).into_iter();
+        let attributes = attributes.map(|(first, vectors)| (self.attributes + 4 * first as usize, vectors));
+        let parts = [(self.moving_corners, corners), (self.root, nodes)].into_iter().chain(attributes);
+        parts.filter(|(_, part)| !part.is_empty()).collect()
+    }
 }
 
 /// The images of a scene's materials.
@@ -105,6 +167,8 @@ pub struct TriangleBuffers<'a> {
     pub origin: DVec3,
     counts: [i32; 4],
     extent_m: f32,
+    /// The number of the root of the tree of what moves; 0 without one.
+    moving: i32,
 }
 
 /// A scene's triangles with the camera and the lights among them: what passes bind in a frame.
@@ -147,12 +211,86 @@ macro_rules! with_reading {
 pub(super) use {with_reading, with_triangles};
 
 impl TriangleGeometry {
-    /// Uploads a tree with its records.
+    /// Uploads the tree of what stands with its records, and what moves.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
-    pub fn new(context: &mut FrameContext, tree: &Tree, records: &TriangleRecords) -> Result<Self> {
-        Ok(Self::of(tree, records, uploaded(context, "triangles", &Self::vectors(tree, records))?))
+    pub fn new(
+        context: &mut FrameContext,
+        (tree, records): (&Tree, &TriangleRecords),
+        moving: &MovingTriangles,
+    ) -> Result<Self> {
+        let places = Places::new(tree, records, moving);
+        let mut vectors = [&tree.nodes[..], &records.corners].concat();
+        vectors.resize(places.attributes, [0; 4]);
+        vectors.extend_from_slice(&records.attributes);
+        vectors.resize(places.end, [0; 4]);
+        for (at, part) in places.of_moving(moving) {
+            vectors[at..at + part.len()].copy_from_slice(&part);
+        }
+        let made = Self::of(tree, records, uploaded(context, "triangles", &vectors)?);
+        let [_, _, count, nodes] = made.counts;
+        let counts = [places.corners as i32, places.attributes as i32, count, nodes];
+        made.moves(&places, moving);
+        Ok(Self { counts, asks: made.asks || moving.records.asks(), places: Some(places), ..made })
+    }
+
+    fn moves(&self, places: &Places, moving: &MovingTriangles) {
+        let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
+        self.moving.root.set(root as i32);
+        self.moving.extent_m.set(moving.records.extent_m());
+    }
+
+    /// Replaces what moves, which are the triangles that it was made with, by themselves where they stand now. The next
+    /// [`Self::bring`] copies it.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Memory`] without memory.
+    pub fn update(&self, gpu: &Gpu, moving: &MovingTriangles) -> Result<()> {
+        let Some(places) = &self.places else { return Ok(()) };
+        assert!(moving.tree.is_walkable(), "a tree of {} levels: a walk has no room for them", moving.tree.levels);
+        let mut held = self.moving.update.borrow_mut();
+        let update = match &mut *held {
+            Some(update) => update,
+            none => {
+                let (_, vector) = VECTORS;
+                // Corners, attributes and nodes of each.
+                let bytes = vector * ((3 + 4 + NODE_WORDS) * moving.numbers.len()) as u64;
+                let staging = Buffer::new(
+                    gpu,
+                    "moving triangles",
+                    bytes,
+                    vk::BufferUsageFlags::TRANSFER_SRC,
+                    MemoryPlace::Upload,
+                )?;
+                none.insert(Update { staging, runs: Vec::new() })
+            }
+        };
+        update.runs.clear();
+        let mut from = 0;
+        let written = update.staging.bytes_mut()?;
+        for (at, part) in places.of_moving(moving) {
+            let bytes: &[u8] = bytemuck::cast_slice(&part);
+            written[from..from + bytes.len()].copy_from_slice(bytes);
+            update.runs.push([from, at * size_of::<Words>(), bytes.len()].map(|n| n as u64));
+            from += bytes.len();
+        }
+        self.moves(places, moving);
+        Ok(())
+    }
+
+    /// Pass "moving": copies what [`Self::update`] replaced; nothing otherwise.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn bring(&self, frame: &mut Frame) -> Result<()> {
+        let mut held = self.moving.update.borrow_mut();
+        let Some(Update { staging, runs }) = held.as_mut().filter(|update| !update.runs.is_empty()) else {
+            return Ok(());
+        };
+        frame.copy_parts("moving", (staging, self.buffer.buffer()), runs, Access::ComputeStorageRead)?;
+        runs.clear();
+        Ok(())
     }
 
     /// The vectors of its buffer.
@@ -171,6 +309,8 @@ impl TriangleGeometry {
             extent_m: records.extent_m(),
             asks: records.asks(),
             buffer,
+            moving: MovingPart::default(),
+            places: None,
         }
     }
 
@@ -205,10 +345,10 @@ impl TriangleGeometry {
 
     /// What passes bind, with images and a table of materials.
     pub fn bound<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
-        let Self { origin, counts, extent_m, buffer, .. } = self;
-        let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
-        let (images, table) = (&images.buffer, &table.0);
-        TriangleBuffers { geometry: buffer, images, table, structure: None, origin, counts, extent_m }
+        let Self { origin, counts, extent_m, buffer, moving, .. } = self;
+        let (origin, counts, extent_m) = (*origin, *counts, extent_m.max(moving.extent_m.get()));
+        let (images, table, moving) = (&images.buffer, &table.0, moving.root.get());
+        TriangleBuffers { geometry: buffer, images, table, structure: None, origin, counts, extent_m, moving }
     }
 }
 
@@ -312,8 +452,9 @@ impl<'a> TriangleBuffers<'a> {
     pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;
-        let extent = self.extent_m;
-        TriangleBlock { eye: eye.to_array(), extent, corners, attributes, count, nodes, beside, ..Default::default() }
+        let Self { extent_m: extent, moving, .. } = *self;
+        let eye = eye.to_array();
+        TriangleBlock { eye, extent, corners, attributes, count, nodes, beside, moving, ..Default::default() }
     }
 
     /// From the world to the coordinates of the triangles.

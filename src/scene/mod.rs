@@ -6,7 +6,9 @@
 pub mod camera;
 pub mod capture;
 pub mod gbuffer;
+pub mod motion;
 pub mod path;
+pub mod placement;
 pub mod planes;
 pub mod proxies;
 pub mod sky;
@@ -14,12 +16,14 @@ pub mod texture;
 pub mod tree;
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{DMat4, DVec3, Vec3};
 
 pub use camera::{Camera, Lens, Opening, Projection, ProjectionKind, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
+pub use motion::Motion;
 pub use path::CameraPath;
+pub use placement::Placement;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
@@ -55,6 +59,8 @@ pub struct Scene {
     pub views: Vec<View>,
     /// Named paths of the camera.
     pub paths: Vec<CameraPath>,
+    /// Named motions of its meshes, which stand as they do before any of them begins.
+    pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
 }
@@ -96,6 +102,12 @@ impl Mesh {
     /// Moves the mesh by an offset in metres.
     pub fn translate(&mut self, offset: Vec3) {
         self.vertices.iter_mut().for_each(|v| v.position = (Vec3::from(v.position) + offset).to_array());
+        self.bounds = Aabb::of(&self.vertices);
+    }
+
+    /// Moves the mesh to where a placement has it.
+    pub fn place(&mut self, placement: &Placement) {
+        self.vertices.iter_mut().for_each(|v| placement.place_vertex(v));
         self.bounds = Aabb::of(&self.vertices);
     }
 }
@@ -270,6 +282,16 @@ impl Aabb {
         Self { min: self.min + offset, max: self.max + offset }
     }
 
+    /// A box around what is in this one, where a placement has it.
+    pub fn placed(self, placement: &Placement) -> Self {
+        if placement.is_offset() || !self.min.cmple(self.max).all() {
+            return self.moved(placement.offset);
+        }
+        let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), self.max, self.min);
+        let corners = (0..8).map(|i| placement.place(corner(i)));
+        corners.fold(Self::default(), |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
     /// The box that is larger on every side by a share of this one's diagonal; [`Self::ALL`] for an empty box.
     pub fn grown(self, share: f32) -> Self {
         if !self.min.cmple(self.max).all() {
@@ -290,6 +312,7 @@ impl View {
 /// The parts of a scene that scale and move by rules of their own.
 struct Extended<'a> {
     paths: &'a mut [CameraPath],
+    motions: &'a mut [Motion],
     probes: &'a mut [Probe],
     impostors: &'a mut [Impostor],
     area_lights: &'a mut [AreaLight],
@@ -314,7 +337,9 @@ impl Scene {
                 *energy *= factor * factor;
             }
         }
-        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
+        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
+        let matrix = DMat4::from_scale(DVec3::splat(factor.into()));
+        motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.scale(factor));
         probes.iter_mut().for_each(|p| p.scale(factor));
         impostors.iter_mut().for_each(|i| i.scale(factor));
@@ -324,7 +349,9 @@ impl Scene {
 
     /// Moves everything that has a place.
     pub fn translate(&mut self, offset: Vec3) {
-        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
+        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
+        let matrix = DMat4::from_translation(offset.as_dvec3());
+        motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.translate(offset));
         probes.iter_mut().for_each(|p| p.translate(offset));
         impostors.iter_mut().for_each(|i| i.centre += offset);
@@ -348,6 +375,7 @@ impl Scene {
             lens: _,
             views,
             paths,
+            motions,
             warnings: _,
         } = self;
         for mesh in meshes {
@@ -366,7 +394,7 @@ impl Scene {
                 Light::Directional { direction: _, energy: _ } => {}
             }
         }
-        Extended { paths, probes, impostors, area_lights, captures }
+        Extended { paths, motions, probes, impostors, area_lights, captures }
     }
 
     /// The number of triangles.

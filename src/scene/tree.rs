@@ -10,7 +10,11 @@ pub mod boxes;
 #[cfg(feature = "tree")]
 mod build;
 
-use super::{Material, Mesh, Scene, Vertex};
+#[cfg(feature = "tree")]
+pub use build::Trees;
+
+use super::{Material, Mesh, Placement, Scene, Vertex};
+use crate::error::Result;
 use crate::math::constants::{ASKS_MATERIAL, NO_TRIANGLE, TREE_DEPTH};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -85,7 +89,75 @@ impl TriangleRecords {
     }
 }
 
+/// The triangles of meshes that move, in a small tree that is built anew whenever one has moved. A walk asks it beside the
+/// tree of what stands, with which it shares the place from which coordinates are measured.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MovingTriangles {
+    /// The tree; its slots hold numbers among all triangles of the scene.
+    pub tree: Tree,
+    /// Corners with such numbers; attributes in the order of `numbers`.
+    pub records: TriangleRecords,
+    /// The numbers of all its triangles, those without an area among them.
+    pub numbers: Vec<u32>,
+}
+
+/// Builds the trees over a scene's triangles.
+pub trait BuildTrees {
+    /// The tree over all meshes but those of some names, and records with the attributes of all triangles.
+    ///
+    /// # Errors
+    /// [`Usage`](crate::error::Error::Usage) for a scene with more triangles than have numbers.
+    fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)>;
+
+    /// The tree over the meshes of some names, each where it stands.
+    ///
+    /// # Errors
+    /// Errors of whoever builds it.
+    fn moving(&self, placed: &[(&str, Placement)]) -> Result<MovingTriangles>;
+}
+
+impl Tree {
+    /// The nodes for a place behind other nodes and slots, of which there are so many.
+    pub fn nodes_behind(&self, nodes: u32, slots: u32) -> Vec<Words> {
+        let mut moved = self.nodes.clone();
+        // The second vector of a node begins with the places of its first child and of its first slot.
+        for kinds in moved.iter_mut().skip(1).step_by(NODE_WORDS) {
+            kinds[0] = kinds[0].wrapping_add(nodes);
+            kinds[1] = kinds[1].wrapping_add(slots);
+        }
+        moved
+    }
+}
+
+impl MovingTriangles {
+    /// The attributes for corners that begin behind so many slots, in runs of triangles whose numbers follow each other: the
+    /// first number of each, and its vectors.
+    pub fn attributes_behind(&self, slots: u32) -> Vec<(u32, Vec<Words>)> {
+        let mut runs: Vec<(u32, Vec<Words>)> = Vec::new();
+        for (number, attributes) in self.numbers.iter().zip(self.records.attributes.as_chunks::<4>().0) {
+            let mut moved = *attributes;
+            if moved[2][3] != NO_SLOT {
+                moved[2][3] += slots;
+            }
+            match runs.last_mut() {
+                Some((first, run)) if *first + run.len() as u32 / 4 == *number => run.extend(moved),
+                _ => runs.push((*number, moved.to_vec())),
+            }
+        }
+        runs
+    }
+}
+
 impl TriangleRecords {
+    /// Gives the triangles of the corners other numbers.
+    #[cfg(feature = "tree")]
+    fn renumber(&mut self, numbers: &[u32]) {
+        for first in self.corners.iter_mut().step_by(3) {
+            let asks = first[3] & ASKS_MATERIAL;
+            first[3] = numbers[(first[3] & !ASKS_MATERIAL) as usize] | asks;
+        }
+    }
+
     /// Whether a material of some triangle decides at each hit whether its surface is there.
     pub fn asks(&self) -> bool {
         self.corners.iter().step_by(3).any(|[.., number]| number & ASKS_MATERIAL != 0)

@@ -181,6 +181,7 @@ impl Renderer<'_> {
                     captures: None,
                     triangles: None,
                     triangle_numbers: None,
+                    motion: None,
                     timed: false,
                     outputs: ssct::ImageUse::TRANSFER_SOURCE,
                 },

@@ -11,9 +11,10 @@ use ssct::scene::{Projection, ProjectionKind};
 use ssct::{
     CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, ImageInput, ImageUse,
     NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors,
+    TriangleMesh, Triangles,
 };
 use ssct_lab::reference::unified::octahedral;
-use ssct_lab::scene::{Camera, GBufferData, Surface, library};
+use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -251,6 +252,7 @@ impl Theirs {
             captures: None,
             triangles: None,
             triangle_numbers: None,
+            motion: None,
             timed: false,
             outputs: ImageUse::TRANSFER_SOURCE,
         }
@@ -296,4 +298,40 @@ pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
     assert_eq!(a.values.len(), b.values.len());
     let sum: f64 = a.values.iter().zip(&b.values).map(|(a, b)| f64::from(a - b).powi(2)).sum();
     (sum / a.values.len() as f64).sqrt()
+}
+
+/// The rooms without lights, whose surfaces have one colour each, as meshes of another renderer have.
+pub fn plain_rooms() -> Scene {
+    let mut scene = library::scene("rooms").unwrap();
+    scene.lights.clear();
+    for material in &mut scene.materials {
+        (material.albedo_map, material.normal_map, material.alpha_mask) = (None, None, None);
+        (material.emission, material.single_sided) = (1.0, false);
+        material.surface = Surface::Lit;
+    }
+    scene
+}
+
+/// The triangles of a scene, each mesh in its material's albedo, uploaded.
+pub fn triangles_of(engine: &Engine, scene: &Scene) -> Triangles {
+    let positions: Vec<Vec<[f32; 3]>> =
+        scene.meshes.iter().map(|m| m.vertices.iter().map(|v| v.position).collect()).collect();
+    let meshes: Vec<_> = scene
+        .meshes
+        .iter()
+        .zip(&positions)
+        .map(|(mesh, positions)| TriangleMesh {
+            positions,
+            indices: &mesh.indices,
+            mesh_to_world: Mat4::IDENTITY.to_cols_array(),
+            color: scene.materials[mesh.material].albedo.to_array(),
+            texture: None,
+        })
+        .collect();
+    let mut triangles = Triangles::new(&engine.context(), &meshes).unwrap();
+    let commands = engine.begin();
+    // SAFETY: the command buffer is recording; it is submitted and waited for at once.
+    unsafe { triangles.record_upload(commands) }.unwrap();
+    engine.submit(commands).unwrap();
+    triangles
 }

@@ -1,6 +1,6 @@
 //! Triangles through the door: what methods make of a G-buffer beside them is what they make of it beside the scene itself.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, rmse, view_of_rooms};
+use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, plain_rooms, rmse, triangles_of, view_of_rooms};
 use crate::common::gpu;
 use glam::Mat4;
 use ssct::gpu::FrameContext;
@@ -10,22 +10,10 @@ use ssct::methods::unified::{First, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::{Encoding, Mesh, Scene, Surface, library};
+use ssct_lab::scene::{Encoding, Mesh, Surface, library};
 use ssct_lab::study::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
-
-/// The rooms without lights, whose surfaces have one colour each, as meshes of another renderer have.
-fn plain_rooms() -> Scene {
-    let mut scene = library::scene("rooms").unwrap();
-    scene.lights.clear();
-    for material in &mut scene.materials {
-        (material.albedo_map, material.normal_map, material.alpha_mask) = (None, None, None);
-        (material.emission, material.single_sided) = (1.0, false);
-        material.surface = Surface::Lit;
-    }
-    scene
-}
 
 #[test]
 fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
@@ -36,25 +24,7 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let stage = Stage::new(&gpu, &scene).unwrap();
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let context = engine.context();
-    let positions: Vec<Vec<[f32; 3]>> =
-        scene.meshes.iter().map(|m| m.vertices.iter().map(|v| v.position).collect()).collect();
-    let meshes: Vec<_> = scene
-        .meshes
-        .iter()
-        .zip(&positions)
-        .map(|(mesh, positions)| TriangleMesh {
-            positions,
-            indices: &mesh.indices,
-            mesh_to_world: Mat4::IDENTITY.to_cols_array(),
-            color: scene.materials[mesh.material].albedo.to_array(),
-            texture: None,
-        })
-        .collect();
-    let mut triangles = Triangles::new(&context, &meshes).unwrap();
-    let commands = engine.begin();
-    // SAFETY: the command buffer is recording; it is submitted and waited for at once.
-    unsafe { triangles.record_upload(commands) }.unwrap();
-    engine.submit(commands).unwrap();
+    let triangles = triangles_of(&engine, &scene);
 
     let mut frames = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut frames, &data).unwrap();

@@ -402,6 +402,10 @@ fn what_is_wrong_is_said() {
         refused(record(&SsctFrame { slot: 2, ..good }), usage, "frames_in_flight is 2");
         let unsampled = SsctImage { usage: vk::ImageUsageFlags::STORAGE, ..*good.color };
         refused(record(&SsctFrame { color: &unsampled, ..good }), usage, "SAMPLED");
+        let motion = SsctMotion { image: good.color, scale: [1.0, 0.0], ..sized(size_of::<SsctMotion>()) };
+        refused(record(&SsctFrame { motion: &motion, ..good }), usage, "the input motion has");
+        let motion = SsctMotion { image: null(), ..motion };
+        refused(record(&SsctFrame { motion: &motion, ..good }), usage, "frame.motion.image is NULL");
         let mut short = sized::<SsctRecorded>(8);
         let result = ssct_reflections_record(reflections, commands, &good, &mut short);
         refused(result, usage, "struct_size of the SsctRecorded of the argument recorded is 8");

@@ -76,6 +76,7 @@ fn main() -> Result<()> {
             captures: None,
             triangles: None,
             triangle_numbers: None,
+            motion: None,
             timed: false,
             outputs: renderer::resource(HALF),
         };

@@ -48,6 +48,14 @@ pub struct SceneOptions {
     /// Larger images are made smaller as they are loaded.
     #[arg(long, value_name = "TEXELS", default_value_t = MAX_EXTENT, value_parser = clap::value_parser!(u32).range(1..))]
     pub texture_size: u32,
+    /// Seconds at which the scene is shown, with things where its motion has them
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    pub time: Option<f32>,
+    /// Motion of the scene that --time is of; by default its first
+    ///
+    /// The animations of a glTF file are motions, and scene files name others.
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub motion: Option<String>,
     /// Named view of the scene; by default its first
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at"])]
     pub view: Option<String>,

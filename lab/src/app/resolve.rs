@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
-use crate::scene::{CameraPath, Lens, LoadOptions, Opening, Scene, View, gltf, library, obj, scene_file};
+use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
 use crate::study::error::Variant;
 use crate::study::{Globals, sweep};
 use std::path::{Path, PathBuf};
@@ -34,7 +34,29 @@ fn watch() -> Result<Option<Arc<Watch>>> {
 pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let fallback = [PathBuf::from(default)];
     let sources = if options.scene.is_empty() { &fallback } else { options.scene.as_slice() };
-    load(sources, &LoadOptions { scale: options.scale, texture_side: options.texture_size })
+    let mut scene = load(sources, &LoadOptions { scale: options.scale, texture_side: options.texture_size })?;
+    if let Some(time_s) = options.time {
+        if !time_s.is_finite() {
+            return Err(Error::Usage(format!("--time {time_s}: must be a number of seconds")));
+        }
+        let motion = motion(&scene, options.motion.as_deref(), "--time")?.clone();
+        scene.pose(&motion, time_s);
+    }
+    Ok(scene)
+}
+
+/// The motion of a name, else the scene's first; `flag` asks for it.
+pub fn motion<'s>(scene: &'s Scene, name: Option<&str>, flag: &str) -> Result<&'s Motion> {
+    let found = match name {
+        Some(name) => scene.motions.iter().find(|m| m.name == name),
+        None => scene.motions.first(),
+    };
+    found.ok_or_else(|| {
+        let names: Vec<&str> = scene.motions.iter().map(|m| m.name.as_str()).collect();
+        let has = if names.is_empty() { "it has none".to_owned() } else { format!("it has: {}", names.join(", ")) };
+        let wanted = name.map_or_else(|| "no motion".to_owned(), |name| format!("no motion {name:?}"));
+        Error::Usage(format!("{flag}: scene {} has {wanted}; {has}", scene.name))
+    })
 }
 
 /// Loads a scene: the name of one that is built in, a scene file, a glTF file, or OBJ files.

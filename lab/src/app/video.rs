@@ -37,6 +37,11 @@ pub struct VideoOptions {
     /// Frames that are shown in a second.
     #[arg(long, value_name = "N", default_value_t = 30.0)]
     pub fps: f32,
+    /// Motion of the scene that is played, by name
+    ///
+    /// It begins with the film, and what has come to its end rests there.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["moving", "time"])]
+    pub play: Option<String>,
     /// Meshes that move, by name; with --step
     #[arg(long, value_name = "MESH", value_delimiter = ',', requires = "step")]
     pub moving: Vec<String>,
@@ -77,7 +82,10 @@ impl StudyOptions for VideoOptions {
         };
         let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
         resolve::moving(&scene, &self.moving)?;
+        let play =
+            self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
         Ok(VideoStudy {
+            play,
             scene,
             way,
             sizes,

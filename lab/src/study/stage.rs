@@ -8,7 +8,8 @@ use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, GBuffer};
-use crate::scene::{Camera, Capture, Material, Scene, View, placement, triangles};
+use crate::scene::tree::Trees;
+use crate::scene::{Camera, Capture, Material, Scene, View, placement};
 use glam::Vec3;
 
 /// The global factors of the command line; they replace or scale every material's values
@@ -55,7 +56,7 @@ impl Stage {
         let mut context = FrameContext::new(gpu)?;
         let mut data = SceneData::upload(&mut context, scene)?;
         data.find_captures_by(placement::finder(scene));
-        data.build_tree_by(triangles::tree_builder(scene));
+        data.build_trees_by(Trees::new(scene));
         Ok(Self { context, data })
     }
 

@@ -1,6 +1,7 @@
 //! Films: variants of methods on every frame of a way of the camera, each beside what the world shows in that frame
 //! (docs/definitions.md, "Films").
 
+mod placed;
 mod way;
 
 pub use way::Way;
@@ -25,7 +26,7 @@ use crate::metrics::video::{Film, jod};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::WorldReference;
-use crate::scene::{Camera, GBufferData, Material, Scene, View};
+use crate::scene::{Camera, GBufferData, Material, Motion, Scene, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -48,7 +49,9 @@ pub struct VideoStudy {
     pub frames_per_second: f32,
     /// Rays a pixel of the world reference, ≥ 2.
     pub rays: u32,
-    /// The meshes that move, by name.
+    /// What is played.
+    pub play: Option<Motion>,
+    /// The meshes that move besides, by name.
     pub moving: Vec<String>,
     /// By how much from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
@@ -85,7 +88,10 @@ columns! {
         pub head: Head = part(),
         /// How the camera moves.
         pub way: String = figure("way"),
-        /// The meshes that move.
+        /// The motion that is played.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub play: Option<String>,
+        /// The meshes that move besides.
         pub moving: Vec<String>,
         /// By how much from one frame to the next, in metres.
         pub step_m: [f32; 3],
@@ -206,9 +212,10 @@ impl Study for VideoStudy {
 
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
-        let Self { way, moving, frames, frames_per_second, rays, .. } = self;
+        let Self { way, moving, frames, frames_per_second, rays, play, .. } = self;
         let step = (self.step_m.to_array(), self.step_frames);
-        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays]);
+        let played = play.as_ref().map(|motion| format!("{motion:?}"));
+        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played]);
         let cell = |extent: [u32; 2], globals: Globals| {
             let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();
             Planned {
@@ -302,13 +309,13 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     let mut world = Truth::default();
     let mut moved = spec.study.scene.clone();
     for frame in 0..spec.study.frames {
-        if frame > 0 && spec.study.step_frames.is_none_or(|last| frame <= last) {
-            for name in &spec.study.moving {
-                stage.scene_mut().place_meshes(name, frame as f32 * spec.study.step_m)?;
-            }
-            for mesh in moved.meshes.iter_mut().filter(|m| spec.study.moving.contains(&m.name)) {
-                mesh.translate(spec.study.step_m);
-            }
+        let placed = spec.study.placed(frame);
+        for (name, placement) in &placed {
+            stage.scene_mut().place_meshes(name, *placement)?;
+        }
+        if frame > 0 && !placed.is_empty() {
+            moved.meshes.clone_from(&spec.study.scene.meshes);
+            moved.place_meshes(&placed);
         }
         let camera = spec
             .study
@@ -465,6 +472,7 @@ fn record(spec: &VideoSpec, start: &View, of: &Variant, mut filmed: Filmed, worl
     Ok(VideoRecord {
         head: Head::new("video", spec.gpu, place, Of::Method(of.method), &setup, &spec.globals),
         way: spec.study.way.name().to_owned(),
+        play: spec.study.play.as_ref().map(|motion| motion.name.clone()),
         moving: spec.study.moving.clone(),
         step_m: spec.study.step_m.to_array(),
         step_frames: spec.study.step_frames,

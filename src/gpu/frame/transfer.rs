@@ -184,6 +184,33 @@ impl Frame<'_> {
         })
     }
 
+    /// Copies runs of bytes of one buffer into another, which is then ready for a use: where each begins, where it goes, and how
+    /// many bytes it has.
+    pub fn copy_parts(
+        &mut self,
+        name: &str,
+        (from, to): (&Buffer, &Buffer),
+        runs: &[[u64; 3]],
+        access: Access,
+    ) -> Result<()> {
+        let fits = |[first, target, size]: &[u64; 3]| first + size <= from.size() && target + size <= to.size();
+        assert!(runs.iter().all(fits), "{name}: both buffers hold every run");
+        self.pass(name, |frame| {
+            frame.use_buffer(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            let region = |[first, target, size]: &[u64; 3]| {
+                vk::BufferCopy::default().src_offset(*first).dst_offset(*target).size(*size)
+            };
+            let regions: Vec<_> = runs.iter().filter(|[.., size]| *size > 0).map(region).collect();
+            // SAFETY: both buffers hold the regions, of which there is one.
+            unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &regions) };
+            frame.use_buffer(to, access);
+            frame.flush();
+            Ok(())
+        })
+    }
+
     /// Copies one buffer into another, and makes it ready for a use.
     pub fn copy_buffer(&mut self, name: &str, from: &Buffer, to: &Buffer, access: Access) -> Result<()> {
         self.pass(name, |frame| {

@@ -41,7 +41,12 @@ impl PaddedTriangles {
         let all = || (0..count).flat_map(&corners);
         let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
         let middle = 0.5 * (low + high);
-        let padding = Vec3A::splat(PADDING * (high - middle).max_element() as f32);
+        Self::around(middle, (high - middle).max_element(), count, corners)
+    }
+
+    /// The boxes of triangles that belong to a larger whole: the middle of that, and the greatest coordinate from there.
+    pub fn around(middle: DVec3, extent: f64, count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
+        let padding = Vec3A::splat(PADDING * extent as f32);
         let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
         let with_area: Vec<u32> = (0..count as u32).filter(|i| has_area(corners(*i as usize))).collect();
         let padded = |&i: &u32| {

@@ -4,10 +4,10 @@
 //! one place make it, is built again by halving lists of triangles, which bounds its levels.
 
 use super::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
-use super::{MAX_TRIANGLES, NODE_WORDS, Tree, Words, triangles};
+use super::{BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, triangles};
 use crate::error::{Error, Result};
 use crate::math::constants::TREE_DEPTH;
-use crate::scene::Scene;
+use crate::scene::{Mesh, Placement, Scene};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -20,22 +20,17 @@ impl Tree {
     /// # Errors
     /// [`Error::Usage`] for a scene with more triangles than have numbers.
     pub fn build(scene: &Scene) -> Result<Self> {
-        let count = scene.triangle_count();
-        if count > MAX_TRIANGLES {
-            let name = &scene.name;
-            return Err(Error::Usage(format!(
-                "scene {name} has {count} triangles; rays are followed through at most {MAX_TRIANGLES}"
-            )));
-        }
-        let corners: Vec<[DVec3; 3]> = triangles(scene)
-            .map(|(mesh, t)| t.map(|i| Vec3::from(mesh.vertices[i as usize].position).as_dvec3()))
-            .collect();
+        check_count(scene)?;
+        let corners: Vec<[DVec3; 3]> = triangles(scene).map(|(mesh, t)| corners_of(mesh, t)).collect();
         Ok(Self::over(&corners))
     }
 
     /// The hierarchy over triangles in metres that have an area.
     pub fn over(corners: &[[DVec3; 3]]) -> Self {
-        let PaddedTriangles { middle: origin, with_area, boxes } = PaddedTriangles::new(corners.len(), |i| corners[i]);
+        Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]))
+    }
+
+    fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles) -> Self {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
         }
@@ -48,6 +43,85 @@ impl Tree {
         let slots = wide.primitive_indices.iter().map(|i| with_area[*i as usize]).collect();
         Self { origin, nodes: words.to_vec(), slots, levels: levels(&wide) }
     }
+}
+
+/// The trees over a scene's triangles: one over what stands, and a small one over what moves.
+pub struct Trees {
+    /// Its meshes and materials.
+    scene: Scene,
+    /// The middle of the scene as it was made, from which both trees measure.
+    middle: DVec3,
+    /// The greatest coordinate from there.
+    extent: f64,
+}
+
+impl Trees {
+    /// Copies the meshes and materials of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let Scene { name, meshes, materials, .. } = scene;
+        let scene =
+            Scene { name: name.clone(), meshes: meshes.clone(), materials: materials.clone(), ..Scene::default() };
+        let all = || triangles(&scene).flat_map(|(mesh, t)| corners_of(mesh, t));
+        let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
+        let middle = 0.5 * (low + high);
+        Self { middle, extent: (high - middle).max_element(), scene }
+    }
+
+    /// The tree over some triangles, by their places in a list. Its slots are such places.
+    fn over(&self, list: &[[DVec3; 3]]) -> Tree {
+        let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
+        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
+    }
+}
+
+impl BuildTrees for Trees {
+    fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)> {
+        check_count(&self.scene)?;
+        let stands = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
+        let numbered = (0..).zip(triangles(&self.scene)).filter(stands);
+        let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
+        let mut tree = self.over(&list);
+        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
+        let records = TriangleRecords::new(&self.scene, &tree);
+        Ok((tree, records))
+    }
+
+    fn moving(&self, placed: &[(&str, Placement)]) -> Result<MovingTriangles> {
+        let mut part = Scene { materials: self.scene.materials.clone(), ..Scene::default() };
+        let mut numbers = Vec::new();
+        let mut first = 0;
+        for mesh in &self.scene.meshes {
+            let end = first + mesh.indices.len() as u32 / 3;
+            if let Some((_, placement)) = placed.iter().find(|(name, _)| *name == mesh.name) {
+                let mut mesh = mesh.clone();
+                mesh.place(placement);
+                part.meshes.push(mesh);
+                numbers.extend(first..end);
+            }
+            first = end;
+        }
+        let list: Vec<_> = triangles(&part).map(|(mesh, t)| corners_of(mesh, t)).collect();
+        let mut tree = self.over(&list);
+        let mut records = TriangleRecords::new(&part, &tree);
+        records.renumber(&numbers);
+        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
+        Ok(MovingTriangles { tree, records, numbers })
+    }
+}
+
+fn corners_of(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
+    triangle.map(|i| Vec3::from(mesh.vertices[i as usize].position).as_dvec3())
+}
+
+fn check_count(scene: &Scene) -> Result<()> {
+    let count = scene.triangle_count();
+    if count > MAX_TRIANGLES {
+        let name = &scene.name;
+        return Err(Error::Usage(format!(
+            "scene {name} has {count} triangles; rays are followed through at most {MAX_TRIANGLES}"
+        )));
+    }
+    Ok(())
 }
 
 /// A binary hierarchy with as few levels as there can be: each list of boxes is cut in half along the axis in which its

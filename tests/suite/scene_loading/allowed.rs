@@ -40,9 +40,20 @@ fn attributes_of_applications_are_passed_over() {
 }
 
 #[test]
-fn animations_of_any_kind_are_passed_over() {
-    for target in [json!({"path": "scale"}), json!({"node": 0, "path": "pointer"}), json!({})] {
-        loads(&["animations are not played"], |d| {
+fn animations_that_cannot_be_played_are_passed_over() {
+    for (target, said) in [
+        (json!({"path": "scale"}), None),
+        (
+            json!({"node": 0, "path": "pointer"}),
+            Some("animation 0 was left out: its channel 0 changes what is not one of glTF"),
+        ),
+        (
+            json!({"node": 0, "path": "scale"}),
+            Some("animation 0 was left out: its channel 0 does not have as many values as its key frames need"),
+        ),
+        (json!({}), Some("animation 0 is not one of glTF and was left out")),
+    ] {
+        loads(said.as_slice(), |d| {
             d["animations"] =
                 json!([{"samplers": [{"input": 3, "output": 0}], "channels": [{"sampler": 0, "target": target}]}]);
         });

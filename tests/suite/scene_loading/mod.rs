@@ -8,6 +8,7 @@ mod geometry;
 mod gltf;
 mod lenient;
 mod materials;
+mod motions;
 mod mutations;
 mod scene_files;
 mod shared_scenes;

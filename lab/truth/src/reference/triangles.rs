@@ -2,8 +2,9 @@
 //! triangle, operation for operation in 32-bit floats.
 
 use crate::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
-use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
+use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// What a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +39,10 @@ pub struct TreeRay {
 
 /// A scene's triangles for rays that are followed as shaders follow them.
 pub struct TriangleWalk<'a> {
-    tree: &'a Tree,
-    records: &'a TriangleRecords,
+    nodes: Cow<'a, [Words]>,
+    /// The root of the tree of what moves.
+    moving: Option<u32>,
+    corners: Cow<'a, [Words]>,
     extent: f32,
 }
 
@@ -63,7 +66,19 @@ fn byte(word: u32, i: u32) -> u32 {
 impl<'a> TriangleWalk<'a> {
     /// Walks over a tree and the records of its triangles.
     pub fn new(tree: &'a Tree, records: &'a TriangleRecords) -> Self {
-        Self { tree, records, extent: records.extent_m() }
+        let (nodes, corners) = (Cow::from(&tree.nodes), Cow::from(&records.corners));
+        Self { nodes, moving: None, corners, extent: records.extent_m() }
+    }
+
+    /// Walks over a tree of what moves as well.
+    #[must_use]
+    pub fn beside(mut self, moving: &MovingTriangles) -> Self {
+        let (root, slots) = ((self.nodes.len() / NODE_WORDS) as u32, (self.corners.len() / 3) as u32);
+        self.nodes.to_mut().extend(moving.tree.nodes_behind(root, slots));
+        self.corners.to_mut().extend_from_slice(&moving.records.corners);
+        self.moving = (!moving.tree.nodes.is_empty()).then_some(root);
+        self.extent = self.extent.max(moving.records.extent_m());
+        self
     }
 
     /// The nearest triangle that a ray meets, and the most groups of nodes that its walk had on its stack.
@@ -76,7 +91,9 @@ impl<'a> TriangleWalk<'a> {
         let back = direction.to_array().map(|d| d < 0.0);
         let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
         let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
-        let mut group = [0, if self.tree.nodes.is_empty() { 0 } else { 0x8000_0000 }];
+        let stands = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
+        let mut group = [0, if stands { 0x8000_0000 } else { 0 }];
+        stack.extend(self.moving.map(|root| [root, 0x8000_0000]));
         loop {
             let mut leaves = [0; 2];
             if group[1] & 0xff00_0000 != 0 {
@@ -115,7 +132,7 @@ impl<'a> TriangleWalk<'a> {
         nearest: f32,
     ) -> (u32, u32, [u32; 2]) {
         let first = NODE_WORDS * node as usize;
-        let [head, kinds, mut sides @ ..]: [Words; NODE_WORDS] = std::array::from_fn(|i| self.tree.nodes[first + i]);
+        let [head, kinds, mut sides @ ..]: [Words; NODE_WORDS] = std::array::from_fn(|i| self.nodes[first + i]);
         for (side, back) in sides.iter_mut().zip(back) {
             if back {
                 *side = [side[2], side[3], side[0], side[1]];
@@ -143,12 +160,12 @@ impl<'a> TriangleWalk<'a> {
     /// Finds the nearest triangle by asking every one.
     pub fn nearest_of_all(&self, ray: &TreeRay) -> Met {
         let mut best = Met::NOTHING;
-        (0..self.tree.slots.len()).for_each(|slot| self.meet(ray, slot, &mut best));
+        (0..self.corners.len() / 3).for_each(|slot| self.meet(ray, slot, &mut best));
         best
     }
 
     fn meet(&self, ray: &TreeRay, slot: usize, best: &mut Met) {
-        let words = &self.records.corners[3 * slot..3 * slot + 3];
+        let words = &self.corners[3 * slot..3 * slot + 3];
         let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);
         let d = ray.direction;
         let [u, v, w] = [dot(d, cross(c, b)), dot(d, cross(a, c)), dot(d, cross(b, a))];

@@ -1,12 +1,13 @@
 //! Loads scenes from glTF 2.0, as `.gltf` with its files or as `.glb`.
 //!
 //! [`load`] reads a file into a [`Scene`]. The submodules are the stages: `data` finds buffers and images and reads
-//! accessors, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras and lights, `materials`
+//! accessors, `animations` makes motions of them, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras and lights, `materials`
 //! turns metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a
 //! material.
 //!
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
+mod animations;
 mod data;
 mod document;
 mod geometry;
@@ -56,6 +57,8 @@ pub fn is_named(path: &Path) -> bool {
 ///   from behind.
 /// - Cameras become views, lights become lights of one exposure: the brightest gives 1 at the scene's centre. Without a
 ///   camera the scene gets the default view, without a light the default light, and always one probe.
+/// - Animations of nodes become motions ([`Scene::motions`]); the scene stands as its nodes say. Those of skins and of morph
+///   targets are not played.
 /// - Tangents come from the file or else from MikkTSpace. `KHR_texture_transform` is applied to the coordinates.
 ///
 /// What is not supported adds one sentence to [`Scene::warnings`], however often it occurs.
@@ -84,12 +87,12 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     options.check()?;
     let bytes = bounded::read(path, "a glTF file", MAX_FILE_BYTES)?;
     let mut notes = Notes::new(path);
-    let (document, blob) = document::read(path, &bytes, &mut notes)?;
+    let (document, animations, blob) = document::read(path, &bytes, &mut notes)?;
     drop(bytes);
     let data = Data::new(path, &document, blob)?;
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let mut scene = Scene { name, ..Scene::default() };
-    let used = nodes::place(&data, (options.scale, origin), &mut scene, &mut notes)?;
+    let used = nodes::place((&data, &animations), (options.scale, origin), &mut scene, &mut notes)?;
     materials::attach(&data, &used, options.texture_side, &mut scene, &mut notes);
     scene.lens = viewpoint::lens(scene.bounds());
     scene.warnings = notes.sentences;

@@ -2,6 +2,7 @@
 //! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 pub(super) mod captures;
+mod motions;
 mod proxies;
 
 pub use captures::with_captures;
@@ -32,7 +33,8 @@ const DEFAULT: &str = "default";
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of its glTF files, or else
 /// those of a bare OBJ file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
-/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section overrides the MTL file;
+/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]` with `[[motion.NAME.key]]` tables moves
+/// meshes. A material's section overrides the MTL file;
 /// `[material.default]` applies to all materials without a section of their own. A section for a material that
 /// no mesh has adds a warning.
 ///
@@ -89,6 +91,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.views = if views.is_empty() { vec![viewpoint::default_view(&scene)] } else { views };
     }
     scene.paths = paths;
+    for (name, section) in &sections.motion {
+        let motion = source.motion(name, section, &scene, extra_scale)?;
+        scene.motions.push(motion);
+    }
     if probes.is_empty() {
         scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     }
@@ -122,6 +128,7 @@ fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     scene.textures.append(&mut other.textures);
     scene.lights.append(&mut other.lights);
     scene.views.append(&mut other.views);
+    scene.motions.append(&mut other.motions);
     scene.warnings.append(&mut other.warnings);
 }
 
@@ -144,6 +151,8 @@ struct Sections {
     view: BTreeMap<String, Spanned<ViewSection>>,
     #[serde(default)]
     path: BTreeMap<String, PathSection>,
+    #[serde(default)]
+    motion: BTreeMap<String, motions::MotionSection>,
     #[serde(default)]
     probe: Vec<proxies::ProbeSection>,
     #[serde(default)]

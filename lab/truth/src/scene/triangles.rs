@@ -4,10 +4,7 @@
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
 use super::{Material, Scene, Vertex};
-use crate::error::Result;
 use glam::{DVec2, Vec3};
-use ssct::scene::tree::{Tree, TriangleRecords};
-use std::borrow::Cow;
 
 /// The triangles of a scene with the materials of a view.
 pub struct Triangles<'a> {
@@ -87,30 +84,6 @@ impl<'a> Triangles<'a> {
         let Some(mask) = material.alpha_mask else { return true };
         let (_, vertices) = self.surface(hit);
         bilinear(&self.scene.textures[mask], interpolate_uv(&vertices, hit)).x >= 0.5
-    }
-}
-
-/// Builds the tree over a scene's triangles, with their records, when it is asked for, where some meshes stand off by an
-/// offset.
-pub fn tree_builder(scene: &Scene) -> impl Fn(&[(&str, Vec3)]) -> Result<(Tree, TriangleRecords)> + use<> {
-    let bare = Scene {
-        name: scene.name.clone(),
-        meshes: scene.meshes.clone(),
-        materials: scene.materials.clone(),
-        ..Scene::default()
-    };
-    move |moved| {
-        let mut placed = Cow::Borrowed(&bare);
-        if !moved.is_empty() {
-            for mesh in &mut placed.to_mut().meshes {
-                if let Some((_, offset)) = moved.iter().find(|(name, _)| *name == mesh.name) {
-                    mesh.translate(*offset);
-                }
-            }
-        }
-        let tree = Tree::build(&placed)?;
-        let records = TriangleRecords::new(&placed, &tree);
-        Ok((tree, records))
     }
 }
 

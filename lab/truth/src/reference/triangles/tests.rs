@@ -4,9 +4,10 @@
 use super::*;
 use crate::math::random::Stream;
 use crate::scene::bvh::{Intersector, TriangleBvh, WorldRay};
-use crate::scene::{Aabb, Material, Mesh, Scene, Vertex};
+use crate::scene::tree::{BuildTrees, Trees};
+use crate::scene::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 use bytemuck::Zeroable;
-use glam::DVec3;
+use glam::{DVec3, Quat};
 
 type Corners = [Vec3; 3];
 
@@ -164,6 +165,45 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
         }
     }
     assert!(hits > 5000 && other <= 2, "{other} of {hits} differ");
+}
+
+/// What moves stands in a tree of its own: rays end where a test of every triangle ends them, and where the hierarchy in
+/// 64-bit floats over all triangles does, but for ties.
+#[test]
+fn what_moves_is_met_beside_what_stands() {
+    let triangles = scattered(2000, 0.8);
+    let placement = Placement { turn: Quat::from_rotation_z(0.7), size: 1.5, offset: Vec3::new(1.0, -2.0, 0.5) };
+    for moving in [0..0, 0..2000, 600..900, 1999..2000_usize] {
+        let mut whole = scene(&triangles);
+        let mesh = whole.meshes.remove(0);
+        for (name, part) in [("a", 0..moving.start), ("moves", moving.clone()), ("b", moving.end..triangles.len())] {
+            let indices = mesh.indices[3 * part.start..3 * part.end].to_vec();
+            whole.meshes.push(Mesh { name: name.into(), indices, ..mesh.clone() });
+        }
+        let trees = Trees::new(&whole);
+        let (tree, records) = trees.standing(&["moves"]).expect("a tree");
+        let moved = trees.moving(&[("moves", placement)]).expect("a tree");
+        assert_eq!(tree.slots.len() + moved.tree.slots.len(), triangles.len());
+        assert_eq!(moved.numbers, moving.clone().map(|n| n as u32).collect::<Vec<_>>());
+        let walk = TriangleWalk::new(&tree, &records).beside(&moved);
+        let place = |(n, t): (usize, &Corners)| if moving.contains(&n) { t.map(|v| placement.place(v)) } else { *t };
+        let truth = TriangleBvh::new(triangles.iter().enumerate().map(place).collect::<Vec<_>>());
+        let (mut hits, mut of_moving, mut other) = (0, 0, 0);
+        for (origin, direction) in rays(Vec3::ZERO, 5.0, 3000) {
+            let direction = direction.normalize();
+            let ray = WorldRay { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f64::INFINITY };
+            let tree_ray = TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own: NO_TRIANGLE };
+            let (met, highest) = walk.walk(&tree_ray);
+            assert_eq!(met, walk.nearest_of_all(&tree_ray));
+            assert!(highest <= TREE_DEPTH as usize);
+            let expected = truth.closest(&ray, &|_| true).map(|hit| hit.triangle);
+            hits += usize::from(expected.is_some());
+            other += usize::from(met.triangle() != expected);
+            of_moving += usize::from(met.triangle().is_some_and(|n| moving.contains(&(n as usize))));
+        }
+        assert!(hits > 500 && other <= 2, "{other} of {hits} differ");
+        assert!(of_moving > 0 || moving.len() < 2, "nothing that moves is met");
+    }
 }
 
 /// Rays that leave one of two planes a millimetre apart meet the other, and not their own, whatever the distance from the

@@ -139,6 +139,19 @@ impl<'a> Data<'a> {
         self.numbers(accessor)
     }
 
+    /// The numbers of an accessor, however many its elements have.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if it leaves its buffer, has other elements, or claims more than a file can mean.
+    pub(super) fn floats<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
+        let numbers = self.numbers(accessor)?;
+        if accessor.dimensions().multiplicity() != N {
+            return Err(self.error(format!("accessor {} must have {N} components", accessor.index())));
+        }
+        self.check_claim(accessor.index(), &numbers.elements)?;
+        Ok(numbers)
+    }
+
     fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let (data_type, normalized) = (accessor.data_type(), accessor.normalized());
         Ok(Vectors { elements: self.elements(accessor)?, data_type, normalized })

@@ -13,22 +13,27 @@ use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// The checked document and the binary chunk.
+/// What a file holds: the checked document, the list of its animations, and the binary chunk.
+pub(super) type Content = (Document, Value, Option<Vec<u8>>);
+
+/// Reads a file's content.
 ///
 /// # Errors
 /// [`Error::Malformed`] with a sentence that tells apart other versions, other encodings of text, files that end too early
 /// and documents that are wrong.
-pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<(Document, Option<Vec<u8>>)> {
+pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Content> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let (text, blob) = unpack(bytes).map_err(wrong)?;
     let mut value = parse(text).map_err(wrong)?;
     check_version(&value).map_err(wrong)?;
+    // They are read apart: a scene stands without them.
+    let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     let mut json: Root = serde_json::from_value(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
     mend_samplers(&mut json, notes);
     check(&json, notes).map_err(wrong)?;
-    Ok((Document::from_json_without_validation(json), blob))
+    Ok((Document::from_json_without_validation(json), animations, blob))
 }
 
 /// The JSON text of a file, and the binary chunk of a `.glb`.
@@ -122,10 +127,6 @@ fn mend(document: &mut Value, notes: &mut Notes) {
         && version.is_number()
     {
         *version = Value::from("2.0");
-    }
-    let animations = document.as_object_mut().and_then(|d| d.remove("animations"));
-    if animations.is_some_and(|a| a.as_array().is_none_or(|a| !a.is_empty())) {
-        notes.add("animations", "animations are not played".to_owned());
     }
     for scene in list(document, "scenes") {
         if let Some(scene) = scene.as_object_mut() {

@@ -4,7 +4,7 @@ use super::data::Data;
 use super::geometry::{self, Tally};
 use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
-use super::{Notes, materials};
+use super::{Notes, animations, materials};
 use crate::error::Result;
 use crate::math::constants;
 use crate::scene::assemble::{self, MeshPart};
@@ -16,6 +16,7 @@ use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Camera as GltfCamera, Node, Skin};
+use serde_json::Value;
 use std::collections::HashMap;
 
 /// A light with its brightness at the scene's centre, in lux.
@@ -30,7 +31,7 @@ struct PlacedLight {
 /// From every place `kept` is taken. If it is none, a scene that lies so far from the origin that floats would lose its
 /// details is moved to its own centre, in f64, before anything is rounded; a sentence says by how much.
 pub(super) fn place(
-    data: &Data,
+    (data, animations): (&Data, &Value),
     (scale, kept): (f32, Option<DVec3>),
     scene: &mut Scene,
     notes: &mut Notes,
@@ -38,18 +39,20 @@ pub(super) fn place(
     let nodes = Nodes::new(data, scale)?;
     let mut origin = kept.unwrap_or(DVec3::ZERO);
     let before = notes.clone();
-    let (mut parts, used, bounds) = parts(data, &nodes, origin, notes)?;
+    let names = names(&nodes, animations);
+    let (mut parts, used, bounds) = parts(data, (&nodes, &names), origin, notes)?;
     if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
         // What was rounded away is not lost after the move.
         *notes = before;
         notes.add("far", far.sentence());
         origin = far.centre;
-        parts = self::parts(data, &nodes, origin, notes)?.0;
+        parts = self::parts(data, (&nodes, &names), origin, notes)?.0;
     }
     if parts.is_empty() {
         return Err(data.error("has no triangle with an area in its scene"));
     }
     scene.meshes = assemble::meshes(parts, |part| part.material);
+    scene.motions = animations::motions((data, animations), (&nodes, origin), (&names, &scene.meshes), notes);
     place_views_and_lights(&nodes, origin, scene, notes);
     Ok(used)
 }
@@ -57,7 +60,24 @@ pub(super) fn place(
 /// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
 type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
 
-fn parts(data: &Data, nodes: &Nodes, origin: DVec3, notes: &mut Notes) -> Result<Parts> {
+/// The names of the nodes' meshes, by the nodes' indices. Where something may move, each node has a name of its own.
+fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
+    let moves = animations.as_array().is_some_and(|list| !list.is_empty());
+    let mut unique = UniqueNames::default();
+    let name = |(node, _): &(Node, DMat4)| {
+        let mesh = node.mesh()?;
+        let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        Some((node.index(), if moves { unique.unique(&name) } else { name }))
+    };
+    nodes.shown.iter().filter_map(name).collect()
+}
+
+fn parts(
+    data: &Data,
+    (nodes, names): (&Nodes, &HashMap<usize, String>),
+    origin: DVec3,
+    notes: &mut Notes,
+) -> Result<Parts> {
     let mut parts = Vec::new();
     let mut used: Vec<Option<usize>> = Vec::new();
     let mut coordinates: Vec<Coordinates> = Vec::new();
@@ -65,13 +85,13 @@ fn parts(data: &Data, nodes: &Nodes, origin: DVec3, notes: &mut Notes) -> Result
     let mut tally = Tally::default();
     for (node, to_world) in &nodes.shown {
         let Some(mesh) = node.mesh() else { continue };
-        let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        let name = names.get(&node.index()).map_or("", String::as_str);
         let placement = match node.skin() {
             Some(skin) => nodes.skin(data, &skin)?,
             None => MeshPlacement::Node(ToWorld::new(*to_world)),
         };
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-        let placed = PlacedMesh { name: &name, placement: &placement, weights, origin };
+        let placed = PlacedMesh { name, placement: &placement, weights, origin };
         for primitive in mesh.primitives() {
             let material = primitive.material();
             let at = *index_of.entry(material.index()).or_insert_with(|| {
@@ -119,8 +139,8 @@ struct Units {
 }
 
 /// The nodes of the file's scene, in the order of the tree, and where all nodes stand.
-struct Nodes<'a> {
-    shown: Vec<(Node<'a>, DMat4)>,
+pub(super) struct Nodes<'a> {
+    pub(super) shown: Vec<(Node<'a>, DMat4)>,
     /// Where each node of the file stands, in the scene or not.
     to_world: Vec<DMat4>,
     scale: f32,
@@ -141,9 +161,7 @@ impl<'a> Nodes<'a> {
             Some(scene) => scene.nodes().collect(),
             None => all.iter().filter(|n| !is_child[n.index()]).cloned().collect(),
         };
-        // glTF is right-handed, the world left-handed.
-        let size = f64::from(scale);
-        let root = DMat4::from_scale(DVec3::new(size, size, -size));
+        let root = root(scale);
         let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
         let mut visited = vec![false; all.len()];
         nodes.shown = nodes
@@ -156,6 +174,20 @@ impl<'a> Nodes<'a> {
             }
         }
         Ok(nodes)
+    }
+
+    /// From the space of the file to the world.
+    pub(super) fn root(&self) -> DMat4 {
+        root(self.scale)
+    }
+
+    /// The node that each node of the file hangs from.
+    pub(super) fn parents(&self, data: &Data) -> Vec<Option<usize>> {
+        let mut parents = vec![None; self.to_world.len()];
+        for node in data.document.nodes() {
+            node.children().for_each(|child| parents[child.index()] = Some(node.index()));
+        }
+        parents
     }
 
     /// The nodes below some, and where they stand.
@@ -197,6 +229,12 @@ impl<'a> Nodes<'a> {
         };
         Ok(MeshPlacement::Skin(joints.iter().enumerate().map(matrix).collect()))
     }
+}
+
+/// From the space of a file to the world: glTF is right-handed, the world left-handed.
+fn root(scale: f32) -> DMat4 {
+    let size = f64::from(scale);
+    DMat4::from_scale(DVec3::new(size, size, -size))
 }
 
 fn local(node: &Node) -> DMat4 {

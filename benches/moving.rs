@@ -1,0 +1,68 @@
+//! Measures what a mesh that moves costs among the scene's triangles. Prints a table to standard output.
+//!
+//! In each frame the mesh has moved. `whole_ms` is what it takes to build the tree over all triangles anew, with its records, and to
+//! bring it to the device; `moving_ms` what it takes to build the small tree of what moves, and to bring that. Both are wall time,
+//! medians of [`FRAMES`] frames in which they take turns.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+use glam::Vec3;
+use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
+use ssct::passes::scene_data::SceneData;
+use ssct::passes::triangle_scene::TriangleGeometry;
+use ssct::scene::tree::{MovingTriangles, Tree, Trees, TriangleRecords};
+use ssct_lab::scene::{Scene, library};
+use std::time::Instant;
+
+const FRAMES: usize = 15;
+
+/// Scenes, and the mesh of each that moves.
+const MOVING: [(&str, &str); 3] = [("rooms", "ball"), ("museum", "ball"), ("street", "car-body")];
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn milliseconds(run: impl FnOnce()) -> f64 {
+    let begun = Instant::now();
+    run();
+    1e3 * begun.elapsed().as_secs_f64()
+}
+
+fn main() {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("scene,mesh,triangles,moving_triangles,whole_ms,moving_ms");
+    for (name, mesh) in MOVING {
+        let scene = library::scene(name).expect("a built-in scene");
+        let bare = Scene { meshes: scene.meshes.clone(), materials: scene.materials.clone(), ..Scene::default() };
+        let mut context = FrameContext::new(&gpu).expect("a context");
+        let mut data = SceneData::upload(&mut context, &scene).expect("device memory");
+        data.build_trees_by(Trees::new(&scene));
+        let [mut whole, mut moving] = [const { Vec::new() }; 2];
+        for frame in 1..=FRAMES + 1 {
+            let offset = Vec3::Y * 0.01 * frame as f32;
+            let whole_ms = milliseconds(|| {
+                let mut placed = bare.clone();
+                placed.meshes.iter_mut().filter(|m| m.name == mesh).for_each(|m| m.translate(offset));
+                let tree = Tree::build(&placed).expect("a tree");
+                let records = TriangleRecords::new(&placed, &tree);
+                TriangleGeometry::new(&mut context, (&tree, &records), &MovingTriangles::default()).expect("memory");
+            });
+            data.place_meshes(mesh, offset).expect("a mesh");
+            let moving_ms = milliseconds(|| {
+                data.prepare_triangles(&mut context, false).expect("triangles");
+                context.once(|frame| data.bring_moving(frame)).expect("a frame");
+            });
+            // In the first frame the mesh leaves the tree of what stands.
+            if frame > 1 {
+                whole.push(whole_ms);
+                moving.push(moving_ms);
+            }
+        }
+        let moved: usize = scene.meshes.iter().filter(|m| m.name == mesh).map(|m| m.indices.len() / 3).sum();
+        let (all, [whole, moving]) = (scene.triangle_count(), [whole, moving].map(median));
+        println!("{name},{mesh},{all},{moved},{whole:.2},{moving:.2}");
+    }
+}

@@ -1,0 +1,96 @@
+//! Motions that a scene file names: a mesh that is moved and turned from key frame to key frame.
+
+use crate::error::Result;
+use crate::scene::motion::{Between, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::source_text::SourceText;
+use crate::scene::{Aabb, Scene};
+use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
+use serde::Deserialize;
+use std::sync::Arc;
+use toml::Spanned;
+
+/// From one key frame to the next, a turn must be less than this, since turns go the shorter way.
+const HALF_TURN_DEG: f32 = 180.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MotionSection {
+    /// The name of the meshes that move.
+    mesh: Spanned<String>,
+    /// The point that they turn about; by default the middle of their bounds.
+    pivot: Option<Spanned<[f32; 3]>>,
+    /// The axis of their turns; by default +y.
+    axis: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    key: Vec<Spanned<KeySection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeySection {
+    time: f32,
+    offset: Option<Spanned<[f32; 3]>>,
+    turn_deg: Option<f32>,
+}
+
+impl SourceText<'_> {
+    /// The motion of a section, of a scene whose meshes are known.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](crate::error::Error::Malformed) with file and line.
+    pub(super) fn motion(
+        &self,
+        name: &str,
+        section: &MotionSection,
+        scene: &Scene,
+        extra_scale: f32,
+    ) -> Result<Motion> {
+        let MotionSection { mesh, pivot, axis, key } = section;
+        let moved = || scene.meshes.iter().filter(|m| m.name == *mesh.get_ref());
+        if moved().next().is_none() {
+            return Err(
+                self.error(mesh.span(), format!("motion {name} moves {:?}, and no mesh has this name", mesh.get_ref()))
+            );
+        }
+        let bounds = moved().fold(Aabb::default(), |all, m| all.union(m.bounds));
+        let pivot = match pivot {
+            Some(pivot) => self.place("pivot", pivot, extra_scale)?,
+            None => 0.5 * (bounds.min + bounds.max),
+        };
+        let axis = match axis {
+            Some(axis) => match self.vector("axis", axis)?.try_normalize() {
+                Some(unit) => unit,
+                None => return Err(self.error(axis.span(), "axis must not be zero")),
+            },
+            None => Vec3::Y,
+        };
+        let mut frames: Vec<(f32, Vec3, f32)> = Vec::new();
+        for section in key {
+            let KeySection { time, offset, turn_deg } = section.get_ref();
+            let offset = offset.as_ref().map(|o| self.place("offset", o, extra_scale)).transpose()?.unwrap_or_default();
+            let degrees = turn_deg.unwrap_or(0.0);
+            if frames.last().is_some_and(|(.., before)| (degrees - before).abs() >= HALF_TURN_DEG) {
+                let message = "turn_deg must change by less than 180 from one key frame to the next";
+                return Err(self.error(section.span(), message));
+            }
+            frames.push((*time, offset, degrees));
+        }
+        let times: Vec<f32> = frames.iter().map(|(time, ..)| *time).collect();
+        let offsets = frames.iter().map(|(_, offset, _)| (*offset + pivot).to_array()).collect();
+        let turns = frames.iter().map(|(.., turn)| Quat::from_axis_angle(axis, turn.to_radians()).to_array()).collect();
+        let at = key.first().map_or(mesh.span(), Spanned::span);
+        let wrong = |why: &str| self.error(at.clone(), format!("motion {name} {why}"));
+        let offsets = Keys::new(times.clone(), offsets, Between::Linear).map_err(wrong)?;
+        let turns = Keys::new(times, turns, Between::Linear).map_err(wrong)?;
+        let nodes = vec![
+            MovingNode {
+                offset: Some(Arc::new(offsets)),
+                turn: Some(Arc::new(turns)),
+                ..MovingNode::still(Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE))
+            },
+            MovingNode::still(Rest::Matrix(DMat4::from_translation(-pivot.as_dvec3()))),
+        ];
+        let mover = Mover { meshes: vec![mesh.get_ref().clone()], root: DMat4::IDENTITY, nodes, rest: DMat4::IDENTITY };
+        Ok(Motion { name: name.to_owned(), movers: vec![mover] })
+    }
+}

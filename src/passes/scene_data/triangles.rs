@@ -1,0 +1,107 @@
+//! The triangles of a scene in device memory: what stands, and in a small tree of its own what moves.
+
+use super::SceneData;
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, RayStructure};
+use crate::passes::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
+use crate::scene::Placement;
+use crate::scene::tree::BuildTrees;
+use std::time::Instant;
+
+impl SceneData {
+    /// Says how the trees over the scene's triangles are built: that of what stands when an effect first follows rays among
+    /// them, and when a mesh moves that never has; that of what moves after each move. Without it no effect can.
+    pub fn build_trees_by(&mut self, trees: impl BuildTrees + 'static) {
+        self.trees = Some(Box::new(trees));
+        self.triangle_geometry.take();
+        self.ray_structure.take();
+    }
+
+    /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
+    pub fn read_triangles_as_blocks(&mut self, as_blocks: bool) {
+        self.triangles_as_blocks = as_blocks;
+    }
+
+    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
+    /// their tree is built. With `queries`, the structure for ray queries is made ready as well. To be asked before each
+    /// frame that follows rays among them, which costs nothing unless a mesh has moved.
+    ///
+    /// # Errors
+    /// What building the tree returns, [`Usage`](crate::error::Error::Usage) for ray queries where there are none, and [`Memory`](crate::error::Error::Memory) without
+    /// memory.
+    pub fn prepare_triangles(&self, context: &mut FrameContext, queries: bool) -> Result<Option<TriangleReading>> {
+        let Some(trees) = &self.trees else { return Ok(None) };
+        if queries {
+            context.gpu().ray_queries()?;
+        }
+        self.prepare_trees(context, trees.as_ref())?;
+        if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
+            // It is built of what the device holds.
+            context.once(|frame| geometry.bring(frame))?;
+            let made = geometry.structure(context)?;
+            self.ray_structure.get_or_init(|| made);
+        }
+        if self.triangle_images.get().is_none() {
+            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
+            let made = TriangleImages::new(context, &images)?;
+            self.triangle_images.get_or_init(|| made);
+        }
+        Ok(self.triangles().map(|(geometry, images)| {
+            let reading = geometry.reading(images, self.lights.len() as u32);
+            let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
+            TriangleReading {
+                geometry_texels: as_texels(reading.geometry_texels),
+                image_texels: as_texels(reading.image_texels),
+                queries,
+                ..reading
+            }
+        }))
+    }
+
+    /// Builds the tree of what stands unless there is one, and that of what moves if it has moved.
+    fn prepare_trees(&self, context: &mut FrameContext, trees: &dyn BuildTrees) -> Result<()> {
+        let standing = |name: &str| self.meshes.iter().find(|mesh| mesh.name == name).map(|mesh| mesh.placement);
+        let placed: Vec<(&str, Placement)> =
+            self.moving.iter().map(|name| (name.as_str(), standing(name).unwrap_or_default())).collect();
+        match self.triangle_geometry.get() {
+            None => {
+                let names: Vec<&str> = placed.iter().map(|(name, _)| *name).collect();
+                let (tree, records) = trees.standing(&names)?;
+                let made = TriangleGeometry::new(context, (&tree, &records), &trees.moving(&placed)?)?;
+                self.triangle_geometry.get_or_init(|| made);
+            }
+            Some(geometry) if self.has_moved.get() => {
+                let begun = Instant::now();
+                geometry.update(context.gpu(), &trees.moving(&placed)?)?;
+                self.moving_ms.set(Some(1e3 * begun.elapsed().as_secs_f64()));
+            }
+            Some(_) => {}
+        }
+        self.has_moved.set(false);
+        Ok(())
+    }
+
+    /// Brings to the device what [`Self::prepare_triangles`] has built of what moves: the passes "moving/tree", on the host, and
+    /// "moving". Nothing is recorded if nothing has moved.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn bring_moving(&self, frame: &mut Frame) -> Result<()> {
+        let Some(geometry) = self.triangle_geometry.get() else { return Ok(()) };
+        if let Some(ms) = self.moving_ms.take() {
+            frame.on_host("moving/tree", ms);
+        }
+        geometry.bring(frame)
+    }
+
+    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before it, and after a mesh has moved that never
+    /// had.
+    pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
+        self.triangle_geometry.get().zip(self.triangle_images.get())
+    }
+
+    /// The structure for ray queries that [`Self::prepare_triangles`] has built, in the same way.
+    pub fn ray_structure(&self) -> Option<&RayStructure> {
+        self.ray_structure.get()
+    }
+}

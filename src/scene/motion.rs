@@ -1,0 +1,306 @@
+//! How things of a scene move in time: chains of nodes with key frames, as animations of glTF files have them.
+
+use super::{Placement, Scene};
+use glam::{DMat4, DQuat, DVec3};
+use std::sync::Arc;
+
+/// Something that happens in a scene: things that move at once.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    /// The name that commands and records use.
+    pub name: String,
+    /// What moves, and how.
+    pub movers: Vec<Mover>,
+}
+
+/// A thing that moves: meshes, and the nodes that they hang from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mover {
+    /// Names of its meshes.
+    pub meshes: Vec<String>,
+    /// From the space of the first node to the world.
+    pub root: DMat4,
+    /// The nodes on the way to the meshes.
+    pub nodes: Vec<MovingNode>,
+    /// From the meshes' own space to the world, as they stand in the scene.
+    pub rest: DMat4,
+}
+
+/// A node: where it stands in its parent's space, and the key frames of what changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovingNode {
+    /// Where it stands if nothing changes.
+    pub rest: Rest,
+    /// Its offset.
+    pub offset: Option<Arc<Keys<3>>>,
+    /// Its turn, as a quaternion: x, y, z and w.
+    pub turn: Option<Arc<Keys<4>>>,
+    /// Its size along each axis.
+    pub size: Option<Arc<Keys<3>>>,
+}
+
+/// Where a node stands in its parent's space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rest {
+    /// Stands by a matrix, which nothing changes.
+    Matrix(DMat4),
+    /// Stands by an offset, a turn and a size.
+    Parts(DVec3, DQuat, DVec3),
+}
+
+/// How values between two key frames follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// Stays as in the key frame before.
+    Step,
+    /// Changes evenly; turns go the shorter way.
+    Linear,
+    /// Follows a cubic spline. Each key frame has three values: the slope before it, its own, and the slope behind it.
+    Cubic,
+}
+
+/// Key frames of a vector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keys<const N: usize> {
+    times_s: Vec<f32>,
+    values: Vec<[f32; N]>,
+    between: Between,
+}
+
+impl<const N: usize> Keys<N> {
+    /// Key frames at times in seconds.
+    ///
+    /// # Errors
+    /// A clause that says what is wrong: no times, times that do not increase, numbers that are not finite, or another number of
+    /// values than the key frames need.
+    pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, between: Between) -> Result<Self, &'static str> {
+        let each = if between == Between::Cubic { 3 } else { 1 };
+        let numbers = || times_s.iter().chain(values.iter().flatten());
+        if times_s.is_empty() || times_s.len().checked_mul(each) != Some(values.len()) {
+            return Err("does not have as many values as its key frames need");
+        }
+        if !numbers().all(|v| v.is_finite()) {
+            return Err("has numbers that are not finite");
+        }
+        if times_s.windows(2).any(|pair| pair[1] <= pair[0]) {
+            return Err("has times that do not increase");
+        }
+        Ok(Self { times_s, values, between })
+    }
+
+    fn ends(&self) -> [f32; 2] {
+        [self.times_s[0], self.times_s[self.times_s.len() - 1]]
+    }
+
+    /// The value at a time; before the first key frame that of the first, behind the last that of the last.
+    fn at(&self, time_s: f32) -> [f64; N] {
+        let cubic = self.between == Between::Cubic;
+        let value = |k: usize, part: usize| self.values[if cubic { 3 * k + part } else { k }].map(f64::from);
+        let last = self.times_s.len() - 1;
+        let behind = self.times_s.partition_point(|t| *t <= time_s);
+        let Some(first) = behind.checked_sub(1) else { return value(0, 1) };
+        if first == last || self.between == Between::Step {
+            return value(first, 1);
+        }
+        let [begin, end] = [first, first + 1].map(|k| f64::from(self.times_s[k]));
+        let s = (f64::from(time_s) - begin) / (end - begin);
+        let (from, to) = (value(first, 1), value(first + 1, 1));
+        if cubic {
+            let (out, into) = (value(first, 2), value(first + 1, 0));
+            let (s2, s3, step) = (s * s, s * s * s, end - begin);
+            let mixed = |i: usize| {
+                (2.0 * s3 - 3.0 * s2 + 1.0) * from[i]
+                    + step * (s3 - 2.0 * s2 + s) * out[i]
+                    + (3.0 * s2 - 2.0 * s3) * to[i]
+                    + step * (s3 - s2) * into[i]
+            };
+            return std::array::from_fn(mixed);
+        }
+        match (&from[..], &to[..]) {
+            (&[a, b, c, d], &[e, f, g, h]) => {
+                let turn = unit(DQuat::from_xyzw(a, b, c, d)).slerp(unit(DQuat::from_xyzw(e, f, g, h)), s);
+                let parts = turn.to_array();
+                std::array::from_fn(|i| parts[i])
+            }
+            _ => std::array::from_fn(|i| from[i] + s * (to[i] - from[i])),
+        }
+    }
+}
+
+fn unit(turn: DQuat) -> DQuat {
+    if turn.length_squared() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
+}
+
+impl MovingNode {
+    /// A node that nothing changes.
+    pub fn still(rest: Rest) -> Self {
+        Self { rest, offset: None, turn: None, size: None }
+    }
+
+    /// Whether something changes.
+    pub fn moves(&self) -> bool {
+        self.offset.is_some() || self.turn.is_some() || self.size.is_some()
+    }
+
+    /// The times of the first and of the last key frame of everything that changes.
+    fn ends(&self) -> impl Iterator<Item = f32> {
+        let [offset, size] = [&self.offset, &self.size].map(|keys| keys.as_ref().map(|k| k.ends()));
+        let turn = self.turn.as_ref().map(|keys| keys.ends());
+        [offset, size, turn].into_iter().flatten().flatten()
+    }
+
+    fn at(&self, time_s: f32) -> DMat4 {
+        match self.rest {
+            Rest::Matrix(matrix) => matrix,
+            Rest::Parts(offset, turn, size) => {
+                let offset = self.offset.as_ref().map_or(offset, |keys| DVec3::from_array(keys.at(time_s)));
+                let turn = self.turn.as_ref().map_or(turn, |keys| DQuat::from_array(keys.at(time_s)));
+                let size = self.size.as_ref().map_or(size, |keys| DVec3::from_array(keys.at(time_s)));
+                Rest::Parts(offset, turn, size).matrix()
+            }
+        }
+    }
+}
+
+impl Rest {
+    /// From the node's space to its parent's.
+    pub fn matrix(&self) -> DMat4 {
+        match *self {
+            Self::Matrix(matrix) => matrix,
+            Self::Parts(offset, turn, size) => DMat4::from_scale_rotation_translation(size, unit(turn), offset),
+        }
+    }
+}
+
+impl Mover {
+    /// Whether its meshes have a placement throughout, by some times between its first and its last key frame.
+    pub fn is_placed(&self) -> bool {
+        let ends = self.nodes.iter().flat_map(MovingNode::ends);
+        let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+        let looks = 16;
+        (0..=looks).all(|k| self.at(first + (last - first) * (k as f32 / looks as f32)).is_some())
+    }
+
+    /// Where its meshes are placed at a time, seen from where they stand in the scene; `None` if that is no placement, as where a
+    /// size differs between axes.
+    pub fn at(&self, time_s: f32) -> Option<Placement> {
+        let to_world = self.nodes.iter().fold(self.root, |matrix, node| matrix * node.at(time_s));
+        placement(&(to_world * self.rest.inverse()))
+    }
+}
+
+/// The placement that a matrix is.
+fn placement(matrix: &DMat4) -> Option<Placement> {
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
+    let size = columns[0].length();
+    let even = columns.iter().all(|c| (c.length() - size).abs() <= 1e-4 * size);
+    let upright =
+        [(0, 1), (1, 2), (2, 0)].iter().all(|(i, j)| columns[*i].dot(columns[*j]).abs() <= 1e-4 * size * size);
+    if !(even && upright && size > 0.0 && matrix.determinant() > 0.0) {
+        return None;
+    }
+    let (_, turn, offset) = matrix.to_scale_rotation_translation();
+    let placement = Placement { turn: turn.as_quat().normalize(), size: size as f32, offset: offset.as_vec3() };
+    placement.is_sound().then_some(placement)
+}
+
+impl Motion {
+    /// Where meshes are placed at a time in seconds: their names and placements. Before its first key frame and behind its last,
+    /// a thing rests.
+    pub fn at(&self, time_s: f32) -> impl Iterator<Item = (&str, Placement)> {
+        self.movers.iter().flat_map(move |mover| {
+            let placement = mover.at(time_s).unwrap_or_default();
+            mover.meshes.iter().map(move |name| (name.as_str(), placement))
+        })
+    }
+
+    /// Applies a matrix of the world to everything.
+    pub(super) fn transform(&mut self, matrix: &DMat4) {
+        for Mover { meshes: _, root, nodes: _, rest } in &mut self.movers {
+            *root = *matrix * *root;
+            *rest = *matrix * *rest;
+        }
+    }
+}
+
+impl Scene {
+    /// Moves the meshes to where a motion has them at a time in seconds.
+    pub fn pose(&mut self, motion: &Motion, time_s: f32) {
+        let placed: Vec<(&str, Placement)> = motion.at(time_s).collect();
+        self.place_meshes(&placed);
+    }
+
+    /// Moves the meshes of some names to where placements have them.
+    pub fn place_meshes(&mut self, placed: &[(&str, Placement)]) {
+        for mesh in &mut self.meshes {
+            if let Some((_, placement)) = placed.iter().find(|(name, p)| *name == mesh.name && *p != Placement::HERE) {
+                mesh.place(placement);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn keys<const N: usize>(times: &[f32], values: &[[f32; N]], between: Between) -> Keys<N> {
+        Keys::new(times.to_vec(), values.to_vec(), between).expect("key frames")
+    }
+
+    #[test]
+    fn key_frames_hold_step_by_step_along_lines_and_along_cubics() {
+        let values = [[0.0, 1.0, 2.0], [4.0, 1.0, 0.0]];
+        let linear = keys(&[1.0, 3.0], &values, Between::Linear);
+        let step = keys(&[1.0, 3.0], &values, Between::Step);
+        assert_eq!([0.0, 1.5, 3.0, 9.0].map(|t| linear.at(t)[0]), [0.0, 1.0, 4.0, 4.0]);
+        assert_eq!([0.0, 1.5, 3.0].map(|t| step.at(t)[0]), [0.0, 0.0, 4.0]);
+        // x² from 0 to 2, whose slopes are 0 and 4.
+        let square = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0; 3]];
+        let cubic = keys(&[0.0, 2.0], &square, Between::Cubic);
+        for x in [0.0, 0.3, 1.0, 1.7] {
+            assert!((cubic.at(x)[0] - f64::from(x * x)).abs() < 1e-6, "{x}");
+        }
+        // Half of the shorter way round, whatever the sign of the quaternion.
+        let half = keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Between::Linear).at(0.5);
+        let turned = DQuat::from_array(half) * DVec3::X;
+        assert!(turned.dot(DVec3::X).abs() < 1e-6, "{turned}");
+    }
+
+    #[test]
+    fn key_frames_that_are_none_are_refused() {
+        let one =
+            |times: &[f32], count: usize, between| Keys::new(times.to_vec(), vec![[1.0; 3]; count], between).err();
+        assert_eq!(one(&[0.0, 1.0], 2, Between::Linear), None);
+        assert!(one(&[0.0, 1.0], 2, Between::Cubic).is_some_and(|why| why.contains("as many values")));
+        assert!(one(&[], 0, Between::Step).is_some());
+        assert!(one(&[1.0, 1.0], 2, Between::Step).is_some_and(|why| why.contains("do not increase")));
+        assert!(one(&[f32::NAN], 1, Between::Step).is_some_and(|why| why.contains("finite")));
+    }
+
+    #[test]
+    fn a_thing_goes_along_with_the_nodes_that_it_hangs_from() {
+        // An arm turns about its foot, and what it holds slides along it.
+        let turn =
+            keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()]], Between::Linear);
+        let slide = keys(&[0.0, 1.0], &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], Between::Linear);
+        let foot = Rest::Parts(DVec3::new(0.0, 0.0, 5.0), DQuat::IDENTITY, DVec3::ONE);
+        let held = Rest::Parts(DVec3::X, DQuat::IDENTITY, DVec3::ONE);
+        let nodes = vec![
+            MovingNode { turn: Some(Arc::new(turn)), ..MovingNode::still(foot) },
+            MovingNode { offset: Some(Arc::new(slide)), ..MovingNode::still(held) },
+        ];
+        let rest = nodes.iter().fold(DMat4::IDENTITY, |m, node| m * node.at(0.0));
+        let mut mover = Mover { meshes: vec!["held".into()], root: DMat4::IDENTITY, nodes, rest };
+        assert_eq!(mover.at(0.0), Some(Placement::HERE));
+        let there = mover.at(1.0).expect("a placement").place(Vec3::new(1.0, 0.0, 5.0));
+        assert!(there.distance(Vec3::new(0.0, 2.0, 5.0)) < 1e-5, "{there}");
+        let mut motion = Motion { name: "wave".into(), movers: vec![mover.clone()] };
+        motion.transform(&DMat4::from_scale(DVec3::splat(2.0)));
+        let there = motion.at(1.0).next().expect("a mesh").1.place(Vec3::new(2.0, 0.0, 10.0));
+        assert!(there.distance(Vec3::new(0.0, 4.0, 10.0)) < 1e-5, "{there}");
+        mover.nodes[1].size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Between::Step)));
+        assert_eq!(mover.at(1.0), None, "a size that differs between axes is no placement");
+    }
+}

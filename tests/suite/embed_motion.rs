@@ -1,0 +1,274 @@
+//! Motion through the door: with it, the history of what moves is that of the laboratory, which knows where things stand.
+
+use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, plain_rooms, triangles_of};
+use crate::common::gpu;
+use ash::vk;
+use glam::{Vec2, Vec3, Vec4Swizzles};
+use ssct::gpu::{Image, Pixels};
+use ssct::methods::setup::{BeyondScreen, HistoryUse};
+use ssct::methods::unified::{First, UnifiedParams};
+use ssct::methods::{EffectParams, Setup, Wants, find};
+use ssct::scene::{Aabb, Camera, Projection, ProjectionKind};
+use ssct::{FrameInput, ImageInput, MotionInput, Reflections, ReflectionsInfo};
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::scene::{GBufferData, Scene, View};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [161, 91];
+
+/// Two floats.
+const WAYS: vk::Format = vk::Format::R32G32_SFLOAT;
+
+/// The parameters of both.
+const PARAMETERS: [(&str, &str); 3] = [("history", "on"), ("history-frames", "8"), ("first", "screen")];
+
+fn setup() -> Setup {
+    Setup::new(EXTENT)
+        .with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 8))
+        .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
+        .with(|p: &mut UnifiedParams| p.first = First::Screen)
+}
+
+/// A frame of a film: what the laboratory drew, and what it made of it.
+struct Moment {
+    data: GBufferData,
+    /// Where the mesh that moves is, and how far it came since the frame before.
+    moved: (Aabb, Vec3),
+    scene: Scene,
+    reflection: Vec<[f32; 3]>,
+}
+
+/// The rooms with another colour for each material.
+fn painted_rooms() -> Scene {
+    let mut scene = plain_rooms();
+    for (n, material) in scene.materials.iter_mut().enumerate() {
+        let part = |step: f32| 0.1 + 0.9 * (step * n as f32).fract();
+        material.albedo = Vec3::new(part(0.618), part(0.382), part(0.271));
+    }
+    scene
+}
+
+/// The camera by its matrix alone, as the door knows it.
+fn by_matrix(camera: &Camera) -> Camera {
+    let clip = camera.view_to_clip_reversed();
+    let (scale, depth) = ([clip.x_axis.x, clip.y_axis.y], [clip.z_axis.z, clip.w_axis.z]);
+    let projection = Projection { kind: ProjectionKind::Perspective, scale, shift: [0.0; 2], depth };
+    Camera::of_projection(camera.world_to_view, projection)
+}
+
+/// The laboratory's film of a mesh of the rooms that moves by `step` in some frames and then rests.
+fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec<Moment> {
+    let gpu = gpu();
+    let scene = painted_rooms();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let mut materials = Globals { roughness: Some(0.1), ..Globals::default() }.materials(&scene, view);
+    materials.iter_mut().for_each(|m| m.reflectivity = 0.5);
+    let camera = by_matrix(&view.camera(&scene, EXTENT));
+    let mut shot =
+        Shot::new(&mut stage, find("unified").unwrap(), &setup(), Wants::REFLECTION, camera, materials).unwrap();
+    shot.camera = camera;
+    let mut made = Vec::new();
+    for n in 0..=moving + resting {
+        let offset = step * n.min(moving) as f32;
+        stage.scene_mut().place_meshes(name, offset).unwrap();
+        let (_, _, output) = stage.output(&shot).unwrap();
+        let image = gbuffer::reflection(&mut stage.context, &output).unwrap();
+        let mut placed = scene.clone();
+        placed.meshes.iter_mut().filter(|m| m.name == name).for_each(|m| m.translate(offset));
+        let bounds = placed.meshes.iter().filter(|m| m.name == name).fold(Aabb::default(), |b, m| b.union(m.bounds));
+        made.push(Moment {
+            data: gbuffer::read(&mut stage.context, &shot).unwrap(),
+            moved: (bounds, if (1..=moving).contains(&n) { step } else { Vec3::ZERO }),
+            scene: placed,
+            reflection: colors(&image),
+        });
+    }
+    gpu.check_validation().unwrap();
+    made
+}
+
+fn colors(image: &Pixels) -> Vec<[f32; 3]> {
+    image.texels().map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+/// The place that each pixel shows.
+fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
+    let to_clip = data.camera.view_to_clip_reversed() * data.camera.world_to_view;
+    let place = move |(i, depth): (usize, &f32)| {
+        let pixel = Vec2::new((i as u32 % data.width) as f32 + 0.5, (i as u32 / data.width) as f32 + 0.5);
+        let ndc = (pixel / size() * 2.0 - 1.0) * Vec2::new(1.0, -1.0);
+        (pixel, to_clip.inverse().project_point3(ndc.extend(depth.max(1e-6))))
+    };
+    data.depth.iter().enumerate().map(place)
+}
+
+fn size() -> Vec2 {
+    Vec2::from(EXTENT.map(|side| side as f32))
+}
+
+/// Which pixels show the mesh that moves.
+fn shows(moment: &Moment) -> Vec<bool> {
+    let inside = moment.moved.0.grown(0.01);
+    let is_in = |place: Vec3| place.cmpge(inside.min).all() && place.cmple(inside.max).all();
+    places(&moment.data).map(|(_, place)| is_in(place)).collect()
+}
+
+/// For each pixel, the way from where its surface is seen to where it was seen, in pixels.
+fn ways(moment: &Moment) -> Vec<Vec2> {
+    let to_clip = moment.data.camera.view_to_clip_reversed() * moment.data.camera.world_to_view;
+    let way = |((pixel, place), moves): ((Vec2, Vec3), bool)| {
+        let before = to_clip * (if moves { place - moment.moved.1 } else { place }).extend(1.0);
+        (before.xy() / before.w * Vec2::new(1.0, -1.0) + 1.0) * 0.5 * size() - pixel
+    };
+    places(&moment.data).zip(shows(moment)).map(way).collect()
+}
+
+/// What the door makes of a film, with ways that are stored in a scale or without.
+fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let context = engine.context();
+    let first = triangles_of(&engine, &film[0].scene);
+    let with = ReflectionsInfo { triangles: Some(&first), parameters: &PARAMETERS, ..info(&film[0].data, "unified") };
+    let mut reflections = Reflections::new(&context, &with).unwrap();
+    let mut made = Vec::new();
+    for moment in film {
+        let theirs = Theirs::new(&mut engine, &moment.data, NATIVE);
+        let triangles = triangles_of(&engine, &moment.scene);
+        // Where nothing moves, no motion is given.
+        let scale = scale.filter(|_| moment.moved.1 != Vec3::ZERO);
+        let image = scale.map(|[x, y]| {
+            let stored: Vec<[f32; 2]> = ways(moment).iter().map(|way| [way.x / x, way.y / y]).collect();
+            engine.upload(WAYS, EXTENT, bytemuck::cast_slice(&stored))
+        });
+        let motion = image.as_ref().zip(scale).map(|(image, scale)| motion(image, scale));
+        let input = FrameInput { triangles: Some(&triangles), motion, ..theirs.input() };
+        let recorded = engine.frame(&mut reflections, &input).unwrap();
+        made.push(engine.read(&recorded.reflection.unwrap()));
+    }
+    gpu.check_validation().unwrap();
+    made
+}
+
+fn motion(image: &Image, scale: [f32; 2]) -> MotionInput {
+    let image = ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
+    MotionInput { image, scale, jittered: false }
+}
+
+/// How far the door's film is off the laboratory's in a frame, where the screen shows what moves.
+fn off(film: &[Moment], made: &[Pixels], frame: usize) -> f64 {
+    let mask = shows(&film[frame]);
+    assert!(mask.iter().filter(|m| **m).count() > 30, "nothing that moves is seen");
+    masked_rmse(&film[frame].reflection, &colors(&made[frame]), &mask)
+}
+
+#[test]
+fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
+    let scene = painted_rooms();
+    let view = scene.view("corridor").unwrap().clone();
+    let film = film(&view, "ball", Vec3::new(-0.06, 0.0, -0.06), [6, 6]);
+    let [with, without] = [Some([1.0, 1.0]), None].map(|scale| through_the_door(&film, scale));
+    let mean = |made: &[Pixels]| (1..film.len()).map(|n| off(&film, made, n)).sum::<f64>() / (film.len() - 1) as f64;
+    let [off_with, off_without] = [mean(&with), mean(&without)];
+    println!("{off_with:.4} off with motion, {off_without:.4} without");
+    assert!(off_with < 0.5 * off_without, "{off_with} with motion, {off_without} without");
+    // Where nothing but the rolling ball is in doubt, it is the same.
+    let [rolls, alone] = [&with, &without].map(|made| off(&film, made, 3));
+    assert!(rolls < 1e-3 && alone > 0.05, "{rolls} with motion, {alone} without");
+    // Whatever way round and in whatever unit it is stored.
+    let scaled = through_the_door(&film[..6], Some([-2.0, 0.5]));
+    assert!(bits(&scaled[5]) == bits(&with[5]));
+}
+
+#[test]
+fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = crate::common::engine::view_of_rooms(&gpu, [32, 24]);
+    let context = engine.context();
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let with = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
+    let mut reflections = Reflections::new(&context, &with).unwrap();
+    let still = vec![[f32::NAN; 2]; 32 * 24];
+    let image = engine.upload(WAYS, [32, 24], bytemuck::cast_slice(&still));
+    let good = motion(&image, [1.0, 1.0]);
+    let mut refused = |change: &dyn Fn(&mut MotionInput), words: &str| {
+        let mut motion = good;
+        change(&mut motion);
+        let input = FrameInput { motion: Some(motion), ..theirs.input() };
+        let said = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(said.contains(words), "{words}: {said:?}");
+    };
+    refused(&|m| m.image.extent = [32, 25], "the input motion is 32x25 pixels; it must be 32x24");
+    refused(
+        &|m| m.image.format = vk::Format::R32_SFLOAT,
+        "the input motion has the format R32_SFLOAT, which has no green",
+    );
+    refused(&|m| m.image.format = vk::Format::R16G16_UNORM, "holds no number below 0");
+    refused(&|m| m.image.format = vk::Format::R16G16_SINT, "floats");
+    refused(&|m| m.scale = [1.0, 0.0], "the input motion has the scale [1.0, 0.0]");
+    refused(&|m| m.scale = [f32::NAN, 1.0], "finite");
+    // Ways that are no numbers move nothing.
+    let input = FrameInput { motion: Some(good), ..theirs.input() };
+    for _ in 0..3 {
+        let recorded = engine.frame(&mut reflections, &input).unwrap();
+        let reflection = engine.read(&recorded.reflection.unwrap());
+        assert!(reflection.values.iter().all(|v| v.is_finite()));
+    }
+    gpu.check_validation().unwrap();
+}
+
+/// A projection that is jittered from frame to frame, before which nothing moves.
+#[test]
+fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
+    let gpu = gpu();
+    let scene = painted_rooms();
+    let view = scene.view("corridor").unwrap().clone();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.1), ..Globals::default() }.materials(&scene, &view);
+    let still = by_matrix(&view.camera(&scene, EXTENT));
+    let shifts = [Vec2::ZERO, Vec2::new(3.0, -2.0), Vec2::new(-2.0, 1.0), Vec2::new(1.0, 3.0)];
+    let shifted = |pixels: Vec2| {
+        let mut camera = still;
+        let clip = camera.view_to_clip_reversed();
+        let (scale, depth) = ([clip.x_axis.x, clip.y_axis.y], [clip.z_axis.z, clip.w_axis.z]);
+        let shift = [2.0 * pixels.x / EXTENT[0] as f32, -2.0 * pixels.y / EXTENT[1] as f32];
+        camera = Camera::of_projection(
+            camera.world_to_view,
+            Projection { kind: ProjectionKind::Perspective, scale, shift, depth },
+        );
+        camera
+    };
+    let mut shot =
+        Shot::new(&mut stage, find("unified").unwrap(), &Setup::new(EXTENT), Wants::IMAGE, still, materials).unwrap();
+    let frames: Vec<GBufferData> = shifts
+        .iter()
+        .map(|shift| {
+            shot.camera = shifted(*shift);
+            stage.draw(&shot).unwrap();
+            gbuffer::read(&mut stage.context, &shot).unwrap()
+        })
+        .collect();
+    let mut engine = Engine::new(&gpu);
+    let context = engine.context();
+    let mut show = |held: bool, jittered: bool| {
+        let with = ReflectionsInfo { parameters: &PARAMETERS[..2], ..info(&frames[0], "unified") };
+        let mut reflections = Reflections::new(&context, &with).unwrap();
+        let mut last = None;
+        for (n, data) in frames.iter().enumerate() {
+            let theirs = Theirs::new(&mut engine, data, NATIVE);
+            let difference = if held && n > 0 { shifts[n - 1] - shifts[n] } else { Vec2::ZERO };
+            let ways = vec![difference.to_array(); data.depth.len()];
+            let image = engine.upload(WAYS, EXTENT, bytemuck::cast_slice(&ways));
+            let motion = MotionInput { jittered, ..motion(&image, [1.0, 1.0]) };
+            let input = FrameInput { motion: Some(motion), ..theirs.input() };
+            let recorded = engine.frame(&mut reflections, &input).unwrap();
+            last = Some(engine.read(&recorded.reflection.unwrap()));
+        }
+        bits(&last.unwrap())
+    };
+    let [without, with, wrong] = [(false, false), (true, true), (true, false)].map(|(held, said)| show(held, said));
+    assert!(without == with, "the difference of the jitter is taken into account");
+    assert!(without != wrong, "and it counts");
+    gpu.check_validation().unwrap();
+}

@@ -1,0 +1,126 @@
+//! Motions: animations of glTF files, and those that scene files name.
+
+use super::gltf::{Square, scene, sentences};
+use super::*;
+use glam::Quat;
+use serde_json::{Value, json};
+use ssct_lab::scene::{Motion, scene_file};
+use std::f32::consts::FRAC_1_SQRT_2;
+
+/// The square as it hangs from an arm: `channels` are node, path, interpolation and the numbers of a key frame at 0 s and at 1 s.
+fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
+    let mut square = Square::new();
+    square.floats("SCALAR", &[0.0, 1.0]);
+    let (mut samplers, mut list) = (Vec::new(), Vec::new());
+    for (node, path, between, values) in channels {
+        square.floats(if *path == "rotation" { "VEC4" } else { "VEC3" }, values);
+        samplers.push(json!({"input": 4, "output": square.accessors.len() - 1, "interpolation": between}));
+        list.push(json!({"sampler": list.len(), "target": {"node": node, "path": path}}));
+    }
+    let mut document = square.document(json!({}));
+    document["scenes"] = json!([{"nodes": [2, 1]}]);
+    document["nodes"] = json!([
+        {"mesh": 0, "name": "square", "translation": [1, 0, 0]},
+        {"mesh": 0, "name": "square"},
+        {"name": "arm", "children": [0], "translation": [0, 5, 0]},
+    ]);
+    document["animations"] = json!([{"name": "wave", "samplers": samplers, "channels": list}]);
+    document
+}
+
+/// Where the lower left corner of the square that moves is at a time; in the file it is at (1, 5, 0).
+fn corner(scene: &Scene, time_s: f32) -> Vec3 {
+    let moved: Vec<_> = scene.motions[0].at(time_s).collect();
+    assert_eq!(moved.len(), 1, "one of the two squares moves");
+    assert_eq!(moved[0].0, "square");
+    moved[0].1.place(Vec3::new(1.0, 5.0, 0.0))
+}
+
+#[test]
+fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
+    let none = [0.0; 3];
+    let quarter = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+    // A spline with slopes of 0 at both ends is half way in the middle.
+    let spline = [none, [1.0, 0.0, 0.0], none, none, [3.0, 0.0, 0.0], none].concat();
+    let steps = [[1.0; 3], [2.0; 3]].concat();
+    let moved = scene(&animated(&[
+        (2, "rotation", "LINEAR", &quarter),
+        (0, "translation", "CUBICSPLINE", &spline),
+        (2, "scale", "STEP", &steps),
+    ]));
+    assert!(sentences(&moved).is_empty(), "{:?}", sentences(&moved));
+    assert_eq!(moved.meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["square", "square 2"]);
+    let turned =
+        |degrees: f32, way: f32| Vec3::new(0.0, 5.0, 0.0) + Quat::from_rotation_z(degrees.to_radians()) * Vec3::X * way;
+    // The file is right-handed, and its x and y stay.
+    for (time_s, expected) in
+        [(-1.0, turned(0.0, 1.0)), (0.5, turned(45.0, 2.0)), (1.0, turned(90.0, 6.0)), (7.0, turned(90.0, 6.0))]
+    {
+        let at = corner(&moved, time_s);
+        assert!(at.distance(expected) < 1e-4, "{time_s} s: {at} instead of {expected}");
+    }
+    let mut posed = moved.clone();
+    posed.pose(&moved.motions[0], 1.0);
+    let mesh = posed.meshes.iter().find(|m| m.name == "square").unwrap();
+    assert!(mesh.bounds.min.distance(Vec3::new(-2.0, 11.0, 0.0)) < 1e-4, "{:?}", mesh.bounds);
+    assert!(mesh.bounds.max.distance(Vec3::new(0.0, 15.0, 0.0)) < 1e-4, "{:?}", mesh.bounds);
+    assert_eq!(
+        posed.meshes.iter().find(|m| m.name == "square 2").unwrap().bounds,
+        moved.meshes.iter().find(|m| m.name == "square 2").unwrap().bounds
+    );
+    // Everything is as much larger, and so is the way.
+    let mut doubled = moved.clone();
+    doubled.scale(2.0);
+    let at = doubled.motions[0].at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
+    assert!(at.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{at}");
+}
+
+#[test]
+fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
+    let said = |document: &Value| sentences(&scene(document)).join("; ");
+    let uneven = animated(&[(0, "scale", "LINEAR", &[1.0, 1.0, 1.0, 1.0, 2.0, 1.0])]);
+    assert_eq!(said(&uneven), "square stands still: a size that changes along one axis alone is not supported");
+    let few = animated(&[(0, "translation", "CUBICSPLINE", &[0.0; 6])]);
+    assert_eq!(
+        said(&few),
+        "animation wave was left out: its channel 0 does not have as many values as its key frames need"
+    );
+    let other = animated(&[(0, "translation", "BEZIER", &[0.0; 6])]);
+    assert!(said(&other).contains("channel 0 has an interpolation that is not one of glTF"));
+    for document in [uneven, few, other] {
+        assert!(scene(&document).motions.is_empty());
+    }
+}
+
+const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
+
+fn of_file(text: &str) -> ssct::error::Result<Scene> {
+    let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
+    folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
+    scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())
+}
+
+#[test]
+fn scene_files_name_motions() {
+    let keys = "[[motion.fly.key]]\ntime = 1\n[[motion.fly.key]]\ntime = 2\noffset = [0, 2, 0]\nturn_deg = 90\n";
+    let scene =
+        of_file(&format!("[motion.fly]\nmesh = \"flag\"\npivot = [0, 0, 0]\naxis = [0, 0, 2]\n{keys}")).unwrap();
+    let Motion { name, .. } = &scene.motions[0];
+    assert_eq!(name, "fly");
+    let at = |time_s: f32| scene.motions[0].at(time_s).next().unwrap().1.place(Vec3::X);
+    assert!(at(0.5).distance(Vec3::X) < 1e-6, "{}", at(0.5));
+    let half = Quat::from_rotation_z(45f32.to_radians()) * Vec3::X + Vec3::Y;
+    assert!(at(1.5).distance(half) < 1e-5, "{}", at(1.5));
+    assert!(at(3.0).distance(3.0 * Vec3::Y) < 1e-5, "{}", at(3.0));
+    let refused = |text: &str, words: &str| {
+        let said = of_file(text).unwrap_err().to_string();
+        assert!(said.contains(words), "{words}: {said}");
+    };
+    refused("[motion.fly]\nmesh = \"fag\"\n", "4: motion fly moves \"fag\", and no mesh has this name");
+    refused("[motion.fly]\nmesh = \"flag\"\n", "motion fly does not have as many values as its key frames need");
+    refused("[motion.fly]\nmesh = \"flag\"\naxis = [0, 0, 0]\n", "5: axis must not be zero");
+    let turned = format!("[motion.fly]\nmesh = \"flag\"\n{}", keys.replace("90", "180"));
+    refused(&turned, "turn_deg must change by less than 180");
+    let back = format!("[motion.fly]\nmesh = \"flag\"\n{}", keys.replace("time = 2", "time = 1"));
+    refused(&back, "motion fly has times that do not increase");
+}
