@@ -300,6 +300,7 @@ impl Frame<'_> {
             captures: None,
             triangles,
             triangle_numbers: None,
+            motion: None,
             timed: false,
             outputs: resource(HALF),
         };
