@@ -1,5 +1,5 @@
-//! A hall whose floor is a mirror and whose other surfaces are unlit, so that the truth of each reflection is known: the colour of
-//! the place that it shows. Each place of a surface has a colour of its own.
+//! A hall whose floor reflects and whose other surfaces are unlit, so that the truth of a mirror is known: the colour of the
+//! place that it shows. Each place of a surface has a colour of its own.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::Exposure;
@@ -23,6 +23,10 @@ struct Thing {
     transform: Transform,
     colors: Option<[LinearRgba; 2]>,
 }
+
+/// Perceptual roughness of the floor; 0 is a mirror.
+#[derive(Resource)]
+pub struct FloorRoughness(pub f32);
 
 /// The ball that the example moves.
 #[derive(Component)]
@@ -101,13 +105,14 @@ pub fn spawn(
     mut commands: Commands,
     (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
     mut materials: ResMut<Assets<StandardMaterial>>,
+    floor: Res<FloorRoughness>,
 ) {
     let list = things(false);
     let last = list.len() - 1;
     for (number, Thing { mesh, transform, colors }) in list.into_iter().enumerate() {
         let material = match colors {
             None => {
-                StandardMaterial { base_color: Color::WHITE, metallic: 1.0, perceptual_roughness: 0.0, ..default() }
+                StandardMaterial { base_color: Color::WHITE, metallic: 1.0, perceptual_roughness: floor.0, ..default() }
             }
             Some(colors) => StandardMaterial {
                 base_color: Color::WHITE,

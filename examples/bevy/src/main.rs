@@ -3,7 +3,8 @@
 //!
 //! ```sh
 //! cargo run -- out.png [OPTION…]
-//! #   --with ssct|screen|traced|bevy|bevy-steps|nothing   who reflects
+//! #   --with ssct|screen|traced|history|bevy|bevy-steps|nothing   who reflects
+//! #   --roughness 0.2                                      perceptual roughness of the floor; the figures are of mirrors
 //! #   --size 640x360, --frames 12                          the picture, and frames before it is taken
 //! #   --moved                                              the ball moves before the last frames
 //! #   --images FOLDER                                      what goes in and comes out of the last frame, as 32-bit floats
@@ -40,6 +41,7 @@ struct Options {
     images: Option<PathBuf>,
     truth: Option<PathBuf>,
     has_sky: bool,
+    roughness: f32,
 }
 
 /// The picture as it came back, in halves.
@@ -86,6 +88,7 @@ fn options() -> Result<Options> {
         images: None,
         truth: None,
         has_sky: true,
+        roughness: 0.0,
     };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -96,6 +99,7 @@ fn options() -> Result<Options> {
             "--frames" => options.frames = value()?.parse()?,
             "--images" => options.images = Some(value()?.into()),
             "--truth" => options.truth = Some(value()?.into()),
+            "--roughness" => options.roughness = value()?.parse()?,
             "--moved" => options.has_moved = true,
             "--no-sky" => options.has_sky = false,
             name if name.starts_with("--") => return Err(format!("there is no option {name}").into()),
@@ -119,11 +123,12 @@ fn app(options: &Options) -> Result<App> {
     };
     let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
     app.add_plugins((DefaultPlugins.set(window).set(render), RenderDiagnosticsPlugin));
-    if matches!(options.with.as_str(), "ssct" | "screen" | "traced") {
+    if matches!(options.with.as_str(), "ssct" | "screen" | "traced" | "history") {
         app.add_plugins(SsctPlugin);
     }
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     app.insert_resource(GlobalAmbientLight::NONE);
+    app.insert_resource(hall::FloorRoughness(options.roughness));
     app.init_resource::<Shown>();
     app.add_systems(Startup, hall::spawn);
     Ok(app)
@@ -160,6 +165,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
             entity.insert(SsctReflections { world: false, parameters: vec![("fade".into(), "off".into())], ..ours })
         }
         "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ours }),
+        "history" => entity.insert(SsctReflections { history: true, ..ours }),
         "bevy" => entity.insert(own),
         "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..own }),
         "nothing" => {

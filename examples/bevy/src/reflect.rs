@@ -126,8 +126,8 @@ struct Built {
 struct Viewed {
     settings: SsctReflections,
     reflections: ssct::Reflections,
-    /// The reflection that `reflections` make, which stays the same.
-    reflection: Option<Picture>,
+    /// The images that `reflections` make: the same one in every frame, or two in turn with a history.
+    made: Vec<(ash::vk::Image, Picture)>,
     normal: Picture,
     material: Picture,
     depth: Option<Picture>,
@@ -308,11 +308,12 @@ impl Frame<'_> {
         // SAFETY: the command buffer is recording outside rendering, and is submitted after what it reads, in the order of
         // frames; the frame with the same slot is done.
         let recorded = unsafe { in_raw(&mut raw, |commands| reflections.record(commands, &frame_input)) }??;
-        if viewed.reflection.is_none() {
-            let made = recorded.reflection.ok_or("the reflection was asked for")?;
-            viewed.reflection = Some(passes::adopt(device, &made)?);
+        let made = recorded.reflection.ok_or("the reflection was asked for")?;
+        let known = viewed.made.iter().position(|(image, _)| *image == made.image);
+        if known.is_none() {
+            viewed.made.push((made.image, passes::adopt(device, &made)?));
         }
-        let reflection = viewed.reflection.as_ref().ok_or("made above")?;
+        let (_, reflection) = &viewed.made[known.unwrap_or(viewed.made.len() - 1)];
         ctx.add_command_buffer(raw.finish());
 
         let encoder = ctx.command_encoder();
@@ -400,7 +401,7 @@ impl Viewed {
         Ok(Self {
             settings: settings.clone(),
             reflections: ssct::Reflections::new(context, &info)?,
-            reflection: None,
+            made: Vec::new(),
             normal: picture(device, "ssct normal", extent, HALF),
             material: picture(device, "ssct material", extent, PAIR),
             depth: None,

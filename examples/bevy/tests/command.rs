@@ -120,6 +120,8 @@ fn mirrors_show_the_world_and_what_moved_in_it() {
         line
     });
     let bevy = example(&folder, &["out.png", "--with", "bevy"]);
+    // A history shows two images in turn.
+    example(&folder, &["out.png", "--with", "history", "--roughness", "0.25"]);
     for line in [still, moved] {
         assert!(number(&line, "rmse") < 0.5 * number(&bevy, "rmse"), "{line}, {bevy}");
     }
