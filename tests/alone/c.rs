@@ -51,7 +51,7 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     // What the documentation shows compiles, and C++ reads the header.
     let page = std::fs::read_to_string(repository().join("docs/embedding.md")).unwrap();
     let blocks: Vec<_> = page.split("\n```c\n").skip(1).filter_map(|rest| rest.split("\n```").next()).collect();
-    assert_eq!(blocks.len(), 5, "the three steps, triangles, and their textures");
+    assert_eq!(blocks.len(), 6, "the three steps, motion, triangles, and their textures");
     let shown = format!("#include <ssct.h>\n#include <stdio.h>\n\n{}\n", blocks.join("\n\n"));
     std::fs::write(folder.join("shown.c"), shown).unwrap();
     let mut c = Command::new("cc");

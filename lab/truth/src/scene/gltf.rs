@@ -1,13 +1,12 @@
 //! Loads scenes from glTF 2.0, as `.gltf` with its files or as `.glb`.
 //!
 //! [`load`] reads a file into a [`Scene`]. The submodules are the stages: `data` finds buffers and images and reads
-//! accessors, `animations` makes motions of them, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras and lights, `materials`
+//! accessors, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras, lights and motions, `materials`
 //! turns metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a
 //! material.
 //!
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
-mod animations;
 mod data;
 mod document;
 mod geometry;

@@ -1,10 +1,12 @@
 //! Walks the tree of nodes: places meshes, cameras and lights in the world.
 
+mod animations;
+
 use super::data::Data;
 use super::geometry::{self, Tally};
 use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
-use super::{Notes, animations, materials};
+use super::{Notes, materials};
 use crate::error::Result;
 use crate::math::constants;
 use crate::scene::assemble::{self, MeshPart};

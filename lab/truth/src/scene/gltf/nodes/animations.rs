@@ -1,9 +1,9 @@
 //! Animations of nodes: translation, rotation and scale, as motions of the scene. A faulty one is left out with a sentence,
 //! since a scene stands without it.
 
-use super::Notes;
-use super::data::Data;
-use super::nodes::Nodes;
+use super::Nodes;
+use crate::scene::gltf::Notes;
+use crate::scene::gltf::data::Data;
 use crate::scene::motion::{Between, Keys, Motion, Mover, MovingNode, Rest};
 use crate::scene::{Mesh, bounded};
 use glam::{DMat4, DQuat, DVec3};
