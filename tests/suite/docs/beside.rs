@@ -58,7 +58,8 @@ pub fn billboard_blurs(folder: &Path) -> Result<String> {
     for blur in ["none", "roughness", "distance"] {
         let mut row = vec![format!("`{blur}`")];
         for scene in ["street", "museum"] {
-            let records = json(&folder.join(blur).join(scene), "error.json")?;
+            let mut records = json(&folder.join(blur), "error.json")?;
+            records.retain(|record| record["scene"] == scene);
             for roughness in ["0.1", "0.3"] {
                 row.push(format!("{:.4}", median(&figures(&records, "billboard", "world", roughness, "rmse"))?));
             }
