@@ -4,13 +4,23 @@
 //! tile.
 
 use glam::{IVec2, Vec2};
-use std::array::from_fn;
 
 /// A hash of a lattice point: three odd multipliers, followed by MurmurHash3's 32-bit finaliser.
 fn hash(at: IVec2, seed: u32) -> u32 {
-    let mut h = (at.x as u32).wrapping_mul(0x9E37_79B1)
-        ^ (at.y as u32).wrapping_mul(0x85EB_CA77)
-        ^ seed.wrapping_mul(0xC2B2_AE3D);
+    finish(column(at.x) ^ row(at.y, seed))
+}
+
+/// The part of a hash that all points of a column share.
+fn column(x: i32) -> u32 {
+    (x as u32).wrapping_mul(0x9E37_79B1)
+}
+
+/// The part of a hash that all points of a row share.
+fn row(y: i32, seed: u32) -> u32 {
+    (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D)
+}
+
+fn finish(mut h: u32) -> u32 {
     h ^= h >> 16;
     h = h.wrapping_mul(0x85EB_CA6B);
     h ^= h >> 13;
@@ -20,7 +30,11 @@ fn hash(at: IVec2, seed: u32) -> u32 {
 
 /// A pseudo-random number, 0 ≤ u < 1, for a lattice point.
 pub fn unit(at: IVec2, seed: u32) -> f32 {
-    (hash(at, seed) >> 8) as f32 / 16_777_216.0
+    unit_of(hash(at, seed))
+}
+
+fn unit_of(hash: u32) -> f32 {
+    (hash >> 8) as i32 as f32 / 16_777_216.0
 }
 
 /// 0 below `low`, 1 above `high`, smooth between.
@@ -31,18 +45,36 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
 pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
-    let cell = at.floor();
-    let f = at - cell;
-    let f = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    let near = cell.as_ivec2().rem_euclid(period);
-    // The next lattice point is one further, and the first again after the last.
-    let far = (near + 1) * IVec2::from((near + 1).cmpne(period));
+    let [(x, fx), (y, fy)] = [split(at.x), split(at.y)];
+    let [(left, right), (lower, upper)] = [neighbours(x, period.x), neighbours(y, period.y)];
+    let columns = [column(left), column(right)];
     let along = |y: i32| {
-        let [left, right] = [near.x, far.x].map(|x| unit(IVec2::new(x, y), seed));
-        left + (right - left) * f.x
+        let row = row(y, seed);
+        let [left, right] = columns.map(|column| unit_of(finish(column ^ row)));
+        left + (right - left) * fx
     };
-    let [lower, upper] = [along(near.y), along(far.y)];
-    lower + (upper - lower) * f.y
+    let [lower, upper] = [along(lower), along(upper)];
+    lower + (upper - lower) * fy
+}
+
+/// The lattice point below a coordinate, and the weight of the next one. Without `f32::floor`, which is a call on
+/// processors that may lack SSE 4.1; patterns are made of millions of these.
+fn split(x: f32) -> (i32, f32) {
+    let towards_zero = x as i32;
+    let cell = towards_zero - i32::from(towards_zero as f32 > x);
+    let f = x - cell as f32;
+    (cell, f * f * f * (f * (f * 6.0 - 15.0) + 10.0))
+}
+
+/// A lattice coordinate within the period. Most are already, and a division takes longer than all else here.
+fn wrapped(cell: i32, period: i32) -> i32 {
+    if (0..period).contains(&cell) { cell } else { cell.rem_euclid(period) }
+}
+
+/// A lattice point and the next one within the period: one further, and the first again after the last.
+fn neighbours(cell: i32, period: i32) -> (i32, i32) {
+    let near = wrapped(cell, period);
+    (near, if near + 1 == period { 0 } else { near + 1 })
 }
 
 /// Sum of octaves of [`value`], each with twice the frequency and half the weight of the previous; 0…1.
@@ -70,16 +102,19 @@ pub struct VoronoiCell {
 /// cell, as in masonry. `jitter` is 0…1; `period.y` must be even.
 pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
     let row = (at.y / cell_size.y).floor() as i32;
-    let centre = |ix: i32, iy: i32| {
-        let id = IVec2::new(ix, iy).rem_euclid(period);
-        let shift = if iy.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
-        let random = Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5;
-        let middle = Vec2::new(ix as f32 + 0.5 + shift, iy as f32 + 0.5);
-        (id, (middle + random * jitter) * cell_size)
-    };
     let column = (at.x / cell_size.x).floor() as i32;
     // The sites of two rows above and below; of a shifted row, one more to the left than to the right.
-    let around: [[_; 6]; 5] = from_fn(|j| from_fn(|i| centre(column + i as i32 - 3, row + j as i32 - 2)));
+    let mut around = [[(IVec2::ZERO, Vec2::ZERO); 6]; 5];
+    for (iy, sites) in (row - 2..).zip(&mut around) {
+        let shift = if iy & 1 == 1 { 0.5 } else { 0.0 };
+        let y = wrapped(iy, period.y);
+        for (ix, site) in (column - 3..).zip(sites) {
+            let id = IVec2::new(wrapped(ix, period.x), y);
+            let random = Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5;
+            let middle = Vec2::new(ix as f32 + 0.5 + shift, iy as f32 + 0.5);
+            *site = (id, (middle + random * jitter) * cell_size);
+        }
+    }
     let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
     for (id, point) in around[1..4].iter().flat_map(|row| &row[1..5]) {
         let distance = point.distance_squared(at);

@@ -217,7 +217,7 @@ pub fn images(pattern: Pattern) -> (Texture, Texture) {
             pattern.sample((texel + 0.5) / SIZE as f32)
         })
         .collect();
-    let albedo = samples.iter().flat_map(|s| rgba(s.albedo.map(srgb_from_linear))).collect();
+    let albedo = samples.par_iter().flat_map_iter(|s| rgba(s.albedo.map(srgb_from_linear))).collect();
     let texel_m = pattern.size_m() / SIZE as f32;
     let normal =
         (0..SIZE * SIZE).into_par_iter().flat_map_iter(|k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5)).collect();
