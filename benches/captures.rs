@@ -13,6 +13,7 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::RAY_START_M;
@@ -55,11 +56,6 @@ fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len(
     COUNTS.map(|count| needed.iter().flatten().filter(|k| **k <= count).count() as f64 / all)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-}
-
 fn measure(scene: &Scene) {
     let start = Instant::now();
     let placed = place(scene, Wanted::Count(8));
@@ -73,7 +69,7 @@ fn measure(scene: &Scene) {
     };
     let all: Vec<_> = scene.views.iter().map(|view| (&view.name, shares(scene, view, &placed.captures))).collect();
     all.iter().for_each(|(name, shares)| row(name, shares));
-    row("median", &std::array::from_fn(|k| median(all.iter().map(|(_, shares)| shares[k]).collect())));
+    row("median", &std::array::from_fn(|k| median_of(all.iter().map(|(_, shares)| shares[k]))));
 }
 
 fn main() {

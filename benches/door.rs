@@ -13,11 +13,12 @@
 #[path = "../tests/common/engine.rs"]
 mod engine;
 
-use engine::{Engine, NATIVE, Theirs};
+use engine::{Engine, NATIVE, Theirs, counted};
 use ssct::gpu::frame::Mode;
-use ssct::gpu::{DeviceQuery, Gpu, PassTime};
+use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, Reflections, ReflectionsInfo};
+use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::scene::library;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
@@ -26,16 +27,6 @@ const WARMUP: usize = 2;
 const SIZE: [u32; 2] = [960, 540];
 /// `None` for the materials of the scene, which differ from pixel to pixel.
 const ROUGHNESS: [Option<f32>; 3] = [None, Some(0.0), Some(0.1)];
-
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<_> = values.into_iter().collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-fn counted(passes: &[PassTime]) -> f64 {
-    passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
-}
 
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
@@ -73,8 +64,8 @@ fn main() {
                         pairs.push([counted(&report.passes), counted(&door), door[0].ms]);
                     }
                 }
-                let [command, door, import] = [0, 1, 2].map(|i| median(pairs.iter().map(|p| p[i])));
-                let ratio = median(pairs.iter().map(|p| p[1] / p[0]));
+                let [command, door, import] = [0, 1, 2].map(|i| median_of(pairs.iter().map(|p| p[i])));
+                let ratio = median_of(pairs.iter().map(|p| p[1] / p[0]));
                 let (name, view) = (method.name, &view.name);
                 let of = roughness.map_or("materials".into(), |value| value.to_string());
                 println!("{name},{of},{view},{command:.3},{door:.3},{ratio:.3},{import:.3},{bytes}");
@@ -84,6 +75,6 @@ fn main() {
     }
     for (name, roughness) in ["unified", "ssct", "hzct"].into_iter().flat_map(|n| ROUGHNESS.map(|r| (n, r))) {
         let of = ratios.iter().filter(|r| (r.0, r.1) == (name, roughness)).map(|r| r.2);
-        println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median(of));
+        println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median_of(of));
     }
 }

@@ -9,12 +9,12 @@
 #[path = "../tests/common/engine.rs"]
 mod engine;
 
-use engine::{Engine, NATIVE, Theirs};
-use glam::Mat4;
-use ssct::gpu::{DeviceQuery, Gpu, PassTime};
+use engine::{Engine, NATIVE, Theirs, counted, meshes_of, textures_of, upload, vertices_of};
+use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
-use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::{Encoding, Scene, library};
+use ssct::{FrameInput, HitTexture, Reflections, ReflectionsInfo, Triangles};
+use ssct_lab::metrics::bootstrap::median_of;
+use ssct_lab::scene::library;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::time::Instant;
 
@@ -22,41 +22,6 @@ const FRAMES: usize = 11;
 const WARMUP: usize = 2;
 const SIZE: [u32; 2] = [960, 540];
 const SCENES: [&str; 3] = ["rooms", "street", "atrium"];
-
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<_> = values.into_iter().collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-fn counted(passes: &[PassTime]) -> f64 {
-    passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
-}
-
-/// The vertices of a mesh as the door takes them.
-type Vertices = (Vec<[f32; 3]>, Vec<[f32; 2]>);
-
-fn meshes<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
-    let all = scene.meshes.iter().zip(vertices);
-    all.map(|(mesh, (positions, places))| {
-        let material = &scene.materials[mesh.material];
-        let texture = material.albedo_map.filter(|_| are_textured);
-        TriangleMesh {
-            positions,
-            indices: &mesh.indices,
-            mesh_to_world: Mat4::IDENTITY.to_cols_array(),
-            color: material.albedo.to_array(),
-            texture: texture.map(|number| MeshTexture { number, places }),
-        }
-    })
-    .collect()
-}
-
-fn textures(scene: &Scene) -> Vec<HitTexture<'_>> {
-    let all = scene.textures.iter();
-    all.map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
-        .collect()
-}
 
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
@@ -68,22 +33,14 @@ fn main() {
     for name in SCENES {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-        let vertices: Vec<Vertices> = scene
-            .meshes
-            .iter()
-            .map(|m| (m.vertices.iter().map(|v| v.position).collect(), m.vertices.iter().map(|v| v.uv).collect()))
-            .collect();
-        let textures = textures(&scene);
+        let (vertices, textures) = (vertices_of(&scene), textures_of(&scene));
         let made = [false, true].map(|are_textured| {
             let (before, begun) = (context.allocated_bytes(), Instant::now());
-            let all = meshes(&scene, &vertices, are_textured);
+            let all = meshes_of(&scene, &vertices, are_textured);
             let given: &[HitTexture] = if are_textured { &textures } else { &[] };
             let mut triangles = Triangles::with_textures(&context, &all, given).expect("triangles");
             let took = 1e3 * begun.elapsed().as_secs_f64();
-            let commands = engine.begin();
-            // SAFETY: the command buffer is recording; it is submitted and waited for at once.
-            unsafe { triangles.record_upload(commands) }.expect("an upload");
-            engine.submit(commands).expect("a submission");
+            upload(&engine, &mut triangles);
             (triangles, took, context.allocated_bytes() - before)
         });
         let globals = Globals { roughness: Some(0.0), ..Globals::default() };
@@ -113,8 +70,8 @@ fn main() {
                     pairs.push(times);
                 }
             }
-            let [color, texture] = [0, 1].map(|i| median(pairs.iter().map(|p| p[i])));
-            let ratio = median(pairs.iter().map(|p| p[1] / p[0]));
+            let [color, texture] = [0, 1].map(|i| median_of(pairs.iter().map(|p| p[i])));
+            let ratio = median_of(pairs.iter().map(|p| p[1] / p[0]));
             let [(_, color_made, color_bytes), (_, texture_made, texture_bytes)] = &made;
             println!(
                 "{name},{},{color:.3},{texture:.3},{ratio:.3},{color_made:.1},{texture_made:.1},{color_bytes},{texture_bytes}",

@@ -11,6 +11,7 @@ use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
 use ssct::passes::scene_data::SceneData;
 use ssct::passes::triangle_scene::TriangleGeometry;
 use ssct::scene::tree::{MovingTriangles, Tree, Trees, TriangleRecords};
+use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::scene::{Scene, library};
 use std::time::Instant;
 
@@ -18,11 +19,6 @@ const FRAMES: usize = 15;
 
 /// Scenes, and the mesh of each that moves.
 const MOVING: [(&str, &str); 3] = [("rooms", "ball"), ("museum", "ball"), ("street", "car-body")];
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
 
 fn milliseconds(run: impl FnOnce()) -> f64 {
     let begun = Instant::now();
@@ -62,7 +58,7 @@ fn main() {
             }
         }
         let moved: usize = scene.meshes.iter().filter(|m| m.name == mesh).map(|m| m.indices.len() / 3).sum();
-        let (all, [whole, moving]) = (scene.triangle_count(), [whole, moving].map(median));
+        let (all, [whole, moving]) = (scene.triangle_count(), [whole, moving].map(median_of));
         println!("{name},{mesh},{all},{moved},{whole:.2},{moving:.2}");
     }
 }

@@ -21,6 +21,7 @@ use ssct::methods::{Effect, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
+use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::reference::unified::Traversal;
 use ssct_lab::scene::{Camera, GBufferData, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
@@ -30,12 +31,6 @@ const FRAMES: usize = 7;
 const SIZE: [u32; 2] = [960, 540];
 const GROWTH: [[u32; 2]; 2] = [[640, 480], [1920, 1080]];
 const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
-
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<_> = values.into_iter().collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
 
 /// Milliseconds of the effect, of its pyramid, and of the other passes that do not depend on the number of
 /// reflecting pixels.
@@ -146,17 +141,18 @@ fn main() {
                     }
                 }
             }
-            let total = |i: usize| median(need[i].iter().map(|(t, _)| t[0]));
+            let total = |i: usize| median_of(need[i].iter().map(|(t, _)| t[0]));
             let (full, tenth) = (total(0), total(1));
-            let [pyramid, fixed] = [1, 2].map(|part| median(need[1].iter().map(|(t, _)| t[part])));
+            let [pyramid, fixed] = [1, 2].map(|part| median_of(need[1].iter().map(|(t, _)| t[part])));
             let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
-            let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
+            let growth = median_of(growth[1].iter().copied()) / median_of(growth[0].iter().copied());
             let beyond = (tenth - pyramid) / full;
             let row = [full, tenth, pyramid, passes as f64, beyond, fixed / full, covered, growth, mean, in_step];
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }
-        let medians: Vec<_> = (0..rows[0].len()).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
+        let medians: Vec<_> =
+            (0..rows[0].len()).map(|i| format!("{:.3}", median_of(rows.iter().map(|r| r[i])))).collect();
         println!("{roughness},median,{}", medians.join(","));
     }
 }

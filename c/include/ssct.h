@@ -456,7 +456,7 @@ typedef struct SsctHitTexture {
   /// Height in texels, 1 to 32768.
   uint32_t height;
   /// Whether the bytes are sRGB, or else linear.
-  bool is_srgb;
+  VkBool32 is_srgb;
 } SsctHitTexture;
 
 /// At y = -w, as Vulkan has it with a viewport of positive height.

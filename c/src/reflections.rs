@@ -1,5 +1,7 @@
 //! The reflections of one view.
 
+mod reported;
+
 use crate::border::{
     Failure, Growing, Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut, size_of_theirs,
     take, text, text_of,
@@ -13,18 +15,16 @@ use crate::image::{
 use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
 use ash::vk;
-use ssct::{
-    CaptureCubes, FrameInput, OutputImage, ProjectionKind, Recorded, Reflections, ReflectionsInfo, Reflectors,
-    Triangles,
-};
+use reported::{Report, Times};
+use ssct::{CaptureCubes, FrameInput, ProjectionKind, Reflections, ReflectionsInfo, Reflectors, Triangles};
 use std::ffi::{CString, c_char};
 
 /// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
 pub struct SsctReflections {
     reflections: Guarded<Reflections>,
-    /// What `SsctRecorded` of the last frame points to.
+    /// Names that `SsctRecorded` of the last frame points to.
     recorded: Report,
-    /// What `ssct_reflections_times` pointed to last.
+    /// Times that `ssct_reflections_times` pointed to last.
     times: Times,
 }
 
@@ -456,51 +456,4 @@ fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {
             "frame.reflectors is {flags}; it is SSCT_REFLECTORS_NONE alone, or other SSCT_REFLECTORS_* combined"
         ))),
     }
-}
-
-/// What `SsctRecorded` points to.
-#[derive(Default)]
-struct Report {
-    _texts: Vec<CString>,
-    passes: Vec<*const c_char>,
-    skipped: Vec<SsctSkipped>,
-}
-
-impl Report {
-    fn new(made: &Recorded) -> Self {
-        let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
-        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|t| text(t)).collect();
-        let (passes, skipped) = texts.split_at(made.passes.len());
-        let passes = passes.iter().map(|pass| pass.as_ptr()).collect();
-        let row = |pair: &[CString; 2]| SsctSkipped { pass: pair[0].as_ptr(), why: pair[1].as_ptr() };
-        let skipped = skipped.as_chunks::<2>().0.iter().map(row).collect();
-        Self { _texts: texts, passes, skipped }
-    }
-
-    fn shown(&self, made: &Recorded, struct_size: usize) -> SsctRecorded {
-        SsctRecorded {
-            struct_size,
-            composite: output(made.composite),
-            reflection: output(made.reflection),
-            hits: output(made.hits),
-            passes: self.passes.as_ptr(),
-            pass_count: self.passes.len() as u32,
-            skipped_count: self.skipped.len() as u32,
-            skipped: self.skipped.as_ptr(),
-        }
-    }
-}
-
-fn output(made: Option<OutputImage>) -> SsctOutputImage {
-    let none =
-        OutputImage { image: VkImage::null(), view: VkImageView::null(), format: VkFormat::UNDEFINED, extent: [0, 0] };
-    let OutputImage { image, view, format, extent: [width, height] } = made.unwrap_or(none);
-    SsctOutputImage { image, view, format, extent: VkExtent2D { width, height } }
-}
-
-/// What `ssct_reflections_times` points to.
-#[derive(Default)]
-struct Times {
-    _names: Vec<CString>,
-    rows: Vec<SsctPassTime>,
 }

@@ -2,7 +2,8 @@
 
 use crate::border::{Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut};
 use crate::context::SsctContext;
-use crate::vulkan::VkCommandBuffer;
+use crate::vulkan::{VkBool32, VkCommandBuffer};
+use ash::vk;
 use ssct::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 use std::ptr::null;
 
@@ -47,7 +48,7 @@ pub struct SsctHitTexture {
     /// Height in texels, 1 to 32768.
     pub height: u32,
     /// Whether the bytes are sRGB, or else linear.
-    pub is_srgb: bool,
+    pub is_srgb: VkBool32,
 }
 
 /// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
@@ -110,9 +111,6 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
     })
 }
 
-/// The greatest side of a texture.
-const MAX_SIDE: u32 = 32768;
-
 /// A mesh as the door takes it.
 ///
 /// # Safety
@@ -143,8 +141,8 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
 unsafe fn texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
     let SsctHitTexture { texels, width, height, is_srgb } = *texture;
     // No texel is read of a texture that is too large, which the door refuses.
-    let count = if width.max(height) > MAX_SIDE { 0 } else { width * height };
+    let count = if width.max(height) > HitTexture::MAX_SIDE { 0 } else { width * height };
     // SAFETY: by the contract.
     let texels = unsafe { array("texture.texels", texels.cast::<[u8; 4]>(), count) }?;
-    Ok(HitTexture { extent: [width, height], is_srgb, texels: texels.as_flattened() })
+    Ok(HitTexture { extent: [width, height], is_srgb: is_srgb != vk::FALSE, texels: texels.as_flattened() })
 }

@@ -59,7 +59,8 @@ TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
     // is linear in z, each is the distance between the planes.
     float depth_error = ORTHOGRAPHIC ? 4.0 * ROUNDING / unified.depth_offset
                                      : 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
-    // It also rounds where corners are on the screen, and of a block of pixels one has the depth of all: the surface lies beside.
+    // A rasteriser also rounds where corners lie on the screen, and a pixel that stands for a block has the depth of the block's
+    // first. Either places the point beside the surface.
     depth_error += triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : length(start));
     return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
                    is_known ? 0.0 : depth_error);

@@ -38,7 +38,8 @@ layout(std140, binding = 26) uniform TriangleBlock {
     int count;           // triangles
     int nodes;           // of the tree; 0 for an empty one
     int moving;          // the root of the tree of what moves; 0 for none
-    float beside;        // how far a pixel's point may lie beside its surface, in metres at a metre (parallel sight: in view units)
+    float beside;        // how far a pixel's point may lie beside its surface: in metres for each metre from the eye, or in view
+                         // units where rays of sight are parallel
 } triangles;
 
 uvec4 Geometry(int i) {

@@ -205,6 +205,12 @@ pub enum NormalEncoding {
     OctahedralUnorm,
 }
 
+/// Whether a format holds numbers below 0.
+fn is_signed_format(format: vk::Format) -> bool {
+    let name = format!("{format:?}");
+    !["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind))
+}
+
 /// Normals of another renderer.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalInput {
@@ -222,8 +228,7 @@ impl NormalInput {
         self.image.check("normal", Some(extent))?;
         let is_signed = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
         let format = self.image.format;
-        let name = format!("{format:?}");
-        if is_signed && ["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind)) {
+        if is_signed && !is_signed_format(format) {
             let encoding = self.encoding;
             return Err(Error::Usage(format!(
                 "the input normal is encoded as {encoding:?}, and its format {format:?} holds no number below 0"
@@ -268,12 +273,13 @@ impl MotionInput {
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("motion", Some(extent))?;
         let (format, scale) = (self.image.format, self.scale);
-        let name = format!("{format:?}");
-        if is_depth_format(format) || !name.contains('G') {
-            return Err(Error::Usage(format!("the input motion has the format {name}, which has no green for y")));
+        if is_depth_format(format) || !format!("{format:?}").contains('G') {
+            return Err(Error::Usage(format!("the input motion has the format {format:?}, which has no green for y")));
         }
-        if ["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind)) {
-            return Err(Error::Usage(format!("the input motion has the format {name}, which holds no number below 0")));
+        if !is_signed_format(format) {
+            return Err(Error::Usage(format!(
+                "the input motion has the format {format:?}, which holds no number below 0"
+            )));
         }
         if !scale.iter().all(|s| s.is_finite() && *s != 0.0) {
             return Err(Error::Usage(format!(

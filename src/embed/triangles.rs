@@ -45,12 +45,17 @@ pub struct MeshTexture<'a> {
 /// in size to their footprint; the levels are made of it.
 #[derive(Debug, Clone, Copy)]
 pub struct HitTexture<'a> {
-    /// Width and height in texels, 1 to 32768.
+    /// Width and height in texels, 1 to [`Self::MAX_SIDE`].
     pub extent: [u32; 2],
     /// Whether the bytes are sRGB, or else linear.
     pub is_srgb: bool,
     /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
     pub texels: &'a [u8],
+}
+
+impl HitTexture<'_> {
+    /// The greatest width and height in texels.
+    pub const MAX_SIDE: u32 = 32768;
 }
 
 /// Triangles of the scene, in which `unified` and `traced` follow the rays that the screen loses: what a ray meets there has
@@ -189,8 +194,8 @@ impl HitTexture<'_> {
     fn take(&self, number: usize) -> Result<Texture> {
         let [width, height] = self.extent;
         let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));
-        if !self.extent.iter().all(|side| (1..=32768).contains(side)) {
-            return wrong(format!("is {width}x{height} texels; each side must have 1 to 32768"));
+        if !self.extent.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
+            return wrong(format!("is {width}x{height} texels; each side must have 1 to {}", Self::MAX_SIDE));
         }
         if self.texels.len() as u64 != 4 * u64::from(width) * u64::from(height) {
             return wrong(format!("is {width}x{height} texels of four bytes, and has {} bytes", self.texels.len()));

@@ -446,9 +446,9 @@ impl Method for UnifiedMethod {
     }
 }
 
-/// How far a pixel's point may lie beside the surface that it shows, along each axis of the screen and in pixels. A rasteriser
-/// rounds corners to parts of a pixel, and may be another one with fewer than this device's bits; and a pixel that stands for a
-/// block has the depth of the block's first.
+/// How far a pixel's point may lie beside the surface that it shows, in pixels along each axis of the screen. A rasteriser rounds
+/// corners to parts of a pixel: this device's, or that of whoever drew the G-buffer, which may have fewer bits. And a pixel that
+/// stands for a block has the depth of the block's first.
 fn beside(precision: Precision, divisor: u32) -> f32 {
     let rounded = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
     rounded + 0.5 * (divisor - 1) as f32 / divisor as f32

@@ -352,6 +352,33 @@ impl TriangleGeometry {
     }
 }
 
+/// Where images and their levels lie among the words of all: first the white texel and the places of all levels, then the texels.
+struct Layout {
+    /// The words before the texels.
+    words: Vec<u32>,
+    maps: Vec<Map>,
+    /// Where the texels end.
+    end: u32,
+}
+
+impl Layout {
+    /// The layout of images, each told by its size, its encoding, and how many texels each of its levels has.
+    fn of(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
+        let images: Vec<_> = images.collect();
+        let mut words = WHITE_WORDS.to_vec();
+        let mut maps = Vec::with_capacity(images.len());
+        let mut end = (words.len() + images.iter().map(|(.., texels)| texels.len()).sum::<usize>()) as u32;
+        for (extent, encoding, texels) in images {
+            maps.push(Map::new(words.len() as u32, extent, texels.len() as u32, encoding));
+            for count in texels {
+                words.push(end);
+                end += count;
+            }
+        }
+        Self { words, maps, end }
+    }
+}
+
 impl TriangleImages {
     /// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
     ///
@@ -359,19 +386,14 @@ impl TriangleImages {
     /// [`crate::error::Error::Memory`] without memory.
     pub fn new(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<Self> {
         let gpu: Gpu = context.gpu().clone();
-        let mut words = WHITE_WORDS.to_vec();
-        let mut maps = Vec::with_capacity(images.len());
         let levels = |image: &Image| image.levels().min(MAP_LEVELS);
-        let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
-        for (image, encoding) in images {
-            maps.push(Map::new(words.len() as u32, image.extent(), levels(image), *encoding));
-            for level in 0..levels(image) {
-                words.push(next);
-                let [width, height] = image.level(level).extent();
-                next += width * height;
-            }
-        }
-        let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(next))?;
+        let texels = |image: &Image, level: u32| image.level(level).extent().into_iter().product();
+        let laid = images.iter().map(|(image, encoding)| {
+            let texels = (0..levels(image)).map(|level| texels(image, level)).collect();
+            (image.extent(), *encoding, texels)
+        });
+        let Layout { words, maps, end } = Layout::of(laid);
+        let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(end))?;
         let bytes = bytemuck::cast_slice(&words);
         let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
         context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
@@ -392,17 +414,11 @@ impl TriangleImages {
     /// are a texture's from the finest on.
     pub(super) fn words<'a>(textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>) -> (Vec<u32>, Vec<Map>) {
         let textures: Vec<_> = textures.collect();
-        let mut words = WHITE_WORDS.to_vec();
-        let mut next = words.len() + textures.iter().map(|(_, levels)| levels.len()).sum::<usize>();
-        let mut maps = Vec::with_capacity(textures.len());
-        for (texture, levels) in &textures {
-            let (place, count) = (words.len() as u32, levels.len() as u32);
-            maps.push(Map::new(place, [texture.width, texture.height], count, texture.encoding));
-            for level in levels {
-                words.push(next as u32);
-                next += level.len();
-            }
-        }
+        let laid = textures.iter().map(|(texture, levels)| {
+            let texels = levels.iter().map(|level| level.len() as u32).collect();
+            ([texture.width, texture.height], texture.encoding, texels)
+        });
+        let Layout { mut words, maps, .. } = Layout::of(laid);
         words.extend(textures.iter().flat_map(|(_, levels)| levels.iter().flatten()));
         (words, maps)
     }
@@ -447,8 +463,8 @@ impl<'a> TriangleBuffers<'a> {
         Self { structure, ..self }
     }
 
-    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface, in metres
-    /// at a distance of 1 m, or in view units where rays of sight are parallel.
+    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface: in metres
+    /// for each metre from the eye, or in view units where rays of sight are parallel.
     pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;

@@ -26,11 +26,18 @@ pub struct Mover {
     pub rest: DMat4,
 }
 
-/// A node: where it stands in its parent's space, and the key frames of what changes.
+/// A node: where it stands in its parent's space, and what changes about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingNode {
     /// Where it stands if nothing changes.
     pub rest: Rest,
+    /// The key frames of what changes.
+    pub changes: Changes,
+}
+
+/// Key frames of a node, as far as something about it changes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Changes {
     /// Its offset.
     pub offset: Option<Arc<Keys<3>>>,
     /// Its turn, as a quaternion: x, y, z and w.
@@ -134,18 +141,14 @@ fn unit(turn: DQuat) -> DQuat {
 impl MovingNode {
     /// A node that nothing changes.
     pub fn still(rest: Rest) -> Self {
-        Self { rest, offset: None, turn: None, size: None }
-    }
-
-    /// Whether something changes.
-    pub fn moves(&self) -> bool {
-        self.offset.is_some() || self.turn.is_some() || self.size.is_some()
+        Self { rest, changes: Changes::default() }
     }
 
     /// The times of the first and of the last key frame of everything that changes.
     fn ends(&self) -> impl Iterator<Item = f32> {
-        let [offset, size] = [&self.offset, &self.size].map(|keys| keys.as_ref().map(|k| k.ends()));
-        let turn = self.turn.as_ref().map(|keys| keys.ends());
+        let Changes { offset, turn, size } = &self.changes;
+        let [offset, size] = [offset, size].map(|keys| keys.as_ref().map(|k| k.ends()));
+        let turn = turn.as_ref().map(|keys| keys.ends());
         [offset, size, turn].into_iter().flatten().flatten()
     }
 
@@ -153,9 +156,10 @@ impl MovingNode {
         match self.rest {
             Rest::Matrix(matrix) => matrix,
             Rest::Parts(offset, turn, size) => {
-                let offset = self.offset.as_ref().map_or(offset, |keys| DVec3::from_array(keys.at(time_s)));
-                let turn = self.turn.as_ref().map_or(turn, |keys| DQuat::from_array(keys.at(time_s)));
-                let size = self.size.as_ref().map_or(size, |keys| DVec3::from_array(keys.at(time_s)));
+                let changed = &self.changes;
+                let offset = changed.offset.as_ref().map_or(offset, |keys| DVec3::from_array(keys.at(time_s)));
+                let turn = changed.turn.as_ref().map_or(turn, |keys| DQuat::from_array(keys.at(time_s)));
+                let size = changed.size.as_ref().map_or(size, |keys| DVec3::from_array(keys.at(time_s)));
                 Rest::Parts(offset, turn, size).matrix()
             }
         }
@@ -288,8 +292,8 @@ mod tests {
         let foot = Rest::Parts(DVec3::new(0.0, 0.0, 5.0), DQuat::IDENTITY, DVec3::ONE);
         let held = Rest::Parts(DVec3::X, DQuat::IDENTITY, DVec3::ONE);
         let nodes = vec![
-            MovingNode { turn: Some(Arc::new(turn)), ..MovingNode::still(foot) },
-            MovingNode { offset: Some(Arc::new(slide)), ..MovingNode::still(held) },
+            MovingNode { rest: foot, changes: Changes { turn: Some(Arc::new(turn)), ..Changes::default() } },
+            MovingNode { rest: held, changes: Changes { offset: Some(Arc::new(slide)), ..Changes::default() } },
         ];
         let rest = nodes.iter().fold(DMat4::IDENTITY, |m, node| m * node.at(0.0));
         let mut mover = Mover { meshes: vec!["held".into()], root: DMat4::IDENTITY, nodes, rest };
@@ -300,7 +304,7 @@ mod tests {
         motion.transform(&DMat4::from_scale(DVec3::splat(2.0)));
         let there = motion.at(1.0).next().expect("a mesh").1.place(Vec3::new(2.0, 0.0, 10.0));
         assert!(there.distance(Vec3::new(0.0, 4.0, 10.0)) < 1e-5, "{there}");
-        mover.nodes[1].size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Between::Step)));
+        mover.nodes[1].changes.size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Between::Step)));
         assert_eq!(mover.at(1.0), None, "a size that differs between axes is no placement");
     }
 }

@@ -5,16 +5,16 @@
 use ash::vk;
 use glam::{Mat3, Mat4, Vec3};
 use half::f16;
-use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, Pixels};
+use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, PassTime, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
 use ssct::scene::{Projection, ProjectionKind};
 use ssct::{
-    CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, ImageInput, ImageUse,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors,
-    TriangleMesh, Triangles,
+    CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, HitTexture, ImageInput,
+    ImageUse, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
+    ReflectionsInfo, Reflectors, TriangleMesh, Triangles,
 };
 use ssct_lab::reference::unified::octahedral;
-use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, library};
+use ssct_lab::scene::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -266,7 +266,7 @@ pub fn view_of_rooms(gpu: &Gpu, extent: [u32; 2]) -> GBufferData {
 
 /// A view of a scene; the camera is known by its matrix.
 pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferData {
-    let scene = library::scene(scene).unwrap();
+    let scene = library::scene(scene).expect("a built-in scene");
     let view = scene.view(view).unwrap();
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let materials = Globals::default().materials(&scene, view);
@@ -302,7 +302,7 @@ pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
 
 /// The rooms without lights, whose surfaces have one colour each, as meshes of another renderer have.
 pub fn plain_rooms() -> Scene {
-    let mut scene = library::scene("rooms").unwrap();
+    let mut scene = library::scene("rooms").expect("a built-in scene");
     scene.lights.clear();
     for material in &mut scene.materials {
         (material.albedo_map, material.normal_map, material.alpha_mask) = (None, None, None);
@@ -312,26 +312,62 @@ pub fn plain_rooms() -> Scene {
     scene
 }
 
-/// The triangles of a scene, each mesh in its material's albedo, uploaded.
-pub fn triangles_of(engine: &Engine, scene: &Scene) -> Triangles {
-    let positions: Vec<Vec<[f32; 3]>> =
-        scene.meshes.iter().map(|m| m.vertices.iter().map(|v| v.position).collect()).collect();
-    let meshes: Vec<_> = scene
-        .meshes
-        .iter()
-        .zip(&positions)
-        .map(|(mesh, positions)| TriangleMesh {
+/// Vertices of a mesh as the door takes them.
+pub struct Vertices {
+    pub positions: Vec<[f32; 3]>,
+    /// On the mesh's texture.
+    pub places: Vec<[f32; 2]>,
+}
+
+/// The vertices of a scene's meshes.
+pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
+    let of = |mesh: &Mesh| Vertices {
+        positions: mesh.vertices.iter().map(|v| v.position).collect(),
+        places: mesh.vertices.iter().map(|v| v.uv).collect(),
+    };
+    scene.meshes.iter().map(of).collect()
+}
+
+/// The meshes of a scene, each in its material's albedo; with textures, in its map of it as well.
+pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
+    let all = scene.meshes.iter().zip(vertices);
+    all.map(|(mesh, Vertices { positions, places })| {
+        let material = &scene.materials[mesh.material];
+        let texture = material.albedo_map.filter(|_| are_textured);
+        TriangleMesh {
             positions,
             indices: &mesh.indices,
             mesh_to_world: Mat4::IDENTITY.to_cols_array(),
-            color: scene.materials[mesh.material].albedo.to_array(),
-            texture: None,
-        })
-        .collect();
-    let mut triangles = Triangles::new(&engine.context(), &meshes).unwrap();
+            color: material.albedo.to_array(),
+            texture: texture.map(|number| MeshTexture { number, places }),
+        }
+    })
+    .collect()
+}
+
+/// The textures of a scene.
+pub fn textures_of(scene: &Scene) -> Vec<HitTexture<'_>> {
+    let all = scene.textures.iter();
+    all.map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
+        .collect()
+}
+
+/// Copies triangles to the device.
+pub fn upload(engine: &Engine, triangles: &mut Triangles) {
     let commands = engine.begin();
     // SAFETY: the command buffer is recording; it is submitted and waited for at once.
     unsafe { triangles.record_upload(commands) }.unwrap();
     engine.submit(commands).unwrap();
+}
+
+/// The triangles of a scene, each mesh in its material's albedo, uploaded.
+pub fn triangles_of(engine: &Engine, scene: &Scene) -> Triangles {
+    let mut triangles = Triangles::new(&engine.context(), &meshes_of(scene, &vertices_of(scene), false)).unwrap();
+    upload(engine, &mut triangles);
     triangles
+}
+
+/// Milliseconds of the passes that count.
+pub fn counted(passes: &[PassTime]) -> f64 {
+    passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
 }

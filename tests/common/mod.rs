@@ -16,7 +16,7 @@ use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::WorldReference;
 use ssct_lab::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
-    Vertex, View,
+    Vertex, View, library,
 };
 use ssct_lab::study::image::{RenderedImage, render};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
@@ -120,6 +120,18 @@ pub fn shared_scenes() -> Option<PathBuf> {
         return None;
     }
     Some(folder)
+}
+
+/// A built-in scene. Its images are made once for all tests.
+pub fn built_in(name: &str) -> Scene {
+    static MADE: Mutex<Vec<(String, Scene)>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, scene)) = made.iter().find(|(known, _)| known == name) {
+        return scene.clone();
+    }
+    let scene = library::scene(name).expect("a built-in scene");
+    made.push((name.to_owned(), scene.clone()));
+    scene
 }
 
 /// A scene that grows by quads.

@@ -15,7 +15,7 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::trace_normals::TraceNormals;
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{Camera, GBufferData, Material, Scene, library};
+use ssct_lab::scene::{Camera, GBufferData, Material, Scene};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
@@ -196,7 +196,7 @@ fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
 #[test]
 fn bounces_work_with_all_that_stands_around_a_method() {
     let gpu = gpu();
-    let mut scene = library::scene("corridor").unwrap();
+    let mut scene = crate::common::built_in("corridor");
     scene.materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, &scene.views[0]);
     let view = scene.views[0].camera(&scene, EXTENT);
     let mean = |method: &str, n: u32, change: &dyn Fn(&mut EffectParams)| {

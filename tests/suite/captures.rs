@@ -18,7 +18,7 @@ use ssct_lab::reference::images::EndInImages;
 use ssct_lab::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct_lab::reference::{CaptureData, Images};
 use ssct_lab::scene::capture::face_camera;
-use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
+use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
 
 /// What the device drew and where its rays ended.
@@ -236,9 +236,9 @@ fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
 /// Scenes with captures: their views, at awkward sizes.
 fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     let mut all = Vec::new();
-    let rooms = library::scene("rooms").unwrap();
-    let atrium = library::scene("atrium").unwrap();
-    let street = library::scene("street").unwrap();
+    let rooms = crate::common::built_in("rooms");
+    let atrium = crate::common::built_in("atrium");
+    let street = crate::common::built_in("street");
     for (scene, view) in [(&rooms, "window"), (&rooms, "corridor"), (&atrium, ""), (&street, "car")] {
         let view = scene.views.iter().find(|v| v.name == view).unwrap_or(&scene.views[0]).clone();
         // Between the eye and what it looks at, and beside both.
@@ -287,7 +287,7 @@ fn codes_and_places_equal_their_twin_to_the_bit() {
 #[test]
 fn no_ray_is_exhausted_in_captures_that_stand_in_hard_places() {
     let gpu = gpu();
-    let rooms = library::scene("rooms").unwrap();
+    let rooms = crate::common::built_in("rooms");
     let mut total = Count::default();
     for case in stress::captures::cases(&rooms).iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
         for scene in case.scenes(&rooms) {
@@ -438,7 +438,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
 #[test]
 fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
     let gpu = gpu();
-    let scene = library::scene("corridor").unwrap();
+    let scene = crate::common::built_in("corridor");
     let (view, extent) = (&scene.views[0], [160, 90]);
     let of = |fallback| {
         let mut stage = Stage::new(&gpu, &scene).unwrap();

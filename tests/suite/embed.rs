@@ -16,7 +16,7 @@ use ssct::{
     FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections, ReflectionsInfo,
     Reflectors,
 };
-use ssct_lab::scene::{Capture, library};
+use ssct_lab::scene::Capture;
 use ssct_lab::study::{Globals, Stage, gbuffer};
 use std::ptr::NonNull;
 use std::sync::Arc;
@@ -282,7 +282,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [97, 61]);
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals::default().materials(&scene, scene.view("corridor").unwrap());
     let eye = data.camera.eye();

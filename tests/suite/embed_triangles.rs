@@ -1,8 +1,10 @@
 //! Triangles through the door: what methods make of a G-buffer beside them is what they make of it beside the scene itself.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, plain_rooms, rmse, triangles_of, view_of_rooms};
+use crate::common::engine::{
+    Engine, NATIVE, Theirs, bits, info, meshes_of, plain_rooms, rmse, textures_of, triangles_of, upload, vertices_of,
+    view_of_rooms,
+};
 use crate::common::gpu;
-use glam::Mat4;
 use ssct::gpu::FrameContext;
 use ssct::methods::effect::Effect;
 use ssct::methods::setup::BeyondScreen;
@@ -10,7 +12,7 @@ use ssct::methods::unified::{First, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::{Encoding, Mesh, Surface, library};
+use ssct_lab::scene::Surface;
 use ssct_lab::study::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
@@ -64,7 +66,7 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, EXTENT);
-    let mut scene = library::scene("rooms").unwrap();
+    let mut scene = crate::common::built_in("rooms");
     scene.lights.clear();
     for material in &mut scene.materials {
         (material.normal_map, material.alpha_mask) = (None, None);
@@ -73,29 +75,7 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     let stage = Stage::new(&gpu, &scene).unwrap();
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let context = engine.context();
-    let textures: Vec<_> = scene
-        .textures
-        .iter()
-        .map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
-        .collect();
-    let positions = |m: &Mesh| m.vertices.iter().map(|v| v.position).collect::<Vec<_>>();
-    let places = |m: &Mesh| m.vertices.iter().map(|v| v.uv).collect::<Vec<_>>();
-    let vertices: Vec<_> = scene.meshes.iter().map(|mesh| (positions(mesh), places(mesh))).collect();
-    let meshes = |are_textured: bool| -> Vec<_> {
-        let all = scene.meshes.iter().zip(&vertices);
-        all.map(|(mesh, (positions, places))| {
-            let material = &scene.materials[mesh.material];
-            let texture = material.albedo_map.filter(|_| are_textured);
-            TriangleMesh {
-                positions,
-                indices: &mesh.indices,
-                mesh_to_world: Mat4::IDENTITY.to_cols_array(),
-                color: material.albedo.to_array(),
-                texture: texture.map(|number| MeshTexture { number, places }),
-            }
-        })
-        .collect()
-    };
+    let (textures, vertices) = (textures_of(&scene), vertices_of(&scene));
     let mut frames = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut frames, &data).unwrap();
     let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
@@ -107,12 +87,9 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     let direct = gbuffer::reflection(&mut frames, &output).unwrap();
 
     let [textured, plain] = [true, false].map(|are_textured| {
-        let meshes = meshes(are_textured);
+        let meshes = meshes_of(&scene, &vertices, are_textured);
         let mut triangles = Triangles::with_textures(&context, &meshes, &textures).unwrap();
-        let commands = engine.begin();
-        // SAFETY: the command buffer is recording; it is submitted and waited for at once.
-        unsafe { triangles.record_upload(commands) }.unwrap();
-        engine.submit(commands).unwrap();
+        upload(&engine, &mut triangles);
         let with = ReflectionsInfo { triangles: Some(&triangles), ..info(&data, "traced") };
         let mut reflections = Reflections::new(&context, &with).unwrap();
         let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
@@ -122,13 +99,13 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     // The levels of the scene's textures are made by the device, whose bytes may be rounded otherwise.
     assert!(textured < 0.004 && plain > 10.0 * textured, "textured {textured}, plain {plain}");
 
-    let all = meshes(true);
+    let all = meshes_of(&scene, &vertices, true);
     let one = &all[..1];
     let refused = |meshes: &[TriangleMesh], textures: &[HitTexture], why: &str| {
         let said = Triangles::with_textures(&context, meshes, textures).err().expect("refused").to_string();
         assert!(said.contains(why), "{said}");
     };
-    let given = MeshTexture { number: 1, places: &vertices[0].1 };
+    let given = MeshTexture { number: 1, places: &vertices[0].places };
     let of = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
     refused(&of(given), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
     refused(&of(MeshTexture { places: &[], ..given }), &textures[..2], "triangle mesh 0 has 0 places on its texture");

@@ -59,6 +59,18 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     }
     assert!(records.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 
+    // From the same hits, `unified` on the screen alone shows a mirror over the pixel's footprint, as the reference does, and the
+    // thesis's cone at one point.
+    let mirrors = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "unified", "--beyond", "none"];
+    let how = ["--roughness", "0", "--size", "96x54", "--no-sweep", "--samples", "1", "--rays", "64", "--json"];
+    let mirrors = ssct(&[&mirrors[..], &how[..]].concat());
+    let error = |method: &str| {
+        let is_it = |r: &&Value| r["method"] == method && r["against"] == "screen";
+        mirrors.iter().find(is_it).unwrap_or_else(|| panic!("{method}"))["rmse"].as_f64().unwrap()
+    };
+    let (exact, unified) = (error("exact-hits+cone"), error("unified"));
+    assert!(unified < 0.5 * exact && exact < 0.05, "{exact} {unified}");
+
     for file in ["error.json", "error.txt", "error-oracle.svg", "error-screen.svg", "error-world.svg"] {
         assert!(folder.path().join(file).metadata().unwrap().len() > 100, "{file}");
     }

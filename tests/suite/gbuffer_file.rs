@@ -9,7 +9,7 @@ use ssct::methods::setup::{CaptureCount, CaptureSide};
 use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
 use ssct::parameter::{Choices, Field};
 use ssct_lab::scene::capture_file::CaptureFolder;
-use ssct_lab::scene::{GBufferData, gbuffer_file, library};
+use ssct_lab::scene::{GBufferData, gbuffer_file};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
 use std::process::Command;
@@ -17,7 +17,7 @@ use std::process::Command;
 #[test]
 fn export_and_reflect_are_the_direct_run_to_the_bit() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -47,7 +47,7 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
 #[test]
 fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("window").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let (extent, unified) = ([161, 119], methods::find("unified").unwrap());
@@ -165,7 +165,7 @@ fn child() {
     let folder = std::path::PathBuf::from(std::env::var_os(CUBES).unwrap());
     let gpu = gpu();
     for (name, view, captures) in CAPTURED {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let (mut stage, view) = (Stage::new(&gpu, &scene).unwrap(), scene.view(view).unwrap());
         let cubes = CaptureFolder::open(&folder.join(name)).unwrap();
         for roughness in [0.0, 0.1, 0.6] {
@@ -244,7 +244,7 @@ fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
 
 /// A small G-buffer of the corridor.
 fn corridor(gpu: &ssct::gpu::Gpu) -> GBufferData {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let extent = [64, 36];
     let mut stage = Stage::new(gpu, &scene).unwrap();

@@ -21,7 +21,7 @@ use half::f16;
 use ssct::gpu::Pixels;
 use ssct::methods::{self, METHODS, Setup, Wants};
 use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{GBufferData, gbuffer_file, library};
+use ssct_lab::scene::{GBufferData, gbuffer_file};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::sync::OnceLock;
 
@@ -37,7 +37,7 @@ fn original() -> &'static GBufferData {
     static DATA: OnceLock<GBufferData> = OnceLock::new();
     DATA.get_or_init(|| {
         let gpu = gpu();
-        let scene = library::scene("rooms").unwrap();
+        let scene = crate::common::built_in("rooms");
         let view = scene.view("corridor").unwrap();
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let materials = Globals::default().materials(&scene, view);

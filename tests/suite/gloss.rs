@@ -8,13 +8,13 @@ use ssct::math::OracleVersion;
 use ssct::methods::{self, Setup, Wants};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{GBufferData, View, library};
+use ssct_lab::scene::{GBufferData, View};
 use ssct_lab::study::gbuffer::{self, reflect};
 use ssct_lab::study::{Globals, Shot, Stage};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
 fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize() * aside_m;
     let view = View { eye: view.eye + right, look_at: view.look_at + right, ..view.clone() };

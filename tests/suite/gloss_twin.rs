@@ -18,7 +18,7 @@ use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGloss
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
 use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
-use ssct_lab::scene::{Camera, GBufferData, Lens, Surface, library};
+use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// The numbers of fade that `unified::parameters` gives.
@@ -307,7 +307,7 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
 
 /// The G-buffer of a built-in view with one roughness.
 pub(crate) fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32) -> GBufferData {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
     let mut stage = Stage::new(gpu, &scene).unwrap();

@@ -128,7 +128,7 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
 fn check(gpu: &Gpu) {
     let mut wrong = Vec::new();
     for name in library::names() {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let mut stage = Stage::new(gpu, &scene).unwrap();
         for (_, view, roughness) in VIEWS.iter().filter(|(scene, ..)| scene == name) {
             let view = scene.view(view).unwrap();
@@ -164,7 +164,7 @@ fn a_changed_pass_is_seen() {
     }
     // The bound must tell what it is for: another preset, another filter, no fade.
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);

@@ -8,7 +8,6 @@ use ssct::passes::{Content, PathCode};
 use ssct_lab::reference::Level;
 use ssct_lab::reference::hi_z::MinMax;
 use ssct_lab::reference::hi_z_ray_trace::{End, reflection_ray, trace};
-use ssct_lab::scene::library;
 use ssct_lab::study::image::render;
 use ssct_lab::study::twin::hi_z_constants;
 use ssct_lab::study::{Globals, Shot, Stage};
@@ -19,7 +18,7 @@ const SIZE: [u32; 2] = [97, 55];
 #[test]
 fn every_ray_ends_where_the_shader_says() {
     let gpu = crate::common::gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let setup = Setup::new(SIZE);
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };

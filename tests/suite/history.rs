@@ -5,7 +5,7 @@ use glam::Vec3;
 use ssct::methods::setup::HistoryUse;
 use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::scene::{Scene, View, library};
+use ssct_lab::scene::{Scene, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
@@ -44,7 +44,7 @@ fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec
 }
 
 fn rooms() -> (Scene, View) {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
     (scene, view)
 }

@@ -58,7 +58,7 @@ fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) ->
 #[test]
 fn impostors_show_what_stands_there() {
     for name in library::names() {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         assert!(scene.lights.len() <= MAX_LIGHTS, "{name}");
         // Impostors leave the relief out.
         let flat = |m: &Material| Material { normal_deviation: 0.0, ..m.clone() };
@@ -83,7 +83,7 @@ fn impostors_show_what_stands_there() {
 
 #[test]
 fn cut_signs_are_transparent_around_their_shape_as_their_geometry_is() {
-    let street = library::scene("street").unwrap();
+    let street = crate::common::built_in("street");
     for name in ["hotel-sign", "bar-sign", "car"] {
         let impostor = street.impostors.iter().find(|i| i.name == name).expect("the sign");
         let texels = street.textures[impostor.texture].rgba.chunks(4);

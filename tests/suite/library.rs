@@ -165,9 +165,19 @@ fn every_run_of_the_repository_is_read() {
     assert!(said.contains(" 0 folders left out"), "{said}");
     let page = folder.text("site/index.html");
     // Each folder with records of whatever version has a row with its date.
-    let mut rows = page.split("<tr id=\"run-").skip(1).map(|row| row.split("</tr>").next().unwrap());
-    assert!(rows.clone().count() > 130);
-    assert!(rows.all(|row| row.contains("<td class=\"whole\">2026-11-2")));
+    let rows: Vec<_> = page.split("<tr id=\"run-").skip(1).map(|row| row.split("</tr>").next().unwrap()).collect();
+    assert!(rows.iter().all(|row| row.contains("<td class=\"whole\">2026-11-2")));
+    // So has, by its name, each folder of an error study.
+    let (mut folders, mut studies) = (vec![runs.clone()], 0);
+    while let Some(folder) = folders.pop() {
+        folders.extend(std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir()));
+        if folder.join("error.json").exists() {
+            let name = folder.strip_prefix(&runs).unwrap().to_str().unwrap();
+            assert!(rows.iter().any(|row| row.contains(&format!(". {name}</th>"))), "{name}");
+            studies += 1;
+        }
+    }
+    assert!(studies > 100 && rows.len() > studies, "{studies} of {}", rows.len());
     assert!(!page.contains("are left out; the first"), "no record lacks what is needed");
     assert!(page.contains("RMSE against the world reference") && page.contains("time in the error study over ssct"));
 }

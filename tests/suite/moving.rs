@@ -10,7 +10,7 @@ use ssct::gpu::{FrameReport, Gpu, Pixels};
 use ssct::methods::unified::First;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
 use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords};
-use ssct_lab::scene::{Placement, Scene, library};
+use ssct_lab::scene::{Placement, Scene};
 use ssct_lab::study::{Shot, Stage, gbuffer};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -34,7 +34,7 @@ fn differing(a: &Pixels, b: &Pixels) -> usize {
 
 /// The rooms as a file would have them in which the ball stands elsewhere.
 fn rooms_with(placement: &Placement) -> Scene {
-    let mut scene = library::scene("rooms").unwrap();
+    let mut scene = crate::common::built_in("rooms");
     scene.meshes.iter_mut().filter(|m| m.name == MOVING).for_each(|m| m.place(placement));
     scene
 }
@@ -49,7 +49,7 @@ fn made_anew(gpu: &Gpu, placement: &Placement, method: (&MethodInfo, &Setup)) ->
 #[test]
 fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let ball = scene.meshes.iter().find(|m| m.name == MOVING).unwrap().bounds;
     let middle = 0.5 * (ball.min + ball.max);
     // About its own middle, and aside.
@@ -96,7 +96,7 @@ impl BuildTrees for Counting {
 #[test]
 fn only_what_moves_is_built_anew_and_only_when_it_moves() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let built = Rc::new([const { Cell::new(0) }; 2]);
     stage.scene_mut().build_trees_by(Counting(Trees::new(&scene), Rc::clone(&built)));

@@ -14,7 +14,7 @@ use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
 use ssct::methods::unified::First;
 use ssct::methods::{self, Effect, EffectParams, Fallback, METHODS, Setup, Wants, unified};
 use ssct::{ClipY, ProjectionKind, Reflections};
-use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View, library};
+use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// A view of a built-in scene along parallel lines.
@@ -26,12 +26,12 @@ fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {
 /// Scenes with views: down at an angle, along an axis, straight down, and as a town is drawn.
 fn views() -> Vec<(Scene, View)> {
     let of = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let view = parallel(&scene, eye.into(), look_at.into(), height_m);
         (scene, view)
     };
     let at = |name: &str, view: &str| {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let view = scene.view(view).unwrap();
         (view.eye, view.look_at)
     };
@@ -101,7 +101,7 @@ fn unified_hits_what_the_oracle_says() {
 #[test]
 fn an_off_axis_perspective_hits_what_the_oracle_says() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let extent = [321, 239];
@@ -384,7 +384,7 @@ fn stereo(camera: Camera) -> [Camera; 2] {
 fn both_views_of_a_stereo_frame_are_as_each_alone() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let extent = [97, 61];
     let eyes = stereo(scene.view("corridor").unwrap().camera(&scene, extent));
     let gloss = Globals { roughness: Some(0.1), ..Globals::default() };

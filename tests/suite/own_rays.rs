@@ -9,7 +9,6 @@ use ssct::gpu::frame::Mode;
 use ssct::methods::setup::OwnRays;
 use ssct::methods::unified::{self, First, StageChoice, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants};
-use ssct_lab::scene::library;
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::process::Command;
 
@@ -51,7 +50,7 @@ fn own_rays_lower_the_error() {
 
 fn draw(view: &str, roughness: f32, setup: &Setup) -> (Pixels, Vec<String>) {
     let gpu = gpu();
-    let scene = library::scene("atrium").unwrap();
+    let scene = crate::common::built_in("atrium");
     let view = scene.view(view).unwrap();
     let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
     let mut stage = Stage::new(&gpu, &scene).unwrap();

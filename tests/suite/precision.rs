@@ -6,19 +6,19 @@ use glam::Vec3;
 use ssct::gpu::FrameContext;
 use ssct::methods::{self, Setup};
 use ssct::passes::gbuffer::GBufferImages;
+use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::surface::World;
-use ssct_lab::scene::library;
-use ssct_lab::study::Globals;
 use ssct_lab::study::precision::{
     ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
+use ssct_lab::study::{Globals, gbuffer};
 
 const SIZE: [u32; 2] = [161, 91];
 
 #[test]
 fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: None };
 
@@ -55,6 +55,23 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
             let cost = oracle.iter().find(|r| r.storage == halves).unwrap();
             let lost = cost.wrong_hits.unwrap();
             assert!((wrong(halves) - lost).abs() < 1e-3, "{method}: {} {lost}", wrong(halves));
+            // The reference filters over the pixel and the method does not, so that its own image is what others cost it.
+            let own = |storage: Storage| {
+                let stored = storage.store(&exact);
+                let made = gbuffer::reflect(&gpu, &stored, None, methods[0], &Setup::new(SIZE)).unwrap().reflection;
+                made.texels().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>()
+            };
+            let (finest_image, mask) = (own(finest), exact.data.reflecting());
+            assert!(own(halves) == finest_image, "{method}");
+            // Coarser colours cost both alike; coarser normals cost the method more, since the reference averages over a pixel.
+            let cost_of = |coarser: Storage| masked_rmse(&finest_image, &own(coarser), &mask);
+            let of_oracle = |coarser: Storage| oracle.iter().find(|r| r.storage == coarser).unwrap().rmse[0];
+            let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
+            let costs = [cost_of(color), of_oracle(color)];
+            assert!(costs[0] > 0.0 && (costs[0] - costs[1]).abs() < 1e-3, "{method}: {costs:?}");
+            let normals = normal(NormalFormat::Rgb10a2);
+            let costs = [cost_of(normals), of_oracle(normals)];
+            assert!(costs[0] > costs[1] && costs[0] < 0.02, "{method}: {costs:?}");
         }
         assert!(wrong(halves) < wrong(normal(NormalFormat::Rgb10a2)), "{method}");
         assert!(wrong(normal(NormalFormat::Rgb10a2)) < wrong(normal(NormalFormat::Rgba8)), "{method}");

@@ -10,7 +10,7 @@ use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::setup::Tracer;
 use ssct::methods::unified::{self, First};
 use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
-use ssct_lab::scene::{Encoding, Material, Scene, Texture, library};
+use ssct_lab::scene::{Encoding, Material, Scene, Texture};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// The number of rays of which one may end elsewhere: on another of two triangles that are equally near within rounding.
@@ -61,7 +61,7 @@ fn queries_end_rays_where_the_tree_does() {
         return refuses(&gpu);
     }
     for (name, view) in [("rooms", "cylinder"), ("street", "car"), ("cathedral", "clerestory")] {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let materials = mirrors(&scene, view);
         for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(First::Screen))] {
@@ -84,7 +84,7 @@ fn lobes_of_both_tracers_are_alike() {
     if !gpu.has_ray_queries() {
         return refuses(&gpu);
     }
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     // A narrow lobe has a ray a pixel, a wide one a ray for four of them, and each program walks or asks by itself.
     for roughness in [0.1, 0.6] {
@@ -107,7 +107,7 @@ fn holes_and_backs_let_queries_through() {
     if !gpu.has_ray_queries() {
         return refuses(&gpu);
     }
-    let plain = library::scene("rooms").unwrap();
+    let plain = crate::common::built_in("rooms");
     let mut holed = plain.clone();
     // A chequerboard of holes in every second material; the others have one side.
     let texel = |i: usize| if (i + i / 8).is_multiple_of(2) { [255; 4] } else { [0; 4] };
@@ -138,7 +138,7 @@ fn queries_see_a_mesh_where_it_stands_now() {
     if !gpu.has_ray_queries() {
         return refuses(&gpu);
     }
-    let scene = library::scene("street").unwrap();
+    let scene = crate::common::built_in("street");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let shots = both(&mut stage, (&scene, "car"), &mirrors(&scene, "car"), (traced(), &Setup::new(EXTENT)));
     let [_, before] = shots.each_ref().map(|shot| draw(&mut stage, shot));
@@ -154,7 +154,7 @@ fn queries_see_a_mesh_where_it_stands_now() {
 
 /// What a device without ray queries says to whoever asks them.
 fn refuses(gpu: &Gpu) {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let camera = scene.views[0].camera(&scene, EXTENT);
     let setup = by(&Setup::new(EXTENT), Tracer::Query);

@@ -10,7 +10,7 @@ use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants, captures, ssct as thesis, unified};
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct_lab::scene::{Capture, Light, Scene, View, library};
+use ssct_lab::scene::{Capture, Light, Scene, View};
 use ssct_lab::study::age::{self, AgeStudy};
 use ssct_lab::study::engine::{Bench, Study};
 use ssct_lab::study::journal::Journal;
@@ -281,7 +281,7 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
 #[test]
 fn captures_are_renewed_in_a_scene_of_many_meshes() {
     let gpu = gpu();
-    let mut scene = library::scene("rooms").unwrap();
+    let mut scene = crate::common::built_in("rooms");
     scene.captures = vec![Capture { resolution: 64, ..Capture::at(scene.views[0].eye) }];
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let (still, renewed) = (shot(&mut stage, &scene, &unified::INFO, 0), shot(&mut stage, &scene, &unified::INFO, 2));

@@ -9,7 +9,7 @@ use ssct::methods::stochastic::{StochasticParams, StochasticWalk};
 use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, View, library};
+use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, View};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
@@ -27,7 +27,7 @@ fn with_history(setup: &Setup, frames: u32) -> Setup {
 /// the screen is seen, and not the sky along the ray.
 fn rooms(view: &str, roughness: f32) -> GBufferData {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(0.0), ..Globals::default() };
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -172,7 +172,7 @@ fn frames(scene: &Scene, method: &str, setup: &Setup, cameras: &[Camera]) -> (Pi
 
 #[test]
 fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     // What the one sees lies behind the other.
     let back = View { look_at: 2.0 * view.eye - view.look_at, ..view.clone() };
@@ -190,7 +190,7 @@ fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
 
 #[test]
 fn a_history_follows_what_a_moving_camera_sees() {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
     let aside = |m: f32| View { eye: view.eye + right * m, look_at: view.look_at + right * m, ..view.clone() };
@@ -224,7 +224,7 @@ fn a_history_is_a_pass_and_its_absence_is_none() {
 
 #[test]
 fn over_a_fallback_a_history_averages_what_is_there() {
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let camera = scene.view("corridor").unwrap().camera(&scene, EXTENT);
     let over = |rays| {
         setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1))

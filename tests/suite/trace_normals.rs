@@ -6,7 +6,6 @@ use ssct::error::Error;
 use ssct::gpu::Pixels;
 use ssct::methods::{EffectParams, METHODS, Setup, Wants, find};
 use ssct::passes::trace_normals::TraceNormals;
-use ssct_lab::scene::library;
 use ssct_lab::study::{Globals, Shot, Stage};
 
 fn setup(extent: [u32; 2], normals: TraceNormals, bump: f32) -> Setup {
@@ -25,7 +24,7 @@ fn without_normal_maps_the_geometry_is_what_shades() {
     let gpu = gpu();
     let extent = [321, 239];
     let flat = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
-    let scene = library::scene("corridor").unwrap();
+    let scene = crate::common::built_in("corridor");
     let view = scene.views[0].camera(&scene, extent);
     let image = |normals, bump| show(&gpu, &scene, view, "unified", &setup(extent, normals, bump), &flat);
     let usual = image(TraceNormals::Shading, 0.0);
@@ -70,7 +69,7 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
 fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
     let gpu = gpu();
     let (extent, strength) = ([320, 180], 0.1);
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap().camera(&scene, extent);
     let of = |deviation| Globals { roughness: Some(0.0), normal_deviation: Some(deviation), ..Globals::default() };
     let plain = show(&gpu, &scene, view, "ssct", &Setup::new(extent), &of(0.0));

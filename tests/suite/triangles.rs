@@ -13,7 +13,7 @@ use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::scene::bvh::WorldRay;
-use ssct_lab::scene::{GBufferData, Material, Scene, library};
+use ssct_lab::scene::{GBufferData, Material, Scene};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
@@ -95,7 +95,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
 fn traced_rays_end_where_the_world_says() {
     let gpu = gpu();
     for (name, view) in [("rooms", "cylinder"), ("rooms", "window"), ("street", "car"), ("atrium", "hall")] {
-        let scene = library::scene(name).unwrap();
+        let scene = crate::common::built_in(name);
         let materials = mirrors(&scene, view);
         let setup = Setup::new(EXTENT);
         let drawn = draw(&gpu, (&scene, view), materials.clone(), (traced(), &setup), false);
@@ -110,7 +110,7 @@ fn traced_rays_end_where_the_world_says() {
 #[test]
 fn the_screen_and_the_triangles_agree() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let materials = mirrors(&scene, "corridor");
     let of =
         |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
@@ -129,7 +129,7 @@ fn the_screen_and_the_triangles_agree() {
 #[test]
 fn blocks_and_texels_give_the_same_image() {
     let gpu = gpu();
-    let scene = library::scene("street").unwrap();
+    let scene = crate::common::built_in("street");
     for roughness in [0.0, 0.1, 0.4] {
         let view = scene.view("car").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
@@ -147,7 +147,7 @@ fn blocks_and_texels_give_the_same_image() {
 #[test]
 fn without_reflectors_no_triangle_is_asked() {
     let gpu = gpu();
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let materials = Globals { reflectivity: 0.0, ..Globals::default() }.materials(&scene, view);
     let mut stage = Stage::new(&gpu, &scene).unwrap();

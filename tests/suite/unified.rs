@@ -266,7 +266,7 @@ fn hits_on_the_views_of_the_built_in_scenes_are_the_oracles() {
     let gpu = gpu();
     let _compiled = compiled(&gpu);
     for name in library::names() {
-        check_views(&gpu, &library::scene(name).unwrap(), &[[321, 239]]);
+        check_views(&gpu, &crate::common::built_in(name), &[[321, 239]]);
     }
     check_validation(&gpu).unwrap();
 }
@@ -277,7 +277,7 @@ fn hits_on_every_view_are_the_oracles() {
     let gpu = gpu();
     let sizes = [[960, 540], [641, 479]];
     for name in library::names() {
-        check_views(&gpu, &library::scene(name).unwrap(), &sizes);
+        check_views(&gpu, &crate::common::built_in(name), &sizes);
     }
     let Some(folder) = shared_scenes() else { return };
     for file in ["ssct-rooms/rooms.scene.toml", "sponza/sponza.scene.toml"] {
@@ -333,7 +333,7 @@ struct Corridor {
 
 impl Corridor {
     fn new() -> Self {
-        let scene = library::scene("rooms").unwrap();
+        let scene = crate::common::built_in("rooms");
         let view = scene.view("corridor").unwrap().clone();
         let extent = [127, 61];
         let camera = view.camera(&scene, extent);

@@ -16,7 +16,7 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::{Reflections, ReflectionsInfo};
-use ssct_lab::scene::{Camera, Capture, GBufferData, Scene, library};
+use ssct_lab::scene::{Camera, Capture, GBufferData, Scene};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
@@ -146,7 +146,7 @@ fn effect(gpu: &Gpu, scene: &Scene, view: &str, setup: &Setup, (roughness, frame
 fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let gpu = gpu();
     let _compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
-    let mut scene = library::scene("street").unwrap();
+    let mut scene = crate::common::built_in("street");
     let eye = scene.view("puddles").unwrap().eye;
     let places = [eye + Vec3::Y, eye - Vec3::new(1.0, 0.0, 2.0)];
     scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();

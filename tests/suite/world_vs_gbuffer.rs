@@ -7,7 +7,7 @@ use ssct::methods::{METHODS, Setup, Wants};
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
-use ssct_lab::scene::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture, library};
+use ssct_lab::scene::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture};
 use ssct_lab::study::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -23,7 +23,7 @@ struct Both {
 }
 
 fn both(normal_deviation: f32, maps: bool) -> Both {
-    let scene = library::scene("rooms").expect("a built-in scene");
+    let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").expect("a view of the rooms");
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(normal_deviation) };
     let mut materials = globals.materials(&scene, view);
@@ -121,7 +121,7 @@ fn lit_colour_without_images_agrees_within_half_floats() {
 
 #[test]
 fn emission_roughness_maps_and_single_sides_agree() {
-    let mut scene = library::scene("rooms").expect("a built-in scene");
+    let mut scene = crate::common::built_in("rooms");
     // Half of the left half glows wholly, the rest of it by a half; rough on the right.
     let texel = |x: u32| if x < 2 { [255, 255, 255, if x == 0 { 255 } else { 128 }] } else { [255, 51, 255, 0] };
     let rgba = (0..4).flat_map(texel).collect();

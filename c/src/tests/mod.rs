@@ -336,7 +336,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
 
         // A texture of a white and a grey texel, of which every vertex is at the white one.
         let texels = [255, 255, 255, 0, 64, 64, 64, 0];
-        let texture = SsctHitTexture { texels: texels.as_ptr(), width: 2, height: 1, is_srgb: false };
+        let texture = SsctHitTexture { texels: texels.as_ptr(), width: 2, height: 1, is_srgb: vk::FALSE };
         let places = [[0.25_f32, 0.5]; 4];
         let textured = SsctTriangleMesh { texture_places: places.as_ptr().cast(), ..wall(&[0, 1, 2, 2, 3, 0]) };
         let create = |mesh, textures, triangles| {

@@ -1,10 +1,10 @@
 //! Writes what the reflections read and made of a frame as 32-bit floats, for tests and for whoever looks for a fault.
 
 use crate::device::Result;
-use crate::passes::DEPTH;
 use crate::reflect::Reflecting;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
+use embed_wgpu::{bytes_of, copy_out, floats};
 use std::path::{Path, PathBuf};
 use wgpu::TextureFormat;
 
@@ -37,7 +37,11 @@ impl Pending {
         camera: [[f32; 16]; 2],
         images: &[(&'static str, &wgpu::Texture)],
     ) -> Self {
-        let copies = images.iter().map(|(name, texture)| Copy::record(device, encoder, name, texture)).collect();
+        let copy = |(name, texture): &(&'static str, &wgpu::Texture)| {
+            let (buffer, row) = copy_out(device, encoder, texture);
+            Copy { name: *name, buffer, format: texture.format(), width: texture.width(), row }
+        };
+        let copies = images.iter().map(copy).collect();
         let state = wgpu::TextureUses::RESOURCE;
         let back =
             images.iter().map(|(_, texture)| wgpu::TextureTransition { texture: *texture, selector: None, state });
@@ -60,42 +64,6 @@ impl Pending {
         }
         Ok(())
     }
-}
-
-impl Copy {
-    fn record(
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        name: &'static str,
-        texture: &wgpu::Texture,
-    ) -> Self {
-        let (width, format) = (texture.width(), texture.format());
-        let row = (width * bytes_of(format)).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(name),
-            size: u64::from(row) * u64::from(texture.height()),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-        Self { name, buffer, format, width, row }
-    }
-}
-
-/// Bytes of a texel of the formats of passes.rs.
-fn bytes_of(format: TextureFormat) -> u32 {
-    format.block_copy_size(None).unwrap_or_default()
-}
-
-/// Texels of an image as 32-bit floats.
-fn floats(bytes: &[u8], format: TextureFormat) -> Vec<u8> {
-    if format == DEPTH {
-        return bytes.to_vec();
-    }
-    let halves = bytes.as_chunks::<2>().0.iter();
-    halves.flat_map(|half| half::f16::from_ne_bytes(*half).to_f32().to_le_bytes()).collect()
 }
 
 /// Waits for the images that were kept of a frame, and writes them.

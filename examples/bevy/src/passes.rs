@@ -1,10 +1,8 @@
 //! The passes around the reflections, in wgpu, and the textures that they draw to.
 
-use crate::device::{NO_VULKAN, Result};
-use wgpu::hal::api::Vulkan;
+use embed_wgpu::{HALF, Result, description};
 use wgpu::{TextureFormat, TextureUsages as U};
 
-pub const HALF: TextureFormat = TextureFormat::Rgba16Float;
 pub const PAIR: TextureFormat = TextureFormat::Rg16Float;
 pub const DEPTH: TextureFormat = TextureFormat::R32Float;
 
@@ -96,6 +94,29 @@ fn pipeline(
     })
 }
 
+impl Passes {
+    /// Draws the environment map as a cube in the world's directions, with the bindings of the pass "face".
+    pub fn sky(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        bindings: &[(u32, wgpu::BindingResource)],
+        side: u32,
+    ) -> Picture {
+        let sky = cube(device, side, wgpu::TextureViewDimension::D2Array);
+        for face in 0..6 {
+            let view = sky.texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: face,
+                array_layer_count: Some(1),
+                ..Default::default()
+            });
+            draw(device, encoder, &self.face, bindings, &[&view], face);
+        }
+        sky
+    }
+}
+
 /// Draws a triangle over whole images with some bindings of passes.wgsl; `instance` is the face of a cube.
 pub fn draw(
     device: &wgpu::Device,
@@ -140,76 +161,9 @@ pub fn cube(device: &wgpu::Device, side: u32, dimension: wgpu::TextureViewDimens
     Picture { texture, view }
 }
 
-fn description(
-    name: &str,
-    [width, height, depth_or_array_layers]: [u32; 3],
-    format: TextureFormat,
-    usage: U,
-) -> wgpu::TextureDescriptor<'_> {
-    wgpu::TextureDescriptor {
-        label: Some(name),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    }
-}
-
-/// How a texture of a format is in wgpu's state `RESOURCE`, in which wgpu samples it.
-pub fn resource(format: TextureFormat) -> ssct::ImageUse {
-    use ash::vk::{AccessFlags2, ImageLayout as L, PipelineStageFlags2 as S};
-    let is_depth = format.is_depth_stencil_format();
-    ssct::ImageUse {
-        layout: if is_depth { L::DEPTH_STENCIL_READ_ONLY_OPTIMAL } else { L::SHADER_READ_ONLY_OPTIMAL },
-        stages: S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER,
-        access: AccessFlags2::SHADER_READ,
-    }
-}
-
-/// A texture of wgpu's that is in the state `RESOURCE`, and is to stay so.
-pub fn input(adapter: &wgpu::Adapter, texture: &wgpu::Texture, view: &wgpu::TextureView) -> Result<ssct::ImageInput> {
-    let (format, extent) = (texture.format(), [texture.width(), texture.height()]);
-    // wgpu panics where a statement holds two of its guards.
-    // SAFETY: nothing is destroyed.
-    let image = unsafe { texture.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
-    // SAFETY: as above.
-    let view = unsafe { view.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
-    // SAFETY: as above.
-    let raw_format = unsafe { adapter.as_hal::<Vulkan>() }.ok_or(NO_VULKAN)?.texture_format_as_raw(format);
-    let of = match (format.is_depth_stencil_format(), texture.depth_or_array_layers()) {
-        (true, _) => ssct::ImageInput::depth,
-        (false, 6) => ssct::ImageInput::cube,
-        (false, _) => ssct::ImageInput::color,
-    };
-    Ok(of(image, view, raw_format, extent).used(resource(format), resource(format)))
-}
-
-/// An image of the library's that is in the state `RESOURCE`, as a texture of wgpu's. wgpu does not destroy it.
+/// An image of the library's that is in the state `RESOURCE`.
 pub fn adopt(device: &wgpu::Device, image: &ssct::OutputImage) -> Result<Picture> {
-    let [width, height] = image.extent;
-    let description = description("ssct reflection", [width, height, 1], HALF, U::TEXTURE_BINDING | U::COPY_SRC);
-    let raw = wgpu::hal::TextureDescriptor {
-        label: description.label,
-        size: description.size,
-        mip_level_count: description.mip_level_count,
-        sample_count: description.sample_count,
-        dimension: description.dimension,
-        format: description.format,
-        usage: wgpu::TextureUses::RESOURCE | wgpu::TextureUses::COPY_SRC,
-        memory_flags: wgpu::hal::MemoryFlags::empty(),
-        view_formats: Vec::new(),
-    };
-    let (stays, memory) = (Box::new(|| ()), wgpu::hal::vulkan::TextureMemory::External);
-    // SAFETY: the image is the device's, as described, and in that state when wgpu uses it first.
-    let texture = unsafe {
-        let hal = device.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
-        let texture = hal.texture_from_raw(image.image, &raw, Some(stays), memory);
-        drop(hal);
-        device.create_texture_from_hal::<Vulkan>(texture, &description, wgpu::TextureUses::RESOURCE)
-    };
+    let texture = embed_wgpu::adopt(device, "ssct reflection", image)?;
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     Ok(Picture { texture, view })
 }

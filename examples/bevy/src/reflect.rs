@@ -1,9 +1,9 @@
 //! Records reflections between Bevy's deferred lighting and what it draws after it.
 
 use crate::SsctReflections;
-use crate::device::{self, Result, SsctFeatures};
+use crate::device::{self, SsctFeatures};
 use crate::images::{KeepImages, Pending};
-use crate::passes::{self, HALF, PAIR, Passes, Picture, View, draw, input, picture, resource};
+use crate::passes::{self, PAIR, Passes, Picture, View, draw, picture};
 use crate::world::WorldMeshes;
 use bevy::camera::Exposure;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
@@ -19,6 +19,7 @@ use bevy::render::renderer::{RenderAdapter, RenderContext, RenderDevice, RenderQ
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::texture::GpuImage;
 use bevy::render::view::{ExtractedView, ViewTarget};
+use embed_wgpu::{HALF, NO_VULKAN, Result, input, resource};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -122,6 +123,16 @@ struct Built {
     triangles: ssct::Triangles,
 }
 
+impl Built {
+    /// Builds the triangles, and records copying them to the device.
+    fn new(world: &WorldMeshes, context: &ssct::Context, raw: &mut wgpu::CommandEncoder) -> Result<Self> {
+        let mut triangles = world.triangles(context)?;
+        // SAFETY: the command buffer is recording outside rendering, and is submitted before the frames that see them.
+        unsafe { in_raw(raw, |commands| triangles.record_upload(commands)) }??;
+        Ok(Self { changes: world.changes, triangles })
+    }
+}
+
 /// What one camera needs.
 struct Viewed {
     settings: SsctReflections,
@@ -216,11 +227,8 @@ impl Frame<'_> {
         let mut raw = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("ssct") });
 
         if settings.world && triangles.as_ref().is_none_or(|built| built.changes != world.changes) {
-            let built = Built { changes: world.changes, triangles: world.triangles(context)? };
-            retired.extend(triangles.replace(built).map(|old| (*frame, old.triangles)));
-            let triangles = &mut triangles.as_mut().ok_or("built above")?.triangles;
-            // SAFETY: the command buffer is recording outside rendering, and is submitted before the frames that see them.
-            unsafe { in_raw(&mut raw, |commands| triangles.record_upload(commands)) }??;
+            let old = triangles.replace(Built::new(world, context, &mut raw)?);
+            retired.extend(old.map(|old| (*frame, old.triangles)));
         }
         let triangles = triangles.as_ref().filter(|_| settings.world).map(|built| &built.triangles);
 
@@ -251,23 +259,10 @@ impl Frame<'_> {
         let map = environment.map_or(&passes.nothing.view, |(_, image)| &*image.texture_view);
         let bound_map = (5, wgpu::BindingResource::TextureView(map));
         let bound_sampler = (6, wgpu::BindingResource::Sampler(&passes.sampler));
+        let bindings = [bound_view.clone(), bound_map.clone(), bound_sampler.clone()];
         viewed.sky = match (viewed.sky.take(), environment) {
             (Some((of, sky)), Some((is, _))) if of == is => Some((of, sky)),
-            (_, Some((is, image))) => {
-                let side = image.texture.width();
-                let sky = passes::cube(device, side, wgpu::TextureViewDimension::D2Array);
-                for face in 0..6 {
-                    let view = sky.texture.create_view(&wgpu::TextureViewDescriptor {
-                        dimension: Some(wgpu::TextureViewDimension::D2),
-                        base_array_layer: face,
-                        array_layer_count: Some(1),
-                        ..Default::default()
-                    });
-                    let bindings = [bound_view.clone(), bound_map.clone(), bound_sampler.clone()];
-                    draw(device, encoder, &passes.face, &bindings, &[&view], face);
-                }
-                Some((is, sky))
-            }
+            (_, Some((is, image))) => Some((is, passes.sky(device, encoder, &bindings, image.texture.width()))),
             (_, None) => None,
         };
 
@@ -280,30 +275,9 @@ impl Frame<'_> {
         let transitions = read.map(|texture| wgpu::TextureTransition { texture, selector: None, state });
         encoder.transition_resources(std::iter::empty(), transitions);
 
-        let material = input(self.adapter, &viewed.material.texture, &viewed.material.view)?;
-        let sky = viewed.sky.as_ref().map(|(_, sky)| input(self.adapter, &sky.texture, &sky.view)).transpose()?;
-        let [view_to_clip, world_to_view] = matrices;
-        let frame_input = ssct::FrameInput {
-            slot,
-            camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Up },
-            depth: input(self.adapter, &depth.texture.texture, depth_view)?,
-            normal: ssct::NormalInput {
-                image: input(self.adapter, &viewed.normal.texture, &viewed.normal.view)?,
-                space: ssct::NormalSpace::View,
-                encoding: ssct::NormalEncoding::Float,
-            },
-            reflectivity: ssct::FactorInput::Channel(material, 0),
-            roughness: ssct::FactorInput::Channel(material, 1),
-            reflectors: ssct::Reflectors::UNKNOWN,
-            color: input(self.adapter, lit, lit_view)?,
-            sky,
-            captures: None,
-            triangles,
-            triangle_numbers: None,
-            motion: None,
-            timed: false,
-            outputs: resource(HALF),
-        };
+        let sampled = (&*depth.texture.texture, depth_view);
+        let frame_input = self.input(viewed, sampled, (lit, lit_view), &matrices)?;
+        let frame_input = ssct::FrameInput { slot, triangles, ..frame_input };
         let reflections = &mut viewed.reflections;
         // SAFETY: the command buffer is recording outside rendering, and is submitted after what it reads, in the order of
         // frames; the frame with the same slot is done.
@@ -332,16 +306,47 @@ impl Frame<'_> {
         if let Some(folder) = &self.reflected.keep {
             let kept = viewed.depth.get_or_insert_with(|| picture(device, "depth", extent, passes::DEPTH));
             draw(device, encoder, &passes.depth, &[depth_buffer], &[&kept.view], 0);
-            let images = [
-                ("depth", &kept.texture),
-                ("normal", &viewed.normal.texture),
-                ("material", &viewed.material.texture),
-                ("color", lit),
-                ("reflection", &reflection.texture),
-            ];
+            let (normal, material) = (&viewed.normal.texture, &viewed.material.texture);
+            let made = [("color", lit), ("reflection", &reflection.texture)];
+            let images = [("depth", &kept.texture), ("normal", normal), ("material", material)].into_iter().chain(made);
+            let images: Vec<_> = images.collect();
             lock(&reflecting.pending).push(Pending::record(device, encoder, folder, matrices, &images));
         }
         Ok(())
+    }
+
+    /// What the reflections read: textures that are in the state `RESOURCE`.
+    fn input<'t>(
+        &self,
+        viewed: &Viewed,
+        (depth, depth_view): (&wgpu::Texture, &wgpu::TextureView),
+        (lit, lit_view): (&wgpu::Texture, &wgpu::TextureView),
+        [view_to_clip, world_to_view]: &[[f32; 16]; 2],
+    ) -> Result<ssct::FrameInput<'t>> {
+        let of = |picture: &Picture| input(self.adapter, &picture.texture, &picture.view);
+        let (world_to_view, view_to_clip) = (*world_to_view, *view_to_clip);
+        let material = of(&viewed.material)?;
+        Ok(ssct::FrameInput {
+            slot: 0,
+            camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Up },
+            depth: input(self.adapter, depth, depth_view)?,
+            normal: ssct::NormalInput {
+                image: of(&viewed.normal)?,
+                space: ssct::NormalSpace::View,
+                encoding: ssct::NormalEncoding::Float,
+            },
+            reflectivity: ssct::FactorInput::Channel(material, 0),
+            roughness: ssct::FactorInput::Channel(material, 1),
+            reflectors: ssct::Reflectors::UNKNOWN,
+            color: input(self.adapter, lit, lit_view)?,
+            sky: viewed.sky.as_ref().map(|(_, sky)| of(sky)).transpose()?,
+            captures: None,
+            triangles: None,
+            triangle_numbers: None,
+            motion: None,
+            timed: false,
+            outputs: resource(HALF),
+        })
     }
 
     /// The environment map, once it is loaded.
@@ -446,7 +451,7 @@ unsafe fn in_raw<T>(
     record: impl FnOnce(ash::vk::CommandBuffer) -> ssct::Result<T>,
 ) -> Result<ssct::Result<T>> {
     // SAFETY: by the contract.
-    unsafe { encoder.as_hal_mut::<Vulkan, _, _>(|encoder| Ok(record(encoder.ok_or(device::NO_VULKAN)?.raw_handle()))) }
+    unsafe { encoder.as_hal_mut::<Vulkan, _, _>(|encoder| Ok(record(encoder.ok_or(NO_VULKAN)?.raw_handle()))) }
 }
 
 /// Records writing the block of a view, so that each frame has its own.

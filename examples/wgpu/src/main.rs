@@ -1,6 +1,7 @@
 //! A renderer on wgpu that takes reflections from `ssct`. It draws the scene of `examples/embed` in a render pass of WGSL,
 //! records `unified` into a command buffer of wgpu's, and shows what came out in a pass of its own, three frames on end. The
-//! lines that are there for the reflections stand between "reflections" marks, here and in `renderer.rs`.
+//! lines that are there for the reflections stand between "reflections" marks, here and in `renderer.rs`, and in `lib.rs`, which
+//! another renderer on wgpu may use as it is.
 //!
 //! ```sh
 //! cargo run -- out.png [FOLDER]    # with a folder, every image is also written there as 32-bit floats
@@ -8,7 +9,8 @@
 
 mod renderer;
 
-use renderer::{DEPTH, HALF, NO_VULKAN, Renderer, Result};
+use embed_wgpu::{HALF, NO_VULKAN, Result};
+use renderer::{DEPTH, Renderer};
 use wgpu::hal::api::Vulkan;
 
 const SIZE: [u32; 2] = [640, 360];
@@ -42,7 +44,9 @@ fn main() -> Result<()> {
 
     // ---- reflections ----
     // SAFETY: the handles belong together and outlive the context; the features are those that the device was made with.
-    let context = unsafe { ssct::Context::new(renderer.handles()?) }?;
+    let context = unsafe {
+        ssct::Context::new(embed_wgpu::handles(&renderer.adapter, &renderer.device, wgpu::Features::empty())?)
+    }?;
     let defaults = ssct::ReflectionsInfo::default(); // `unified`, with two frames in flight
     let info = ssct::ReflectionsInfo { extent: SIZE, frames_in_flight: FRAMES_IN_FLIGHT, ..defaults };
     let mut reflections = ssct::Reflections::new(&context, &info)?;
@@ -78,7 +82,7 @@ fn main() -> Result<()> {
             triangle_numbers: None,
             motion: None,
             timed: false,
-            outputs: renderer::resource(HALF),
+            outputs: embed_wgpu::resource(HALF),
         };
         // wgpu records its own commands no sooner than `finish` and refuses to mix them with raw ones, so that the raw ones
         // have an encoder to themselves. It knows no texture of theirs; `draw` has brought all of them into a known state.
@@ -114,7 +118,7 @@ fn main() -> Result<()> {
     if let Some(folder) = arguments.get(1) {
         std::fs::create_dir_all(folder)?;
         for ((name, picture), bytes) in wanted.iter().zip(&read) {
-            std::fs::write(format!("{folder}/{name}.f32"), renderer::floats(bytes, picture.texture.format()))?;
+            std::fs::write(format!("{folder}/{name}.f32"), embed_wgpu::floats(bytes, picture.texture.format()))?;
         }
         let numbers: Vec<u8> = view_to_clip.iter().chain(&world_to_view).flat_map(|v| v.to_le_bytes()).collect();
         std::fs::write(format!("{folder}/camera.f32"), numbers)?;

@@ -102,6 +102,7 @@ pub fn scene_digest(scene: &Scene) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{} {:?} {:?} {:?}", scene.name, scene.lens, scene.materials, scene.lights));
     hash.update(format!("{:?} {:?} {:?}", scene.probes, scene.impostors, scene.area_lights));
+    scene.motions.iter().for_each(|motion| hash.update(format!("{motion:?}")));
     for mesh in &scene.meshes {
         hash.update(bytemuck::cast_slice::<_, u8>(&mesh.vertices));
         hash.update(bytemuck::cast_slice::<_, u8>(&mesh.indices));

@@ -214,7 +214,7 @@ impl Study for VideoStudy {
         let digest = scene_digest(&self.scene);
         let Self { way, moving, frames, frames_per_second, rays, play, .. } = self;
         let step = (self.step_m.to_array(), self.step_frames);
-        let played = play.as_ref().map(|motion| format!("{motion:?}"));
+        let played = play.as_ref().map(|motion| &motion.name);
         let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played]);
         let cell = |extent: [u32; 2], globals: Globals| {
             let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();

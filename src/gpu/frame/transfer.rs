@@ -203,7 +203,7 @@ impl Frame<'_> {
                 vk::BufferCopy::default().src_offset(*first).dst_offset(*target).size(*size)
             };
             let regions: Vec<_> = runs.iter().filter(|[.., size]| *size > 0).map(region).collect();
-            // SAFETY: both buffers hold the regions, of which there is one.
+            // SAFETY: both buffers hold the regions, and there is at least one.
             unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &regions) };
             frame.use_buffer(to, access);
             frame.flush();

@@ -186,3 +186,58 @@ pub fn histories(folder: &Path) -> Result<String> {
     let head = ["film", "ϱ", "change: none", "before", "now", "FLIP: none", "now", "flicker: none", "now"];
     table(&head, rows)
 }
+
+/// FLIP of each frame of a variant's film, from the table of frames.
+fn flips(folder: &Path, variant: &str) -> Result<Vec<f64>> {
+    let variant = variant.replace('_', " ");
+    let rows = csv(folder, "video-frames.csv")?;
+    let found: Vec<f64> =
+        rows.iter().filter(|r| r["variant"] == variant).map(|r| number(r, "flip")).collect::<Result<_>>()?;
+    if found.is_empty() { Err(format!("no film of {variant:?}")) } else { Ok(found) }
+}
+
+/// FLIP of a frame, by its number or `end`.
+pub fn flip(folder: &Path, variant: &str, frame: &str) -> Result<String> {
+    Ok(format!("{:.4}", at(&flips(folder, variant)?, frame)?))
+}
+
+/// FLIP of a frame over that of the last.
+pub fn flip_over_end(folder: &Path, variant: &str, frame: &str) -> Result<String> {
+    let all = flips(folder, variant)?;
+    Ok(ratio(at(&all, frame)? / at(&all, "end")?))
+}
+
+/// The least and the greatest FLIP from a frame on.
+pub fn flip_from(folder: &Path, variant: &str, first: &str) -> Result<String> {
+    let first: usize = first.parse().map_err(|_| format!("{first:?} is no frame"))?;
+    let all = flips(folder, variant)?;
+    let later = all.get(first..).filter(|later| !later.is_empty()).ok_or_else(|| format!("no frame {first}"))?;
+    let [least, greatest] = [f64::min, f64::max].map(|of| later.iter().copied().reduce(of).unwrap_or_default());
+    Ok(format!("{least:.4} to {greatest:.4}"))
+}
+
+fn at(all: &[f64], frame: &str) -> Result<f64> {
+    let frame = if frame == "end" { Ok(all.len() - 1) } else { frame.parse() };
+    let frame: usize = frame.map_err(|_| "a frame is a number or `end`".to_owned())?;
+    all.get(frame).copied().ok_or_else(|| format!("no frame {frame}"))
+}
+
+/// The error of changes of a variant's film over the world's own changes.
+pub fn changes(folder: &Path, variant: &str) -> Result<String> {
+    let variant = variant.replace('_', " ");
+    let rows = csv(folder, "video.csv")?;
+    let row = rows.iter().find(|r| r["variant"] == variant).ok_or_else(|| format!("no film of {variant:?}"))?;
+    Ok(ratio(number(row, "change_error")? / number(row, "reference_flicker")?))
+}
+
+/// What a mesh that moves costs: building all of the tree anew, and the small one alone.
+pub fn movers(folder: &Path) -> Result<String> {
+    let row = |row: &Row| -> Result<Vec<String>> {
+        let ms = |field| Ok::<_, String>(format!("{:.1}", number(row, field)?));
+        let [scene, mesh] = ["scene", "mesh"].map(|field| format!("`{}`", row[field]));
+        let (all, moving) = (row["triangles"].clone(), row["moving_triangles"].clone());
+        Ok(vec![scene, mesh, all, moving, ms("whole_ms")?, ms("moving_ms")?])
+    };
+    let rows = csv(folder, "movers.csv")?.iter().map(row).collect::<Result<_>>()?;
+    table(&["scene", "what moves", "triangles", "of which move", "the whole tree, ms", "the small tree, ms"], rows)
+}

@@ -5,7 +5,6 @@ use ssct::gpu::programs::{ConeMarchMipConstants, LinearConstants};
 use ssct::math::constants;
 use ssct::methods::{METHODS, MethodInfo, thesis};
 use ssct::parameter::Parameter;
-use ssct_lab::scene::library;
 
 /// Methods of the documents and a parameter of theirs, the published value, the section, and the printed words with the
 /// value in them.
@@ -160,7 +159,7 @@ fn constants_of_shaders_are_those_of_print() {
     let weights = [constants::GAUSSIAN_0, constants::GAUSSIAN_1, constants::GAUSSIAN_2, constants::GAUSSIAN_3];
     assert_eq!(weights, [0.474, 0.233, 0.028, 0.002]);
     // §4.2.9, Eq. 4.7: "I_end = 1"; "I_start specifies the interpolation start factor, which is set to 0.8 in the demo".
-    let scene = library::scene("rooms").unwrap();
+    let scene = crate::common::built_in("rooms");
     let camera = scene.views[0].camera(&scene, [960, 540]);
     let block = thesis::block(&camera, [960, 540], 10, true);
     assert_eq!((block.fade_start, block.fade_end), (0.8, 1.0));

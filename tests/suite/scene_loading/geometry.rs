@@ -275,7 +275,7 @@ fn the_default_view_sees_things_that_stand_around_an_empty_place() {
 
 #[test]
 fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
-    let before = with_a_path(ssct_lab::scene::library::scene("street").unwrap());
+    let before = with_a_path(crate::common::built_in("street"));
     let (offset, factor) = (Vec3::new(3.0, -5.0, 7.0), 2.0);
     let mut moved = before.clone();
     moved.translate(offset);

@@ -1,4 +1,4 @@
-//! What moves before the camera of a film.
+//! Places the things that move before the camera of a film.
 
 use super::VideoStudy;
 use crate::scene::Placement;

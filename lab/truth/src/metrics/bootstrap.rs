@@ -105,6 +105,11 @@ pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     Some((1.0 - low).max(high - 1.0).max(0.0)).filter(|floor| floor.is_finite())
 }
 
+/// The median of some samples, as of [`ratio_of_medians`]; not a number for none.
+pub fn median_of(samples: impl IntoIterator<Item = f64>) -> f64 {
+    median(&mut samples.into_iter().collect::<Vec<_>>()).unwrap_or(f64::NAN)
+}
+
 /// The median, which for an even number of samples is the mean of the middle two. Sorts the samples.
 fn median(samples: &mut [f64]) -> Option<f64> {
     samples.sort_by(f64::total_cmp);

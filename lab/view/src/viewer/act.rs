@@ -1,4 +1,4 @@
-//! What actions of keys and buttons do.
+//! Performs the actions of keys and of the panel's buttons.
 
 use super::Viewer;
 use crate::input::Action;

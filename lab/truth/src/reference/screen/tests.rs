@@ -212,23 +212,27 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
 
 #[test]
 fn rays_are_drawn_by_their_numbers() {
-    let (g, mask) = stage(0.3);
-    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
-    let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
-    for (x, y) in (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
-        let normal = rays.normal(x, y).expect("floor");
-        let stream = Stream::new(SAMPLING.seed, g.index(x, y) as u64);
-        let colors = (0..u64::from(SAMPLING.samples)).map(|i| {
-            let u = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
-            let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
-            let direction = lobe_direction(mirror, phong::exponent(f64::from(0.3_f32)), u);
-            let hit = hierarchy.trace_direction(x, y, direction).position().filter(|_| direction.dot(normal) > 0.0);
-            hit.map_or(DVec3::ZERO, |p| bilinear(&g, p.x, p.y))
-        });
-        let expected = mean_and_error(colors);
-        let i = g.index(x, y);
-        let found = (image.color[i], image.standard_error[i]);
-        assert_eq!(found, (expected.mean.as_vec3(), expected.standard_error.as_vec3()), "({x}, {y}), to the bit");
+    for roughness in [0.0, 0.3] {
+        let (g, mask) = stage(roughness);
+        let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+        let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
+        let pixels = (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y)));
+        for (x, y) in pixels.filter(|(x, y)| mask[g.index(*x, *y)]) {
+            let normal = rays.normal(x, y).expect("floor");
+            let stream = Stream::new(SAMPLING.seed, g.index(x, y) as u64);
+            let colors = (0..u64::from(SAMPLING.samples)).map(|i| {
+                let u = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
+                let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
+                let direction = lobe_direction(mirror, phong::exponent(f64::from(roughness)), u);
+                let hit = hierarchy.trace_direction(x, y, direction).position().filter(|_| direction.dot(normal) > 0.0);
+                hit.map_or(DVec3::ZERO, |p| bilinear(&g, p.x, p.y))
+            });
+            let expected = mean_and_error(colors);
+            let i = g.index(x, y);
+            let found = (image.color[i], image.standard_error[i]);
+            let expected = (expected.mean.as_vec3(), expected.standard_error.as_vec3());
+            assert_eq!(found, expected, "({x}, {y}) at {roughness}, to the bit");
+        }
     }
 }
 

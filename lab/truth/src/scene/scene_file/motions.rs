@@ -1,7 +1,7 @@
 //! Motions that a scene file names: a mesh that is moved and turned from key frame to key frame.
 
 use crate::error::Result;
-use crate::scene::motion::{Between, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::motion::{Between, Changes, Keys, Motion, Mover, MovingNode, Rest};
 use crate::scene::source_text::SourceText;
 use crate::scene::{Aabb, Scene};
 use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
@@ -84,9 +84,8 @@ impl SourceText<'_> {
         let turns = Keys::new(times, turns, Between::Linear).map_err(wrong)?;
         let nodes = vec![
             MovingNode {
-                offset: Some(Arc::new(offsets)),
-                turn: Some(Arc::new(turns)),
-                ..MovingNode::still(Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE))
+                rest: Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),
+                changes: Changes { offset: Some(Arc::new(offsets)), turn: Some(Arc::new(turns)), size: None },
             },
             MovingNode::still(Rest::Matrix(DMat4::from_translation(-pivot.as_dvec3()))),
         ];

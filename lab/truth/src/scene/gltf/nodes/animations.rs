@@ -4,7 +4,7 @@
 use super::Nodes;
 use crate::scene::gltf::Notes;
 use crate::scene::gltf::data::Data;
-use crate::scene::motion::{Between, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::motion::{Between, Changes, Keys, Motion, Mover, MovingNode, Rest};
 use crate::scene::{Mesh, bounded};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::Dimensions;
@@ -45,14 +45,6 @@ struct SamplerJson {
     input: usize,
     output: usize,
     interpolation: Option<String>,
-}
-
-/// What changes about a node.
-#[derive(Clone, Default)]
-struct Changes {
-    offset: Option<Arc<Keys<3>>>,
-    turn: Option<Arc<Keys<4>>>,
-    size: Option<Arc<Keys<3>>>,
 }
 
 /// The motions of a file's animations. `names` are those of the nodes' meshes, by the nodes' indices.
@@ -201,10 +193,7 @@ fn chain<'a>(way: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> 
     for (node, changes) in way {
         let rest = rest(node);
         match (changes, chain.last_mut()) {
-            (Some(Changes { offset, turn, size }), _) => {
-                let [offset, size] = [offset, size].map(Clone::clone);
-                chain.push(MovingNode { rest, offset, turn: turn.clone(), size });
-            }
+            (Some(changes), _) => chain.push(MovingNode { rest, changes: changes.clone() }),
             (None, Some(MovingNode { rest: Rest::Matrix(matrix), .. })) => *matrix *= rest.matrix(),
             (None, _) => chain.push(MovingNode::still(Rest::Matrix(rest.matrix()))),
         }

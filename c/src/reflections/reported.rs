@@ -1,0 +1,54 @@
+//! Keeps the texts and rows that structures of a caller point to.
+
+use super::{SsctOutputImage, SsctPassTime, SsctRecorded, SsctSkipped};
+use crate::border::text;
+use crate::vulkan::{VkExtent2D, VkFormat, VkImage, VkImageView};
+use ssct::{OutputImage, Recorded};
+use std::ffi::{CString, c_char};
+
+/// Names of passes, to which `SsctRecorded` points.
+#[derive(Default)]
+pub(super) struct Report {
+    _texts: Vec<CString>,
+    passes: Vec<*const c_char>,
+    skipped: Vec<SsctSkipped>,
+}
+
+impl Report {
+    pub(super) fn new(made: &Recorded) -> Self {
+        let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
+        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|t| text(t)).collect();
+        let (passes, skipped) = texts.split_at(made.passes.len());
+        let passes = passes.iter().map(|pass| pass.as_ptr()).collect();
+        let row = |pair: &[CString; 2]| SsctSkipped { pass: pair[0].as_ptr(), why: pair[1].as_ptr() };
+        let skipped = skipped.as_chunks::<2>().0.iter().map(row).collect();
+        Self { _texts: texts, passes, skipped }
+    }
+
+    pub(super) fn shown(&self, made: &Recorded, struct_size: usize) -> SsctRecorded {
+        SsctRecorded {
+            struct_size,
+            composite: output(made.composite),
+            reflection: output(made.reflection),
+            hits: output(made.hits),
+            passes: self.passes.as_ptr(),
+            pass_count: self.passes.len() as u32,
+            skipped_count: self.skipped.len() as u32,
+            skipped: self.skipped.as_ptr(),
+        }
+    }
+}
+
+fn output(made: Option<OutputImage>) -> SsctOutputImage {
+    let none =
+        OutputImage { image: VkImage::null(), view: VkImageView::null(), format: VkFormat::UNDEFINED, extent: [0, 0] };
+    let OutputImage { image, view, format, extent: [width, height] } = made.unwrap_or(none);
+    SsctOutputImage { image, view, format, extent: VkExtent2D { width, height } }
+}
+
+/// Rows of times, to which `ssct_reflections_times` points.
+#[derive(Default)]
+pub(super) struct Times {
+    pub(super) _names: Vec<CString>,
+    pub(super) rows: Vec<SsctPassTime>,
+}

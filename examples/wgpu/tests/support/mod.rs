@@ -1,0 +1,66 @@
+//! Runs the command on the images that an example drew. Nothing of the example's own is asked: the files are what any renderer
+//! would write.
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
+    read_first_flat_layer_from_file,
+};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The command; the variable's path may be relative to the repository.
+pub fn ssct() -> PathBuf {
+    let path = std::env::var_os("SSCT_COMMAND").unwrap_or_else(|| "target/debug/ssct".into());
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+    assert!(path.exists(), "{} is not there: `make build` makes it", path.display());
+    path
+}
+
+pub fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// Channels of an image of so many pixels that the example wrote.
+pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usize, usize)) -> [Vec<f32>; N] {
+    let bytes = std::fs::read(folder.join(format!("{name}.f32"))).unwrap();
+    let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+    let stride = numbers.len() / (width * height);
+    std::array::from_fn(|channel| numbers.iter().copied().skip(channel).step_by(stride.max(1)).collect())
+}
+
+/// The images as a G-buffer file. Its view space is left-handed, where that of the example is right-handed.
+pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
+    let bytes = std::fs::read(folder.join("camera.f32")).unwrap();
+    let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+    let (mut clip, mut view) = ([0.0; 16], [0.0; 16]);
+    clip.copy_from_slice(&numbers[..16]);
+    view.copy_from_slice(&numbers[16..]);
+    [8, 9, 10, 11].iter().for_each(|i| clip[*i] = -clip[*i]);
+    [2, 6, 10, 14].iter().for_each(|i| view[*i] = -view[*i]);
+    let [red, green, blue] = channels(folder, "color", size);
+    let [x, y, z] = channels(folder, "normal", size);
+    let [depth] = channels(folder, "depth", size);
+    let [reflectivity, roughness] = channels(folder, "material", size);
+    let z = z.iter().map(|z| -z).collect();
+    let made = [("R", red), ("G", green), ("B", blue), ("depth", depth), ("N.X", x), ("N.Y", y), ("N.Z", z)];
+    let rest = [("reflectivity", reflectivity), ("roughness", roughness)];
+    let list = made.into_iter().chain(rest).map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
+    let mut attributes = LayerAttributes { world_to_camera: Some(view), ..LayerAttributes::default() };
+    attributes.other.insert("viewToClip".into(), AttributeValue::Matrix4x4(clip));
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(list.collect()));
+    Image::from_layer(layer).write().to_file(file).unwrap();
+}
+
+/// Holds the first channels of an example's image against red, green and blue of the command's file, to the bit.
+pub fn assert_equal(file: &Path, embedded: &[Vec<f32>]) {
+    let layer = read_first_flat_layer_from_file(file).unwrap().layer_data;
+    for (name, embedded) in ["R", "G", "B"].into_iter().zip(embedded) {
+        let channel = layer.channel_data.list.iter().find(|c| c.name == *name).unwrap();
+        let made: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        assert_eq!(made.len(), embedded.len());
+        let differ = made.iter().zip(embedded).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        assert_eq!(differ, 0, "of {} pixels of {name}", made.len());
+    }
+}
