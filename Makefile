@@ -62,7 +62,8 @@ test-wgpu: build
 
 # The example in Bevy, whose compiler examples/bevy/rust-toolchain.toml names: a quarter of an hour the first time.
 test-bevy: build
-	cd examples/bevy && SSCT_COMMAND="$(BIN)" $(CARGO) test
+	cd examples/bevy && if command -v rustup >/dev/null; then rustup toolchain install; fi && \
+		SSCT_COMMAND="$(abspath $(BIN))" $(CARGO) test
 
 # The tests of drivers on lavapipe, on SwiftShader and on Mesa 25's lavapipe, the first two under a younger validation
 # layer; all but the first are fetched: minutes.
