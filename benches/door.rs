@@ -20,7 +20,7 @@ use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, Reflections, ReflectionsInfo};
 use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::scene::library;
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 const FRAMES: usize = 11;
 const WARMUP: usize = 2;

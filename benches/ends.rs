@@ -28,7 +28,7 @@ use ssct_lab::reference::world::WorldReference;
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
 use ssct_lab::scene::placement::sees;
 use ssct_lab::scene::{Scene, Triangles, View, library};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeMap;
 
 const SIZE: [u32; 2] = [480, 270];

@@ -24,7 +24,7 @@ use ssct::passes::billboard::{Blur, Occlusion, Order};
 use ssct::passes::mask_chain::MaskFilter;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::library;
-use ssct_lab::study::{Globals, Shot, Stage, image};
+use ssct_lab::stage::{Globals, Shot, Stage, image};
 use std::collections::HashMap;
 
 /// A change of parameters.

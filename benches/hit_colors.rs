@@ -15,7 +15,7 @@ use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, HitTexture, Reflections, ReflectionsInfo, Triangles};
 use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::scene::library;
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::time::Instant;
 
 const FRAMES: usize = 11;

@@ -8,7 +8,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup, Wants};
 use ssct_lab::scene::library;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::{Globals, Shot, Stage};
 use std::time::Duration;
 
 const SIZE: [u32; 2] = [480, 270];

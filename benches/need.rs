@@ -24,7 +24,7 @@ use ssct::passes::{GBuffer, Reflectors};
 use ssct_lab::metrics::bootstrap::median_of;
 use ssct_lab::reference::unified::Traversal;
 use ssct_lab::scene::{Camera, GBufferData, library};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
 const FRAMES: usize = 7;

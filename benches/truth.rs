@@ -24,7 +24,7 @@ use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::world_hits;
 use ssct_lab::scene::{Scene, View, library};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 

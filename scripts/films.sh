@@ -13,12 +13,14 @@ out=${1:?usage: scripts/films.sh OUT}
 roughness=${ROUGHNESS:-0.05,0.1,0.3,0.6}
 mkdir -p "$out"
 
-captured=(--variant "unified --captures auto" --variant "stochastic --fallback captures --history on")
-all=(
-    --variant "ssct" --variant "ssct --fallback captures"
-    --variant "unified" --variant "unified --history on" --variant "unified --captures auto --history on"
-    --variant "stochastic" --variant "stochastic --history on" --variant "stochastic --fallback captures"
-    "${captured[@]}"
+# `unified` has the world's triangles behind the screen; captures know of it as well, and the first methods of the screen alone.
+walk=(
+    --variant "ssct" --variant "unified --beyond none" --variant "stochastic --history on"
+    --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"
+)
+rest=(
+    --variant "unified" --variant "unified --history on"
+    --variant "stochastic --fallback captures" --variant "stochastic --fallback captures --history on"
 )
 
 film() { # folder, flags...
@@ -27,8 +29,7 @@ film() { # folder, flags...
     "$ssct" video --frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}" "$@" -o "$folder" --resume
 }
 
-film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${all[@]}"
-film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${all[@]}"
-film turn --way turn --scene rooms --view corridor --roughness 0.1 "${all[@]}"
-film moving --way rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${all[@]}"
-RAYS=256 film rooms-256 --way walk --scene rooms --view corridor --roughness 0.3 "${captured[@]}"
+film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${walk[@]}"
+film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${walk[@]}"
+film turn --way turn --scene rooms --view corridor --roughness 0.1 "${rest[@]}"
+film moving --way rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${rest[@]}"

@@ -51,6 +51,10 @@
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 #[cfg(not(feature = "internals"))]
+mod conventions;
+#[cfg(feature = "internals")]
+pub mod conventions;
+#[cfg(not(feature = "internals"))]
 mod error;
 #[cfg(feature = "internals")]
 pub mod error;
@@ -86,10 +90,11 @@ mod embed;
 #[doc = include_str!("../docs/embedding.md")]
 struct Embedding;
 
+pub use conventions::{ClipY, NormalEncoding, NormalSpace};
 pub use embed::{
-    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, HitTexture,
-    ImageInput, MeshTexture, MotionInput, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
-    ReflectionsInfo, TriangleMesh, Triangles, methods,
+    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, Context, FactorInput, FrameInput, HitTexture,
+    ImageInput, MeshTexture, MotionInput, NormalInput, OutputImage, Recorded, Reflections, ReflectionsInfo,
+    TriangleMesh, Triangles, methods,
 };
 pub use error::{Error, Result};
 pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures, enable_features};

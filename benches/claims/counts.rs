@@ -14,7 +14,7 @@ use ssct::methods::thesis::ConeParams;
 use ssct::methods::{Setup, Wants};
 use ssct::passes::PathCode;
 use ssct_lab::scene::{Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, image};
+use ssct_lab::stage::{Globals, Shot, Stage, image};
 
 /// The size of the thesis's figures.
 const SIZE: [u32; 2] = [960, 540];

@@ -27,7 +27,7 @@ use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::WorldReference;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::{Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use std::collections::HashMap;
 
 /// Rays a pixel of the references.

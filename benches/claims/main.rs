@@ -27,7 +27,7 @@ use edited::Shaders;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, MethodInfo, Setup};
 use ssct_lab::scene::{Scene, library};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// A change of parameters.
 type Change = fn(&Setup) -> Setup;

@@ -13,7 +13,7 @@ use glam::Vec3;
 use ssct::methods::{Setup, Wants};
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::{Scene, View};
-use ssct_lab::study::{Shot, Stage, gbuffer};
+use ssct_lab::stage::{Shot, Stage, gbuffer};
 
 const SIZE: [u32; 2] = [320, 180];
 /// Metres from one frame to the next: 1.4 m/s at 60 frames a second.

@@ -25,7 +25,7 @@ use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct_lab::scene::{Mesh, Scene, Vertex, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 /// Turns that count; one before them does not.
 const TURNS: usize = 11;

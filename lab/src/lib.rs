@@ -3,8 +3,9 @@
 pub mod app;
 pub mod custom;
 pub mod report;
+pub mod stage;
 pub mod study;
 
 pub use ssct_truth::{metrics, reference, scene};
 
-use ssct::{error, gpu, math, methods, parameter, passes};
+use ssct::{conventions, error, gpu, math, methods, parameter, passes};

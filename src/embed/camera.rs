@@ -1,19 +1,10 @@
 //! A camera from the matrices of another renderer.
 
+use crate::conventions::ClipY;
 use crate::error::{Error, Result};
 use crate::scene::Camera;
 use crate::scene::camera::{ReadProjection, is_rotation};
 use glam::{Mat3, Mat4, Vec4};
-
-/// Where the top of the image is in the caller's clip space.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ClipY {
-    /// At y = −w, as Vulkan has it with a viewport of positive height.
-    #[default]
-    Down,
-    /// At y = w: the viewport has a negative height.
-    Up,
-}
 
 /// The camera of a frame, in the caller's conventions, which are read off its matrices: handedness, whether y is up,
 /// reversed or standard depth, a finite or an infinite far plane, and the shift of a jittered projection.

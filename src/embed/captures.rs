@@ -1,7 +1,8 @@
 //! Images of the scene around places, from another renderer.
 
 use super::input::Borrowed;
-use super::{CameraInput, ClipY, Context, ImageInput};
+use super::{CameraInput, Context, ImageInput};
+use crate::conventions::ClipY;
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;

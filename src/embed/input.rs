@@ -1,6 +1,7 @@
 //! Images of another renderer: what they are, and what is wrong with them.
 
 use super::camera::Taken;
+use crate::conventions::{NormalEncoding, NormalSpace};
 use crate::error::{Error, Result};
 use crate::gpu::sync::ImageUse;
 use crate::gpu::{Frame, Gpu, Image};
@@ -181,28 +182,6 @@ fn is_depth_format(format: vk::Format) -> bool {
 fn is_integer(format: vk::Format) -> bool {
     let name = format!("{format:?}");
     !is_depth_format(format) && ["UINT", "SINT"].iter().any(|kind| name.contains(kind))
-}
-
-/// In which space normals are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NormalSpace {
-    /// The caller's view space.
-    View,
-    /// The caller's world space.
-    World,
-}
-
-/// How the texels of an image hold unit normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NormalEncoding {
-    /// x, y and z as they are: floats or signed normalised numbers.
-    Float,
-    /// x, y and z, mapped from −1…1 to 0…1.
-    Unorm,
-    /// Two numbers, −1…1: the place on an octahedron that is unfolded to a square.
-    Octahedral,
-    /// The octahedral place, mapped to 0…1.
-    OctahedralUnorm,
 }
 
 /// Whether a format holds numbers below 0.

@@ -8,9 +8,9 @@ mod input;
 mod reflections;
 mod triangles;
 
-pub use camera::{CameraInput, ClipY};
+pub use camera::CameraInput;
 pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
-pub use input::{FactorInput, ImageInput, MotionInput, NormalEncoding, NormalInput, NormalSpace};
+pub use input::{FactorInput, ImageInput, MotionInput, NormalInput};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
 pub use triangles::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup};
 use ssct_lab::scene::{Scene, library};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 use ssct_lab::study::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
 
 const LAVAPIPE: &str = "llvmpipe";

@@ -15,7 +15,7 @@ use ssct::{
 };
 use ssct_lab::reference::unified::octahedral;
 use ssct_lab::scene::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;

@@ -18,8 +18,8 @@ use ssct_lab::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View, library,
 };
-use ssct_lab::study::image::{RenderedImage, render};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::image::{RenderedImage, render};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::num::NonZero;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};

@@ -11,19 +11,24 @@ use std::path::Path;
 /// A module at the root of a package, and those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
     ("error", &[]),
+    ("conventions", &[]),
     // Values and their names: what every layer may have parameters by.
     ("parameter", &["error"]),
     ("math", &["error", "parameter"]),
-    ("scene", &["error", "math"]),
+    ("scene", &["error", "conventions", "math"]),
     ("gpu", &["error", "parameter", "math"]),
     ("reference", &["error", "math", "scene"]),
     ("metrics", &["error", "math", "scene", "reference"]),
     ("passes", &["error", "parameter", "math", "scene", "gpu"]),
     ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
-    ("embed", &["error", "parameter", "math", "scene", "gpu", "passes", "methods"]),
-    ("custom", &["error", "parameter", "math", "scene", "gpu", "passes", "methods"]),
-    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
-    ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
+    ("embed", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods"]),
+    ("custom", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods"]),
+    ("stage", &["error", "math", "scene", "gpu", "metrics", "passes", "methods"]),
+    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "stage"]),
+    (
+        "report",
+        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "stage", "study"],
+    ),
     (
         "app",
         &[
@@ -36,6 +41,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "metrics",
             "passes",
             "methods",
+            "stage",
             "study",
             "report",
             "custom",
@@ -51,9 +57,9 @@ const VIEW: &str = "lab/view/src";
 /// The packages: where their sources are, and the modules at their roots. Of `scene`, the plain types are in the first, and
 /// what loads and generates scenes is in `lab/truth`. The window's modules are not listed, since nothing imports them.
 const PACKAGES: &[(&str, &[&str])] = &[
-    ("src", &["error", "parameter", "math", "scene", "gpu", "passes", "methods", "embed", "lib"]),
+    ("src", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods", "embed", "lib"]),
     ("lab/truth/src", &["scene", "reference", "metrics", "lib"]),
-    ("lab/src", &["study", "report", "custom", "app", "main", "lib"]),
+    ("lab/src", &["stage", "study", "report", "custom", "app", "main", "lib"]),
     (VIEW, &[]),
 ];
 

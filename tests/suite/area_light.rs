@@ -8,8 +8,8 @@ use ssct::methods::{Setup, Wants, find};
 use ssct_lab::reference::first_hits::{FirstHits, Receiver};
 use ssct_lab::reference::lobe::lobe_direction;
 use ssct_lab::scene::{AreaLight, AreaShape, Material, Scene};
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Shot, Stage, gbuffer};
+use ssct_lab::stage::image::render;
+use ssct_lab::stage::{Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [64, 48];
 /// Directions along each side of the grid.

@@ -9,7 +9,7 @@ use ssct::methods::billboard::BillboardParams;
 use ssct::passes::billboard::{Blur, Occlusion, Order};
 use ssct_lab::reference::first_hits::Receiver;
 use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);

@@ -16,7 +16,7 @@ use ssct::passes::trace_normals::TraceNormals;
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::scene::{Camera, GBufferData, Material, Scene};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
 const EXTENT: [u32; 2] = [161, 97];

@@ -11,7 +11,7 @@ use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct::passes::PathCode;
 use ssct_lab::metrics::place::RayEnd;
 use ssct_lab::scene::{Camera, Capture, Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [80, 45];

@@ -19,7 +19,8 @@ use ssct_lab::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct_lab::reference::{CaptureData, Images};
 use ssct_lab::scene::capture::face_camera;
 use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::study::stress;
 
 /// What the device drew and where its rays ended.
 struct Drawn {

@@ -14,7 +14,7 @@ use ssct_lab::reference::Level;
 use ssct_lab::reference::hi_z::{self, MinMax};
 use ssct_lab::reference::visibility::{self, Range};
 use ssct_lab::scene::{GBufferData, LoadOptions, Surface, scene_file};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],

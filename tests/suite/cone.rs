@@ -8,7 +8,7 @@ use ssct::math::cone::{Circle, circles};
 use ssct::methods::Setup;
 use ssct::parameter::Preset;
 use ssct::passes::PathCode;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// A trilinear sample of a chain; the level is clamped to it.
 fn trilinear(levels: &[&Pixels], at: DVec2, level: f64) -> [f64; 3] {

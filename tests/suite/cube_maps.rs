@@ -14,8 +14,8 @@ use ssct::methods::{EffectParams, Fallback, METHODS, SceneInput, Setup, Wants, f
 use ssct::passes::cube_filter::{CubeFilterPass, FACE_SIZE, LEVELS, level_roughness};
 use ssct::passes::scene_data::SceneData;
 use ssct_lab::scene::{Aabb, Camera, Probe, Scene, sky};
-use ssct_lab::study::gbuffer;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::gbuffer;
+use ssct_lab::stage::{Globals, Shot, Stage};
 
 const MIN: Vec3 = Vec3::new(-2.0, -1.0, -3.0);
 const MAX: Vec3 = Vec3::new(4.0, 2.0, 3.0);

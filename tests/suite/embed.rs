@@ -17,7 +17,7 @@ use ssct::{
     Reflectors,
 };
 use ssct_lab::scene::Capture;
-use ssct_lab::study::{Globals, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Stage, gbuffer};
 use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

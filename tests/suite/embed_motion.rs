@@ -12,7 +12,7 @@ use ssct::scene::{Aabb, Camera, Projection, ProjectionKind};
 use ssct::{FrameInput, ImageInput, MotionInput, Reflections, ReflectionsInfo};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::scene::{GBufferData, Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
 

@@ -13,7 +13,7 @@ use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
 use ssct_lab::scene::Surface;
-use ssct_lab::study::{Stage, gbuffer};
+use ssct_lab::stage::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
 

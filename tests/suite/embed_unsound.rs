@@ -5,7 +5,7 @@ use crate::common::gpu;
 use glam::Vec3;
 use ssct::Reflections;
 use ssct::methods::{METHODS, Setup};
-use ssct_lab::study::gbuffer;
+use ssct_lab::stage::gbuffer;
 
 #[test]
 fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {

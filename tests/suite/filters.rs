@@ -8,7 +8,7 @@ use ssct::methods::Setup;
 use ssct::methods::poster::PosterParams;
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };

@@ -10,7 +10,7 @@ use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
 use ssct::parameter::{Choices, Field};
 use ssct_lab::scene::capture_file::CaptureFolder;
 use ssct_lab::scene::{GBufferData, gbuffer_file};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
 use std::process::Command;
 

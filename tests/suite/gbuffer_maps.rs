@@ -22,7 +22,7 @@ use ssct::gpu::Pixels;
 use ssct::methods::{self, METHODS, Setup, Wants};
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 use ssct_lab::scene::{GBufferData, gbuffer_file};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::sync::OnceLock;
 
 const SIZE: [u32; 2] = [161, 119];

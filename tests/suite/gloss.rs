@@ -9,8 +9,8 @@ use ssct::methods::{self, Setup, Wants};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::scene::{GBufferData, View};
-use ssct_lab::study::gbuffer::{self, reflect};
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::gbuffer::{self, reflect};
+use ssct_lab::stage::{Globals, Shot, Stage};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
 fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {

@@ -19,7 +19,7 @@ use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
 use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 /// The numbers of fade that `unified::parameters` gives.
 const FADE: [f32; 2] = [0.8, 1.0];

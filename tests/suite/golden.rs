@@ -11,8 +11,8 @@ use ssct::passes::color_chain::ChainFilter;
 use ssct_lab::metrics::flip::FlipMap;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::library;
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::image::render;
+use ssct_lab::stage::{Globals, Shot, Stage};
 use std::path::{Path, PathBuf};
 
 const EXTENT: [u32; 2] = [192, 108];

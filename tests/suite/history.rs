@@ -6,7 +6,7 @@ use ssct::methods::setup::HistoryUse;
 use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::scene::{Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
 

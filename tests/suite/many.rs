@@ -7,7 +7,7 @@ use ssct::methods::planar::PlanarParams;
 use ssct::passes::scene_data::MAX_LIGHTS;
 use ssct_lab::scene::obj::{Handedness, ObjFile, ObjOptions};
 use ssct_lab::scene::{Light, obj};
-use ssct_lab::study::{Globals, Stage};
+use ssct_lab::stage::{Globals, Stage};
 use std::fmt::Write;
 
 /// The albedo of one material of many; neighbours differ.

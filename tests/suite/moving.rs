@@ -11,7 +11,7 @@ use ssct::methods::unified::First;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
 use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords};
 use ssct_lab::scene::{Placement, Scene};
-use ssct_lab::study::{Shot, Stage, gbuffer};
+use ssct_lab::stage::{Shot, Stage, gbuffer};
 use std::cell::Cell;
 use std::rc::Rc;
 

@@ -18,8 +18,8 @@ use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::world_hits;
 use ssct_lab::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
 use ssct_lab::scene::{GBufferData, LoadOptions, Scene, Vertex, scene_file};
-use ssct_lab::study::gbuffer::{self, hit_positions};
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::gbuffer::{self, hit_positions};
+use ssct_lab::stage::{Globals, Shot, Stage};
 use std::time::Instant;
 
 fn rooms() -> Option<Scene> {

@@ -15,7 +15,7 @@ use ssct::methods::unified::First;
 use ssct::methods::{self, Effect, EffectParams, Fallback, METHODS, Setup, Wants, unified};
 use ssct::{ClipY, ProjectionKind, Reflections};
 use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 /// A view of a built-in scene along parallel lines.
 fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {

@@ -9,7 +9,7 @@ use ssct::gpu::frame::Mode;
 use ssct::methods::setup::OwnRays;
 use ssct::methods::unified::{self, First, StageChoice, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::process::Command;
 
 /// Roughness, and the most that the error with such rays may be of that without them. At this size it was 0.76 and 0.79 for narrow

@@ -12,12 +12,13 @@ use ssct_lab::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Stri
 use ssct_lab::report::images::Rgb;
 use ssct_lab::report::{plot, tables};
 use ssct_lab::scene::Lens;
+use ssct_lab::stage::Globals;
 use ssct_lab::study::engine::Row;
 use ssct_lab::study::error::{Against, ErrorRecord, ImageError, source_table};
 use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
 use ssct_lab::study::table::compare;
 use ssct_lab::study::timing::chart;
-use ssct_lab::study::{Globals, Stats, TimeRecord};
+use ssct_lab::study::{Stats, TimeRecord};
 use std::path::Path;
 
 /// Phone and desktop, in CSS pixels.

@@ -8,7 +8,7 @@ use ssct::methods::planar::PlanarParams;
 use ssct::methods::setup::{EffectParams, Fallback};
 use ssct::passes::planar::MirrorDrawing;
 use ssct_lab::scene::{Camera, Scene};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 const EXTENT: [u32; 2] = [321, 239];
 

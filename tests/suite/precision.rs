@@ -8,10 +8,10 @@ use ssct::methods::{self, Setup};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::surface::World;
+use ssct_lab::stage::{Globals, gbuffer};
 use ssct_lab::study::precision::{
     ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
-use ssct_lab::study::{Globals, gbuffer};
 
 const SIZE: [u32; 2] = [161, 91];
 

@@ -7,7 +7,7 @@ use ssct::gpu::frame::Mode;
 use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct_lab::metrics::rmse;
 use ssct_lab::scene::View;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::{Globals, Shot, Stage};
 
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: None };
 

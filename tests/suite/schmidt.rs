@@ -8,7 +8,7 @@ use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::{EffectParams, Setup, find};
 use ssct::passes::PathCode;
 use ssct_lab::scene::{Camera, Lens};
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// Eq. 28 as printed, fed with standard depth: 2 d / (d + far).
 fn linear_depth(z: f64) -> f64 {

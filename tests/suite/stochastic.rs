@@ -10,7 +10,7 @@ use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, View};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [161, 91];
 

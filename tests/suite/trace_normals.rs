@@ -6,7 +6,7 @@ use ssct::error::Error;
 use ssct::gpu::Pixels;
 use ssct::methods::{EffectParams, METHODS, Setup, Wants, find};
 use ssct::passes::trace_normals::TraceNormals;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::{Globals, Shot, Stage};
 
 fn setup(extent: [u32; 2], normals: TraceNormals, bump: f32) -> Setup {
     Setup::new(extent).with(|p: &mut EffectParams| (p.trace_normals, p.bump_after) = (normals, bump))

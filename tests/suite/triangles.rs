@@ -14,7 +14,7 @@ use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::scene::bvh::WorldRay;
 use ssct_lab::scene::{GBufferData, Material, Scene};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
 

@@ -17,7 +17,7 @@ use ssct_lab::metrics::hits::HitAgreement;
 use ssct_lab::reference::unified::{Code, Parameters, Traversal};
 use ssct_lab::reference::{Hierarchy, MissReason, Outcome};
 use ssct_lab::scene::{Camera, GBufferData, Lens, LoadOptions, Material, Scene, Surface, View, library, scene_file};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
 const SIZES: [[u32; 2]; 12] = [

@@ -17,7 +17,7 @@ use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::{Reflections, ReflectionsInfo};
 use ssct_lab::scene::{Camera, Capture, GBufferData, Scene};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
 /// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
 const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];

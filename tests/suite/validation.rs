@@ -24,8 +24,8 @@ use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::tiles::ARGUMENT_BYTES;
 use ssct_lab::scene::View;
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::stage::image::render;
+use ssct_lab::stage::{Globals, Shot, Stage};
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {

@@ -8,7 +8,7 @@ use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
 use ssct_lab::scene::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture};
-use ssct_lab::study::{Globals, Shot, Stage, image};
+use ssct_lab::stage::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
 

@@ -7,11 +7,13 @@ use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::EnvironmentMapLight;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::{
+    Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+};
 use embed_bevy::truth::{Look, Texture, Triangle};
 use std::sync::Arc;
 
-/// The sky over the hall, which has no ceiling.
+/// The even sky over the hall, which has no ceiling, and what is drawn where the camera sees the sky.
 pub const SKY: LinearRgba = LinearRgba::rgb(0.25, 0.4, 0.7);
 
 /// Texels along a side of the textures.
@@ -51,7 +53,7 @@ fn things(has_moved: bool) -> Vec<Thing> {
         (Cuboid::from_size(size).into(), transform)
     };
     let sphere = |radius: f32, at: Vec3| {
-        let mesh = Sphere::new(radius).mesh().ico(3).map(Mesh::from).unwrap_or_else(|_| Sphere::new(radius).into());
+        let mesh = Sphere::new(radius).mesh().ico(3).unwrap_or_else(|_| Sphere::new(radius).into());
         (mesh, Transform::from_translation(at))
     };
     let colors = |a: [f32; 3], b: [f32; 3]| Some([a, b].map(|[r, g, b]| LinearRgba::rgb(r, g, b)));
@@ -132,9 +134,60 @@ pub fn spawn(
     }
 }
 
-/// The sky as an environment map, as bright as it is to be seen.
-pub fn sky(images: &mut Assets<Image>) -> EnvironmentMapLight {
-    EnvironmentMapLight::solid_color(images, SKY).with_intensity(1.0 / Exposure::default().exposure())
+/// The light over the hall.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Sky {
+    /// One colour from everywhere.
+    Even,
+    /// Another colour from each direction.
+    Colorful,
+}
+
+impl Sky {
+    /// The linear colour of the sky in a direction of the world.
+    pub fn color(self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Even => Vec3::new(SKY.red, SKY.green, SKY.blue),
+            Self::Colorful => 0.4 + 0.35 * direction.normalize(),
+        }
+    }
+
+    /// The sky as an environment map, as bright as it is to be seen.
+    pub fn map(self, images: &mut Assets<Image>) -> EnvironmentMapLight {
+        let map = match self {
+            Self::Even => EnvironmentMapLight::solid_color(images, SKY),
+            Self::Colorful => {
+                let map = images.add(self.cube());
+                EnvironmentMapLight { diffuse_map: map.clone(), specular_map: map, ..default() }
+            }
+        };
+        map.with_intensity(1.0 / Exposure::default().exposure())
+    }
+
+    /// A cube of halves, laid out as cubes are; Bevy's have the world's z the other way round.
+    fn cube(self) -> Image {
+        const SIDE: u16 = 64;
+        let place = |at: u16| (2.0 * f32::from(at) + 1.0) / f32::from(SIDE) - 1.0;
+        let along = |face: u32, s: f32, t: f32| match face {
+            0 => Vec3::new(1.0, -t, -s),
+            1 => Vec3::new(-1.0, -t, s),
+            2 => Vec3::new(s, 1.0, t),
+            3 => Vec3::new(s, -1.0, -t),
+            4 => Vec3::new(s, -t, 1.0),
+            _ => Vec3::new(-s, -t, -1.0),
+        };
+        let texels = (0..6).flat_map(|face| (0..SIDE).flat_map(move |y| (0..SIDE).map(move |x| (face, x, y))));
+        let data = texels.flat_map(|(face, x, y)| {
+            let color = self.color(along(face, place(x), place(y)) * Vec3::new(1.0, 1.0, -1.0));
+            [color.x, color.y, color.z, 1.0].map(|channel| half::f16::from_f32(channel).to_le_bytes())
+        });
+        let size = Extent3d { width: SIDE.into(), height: SIDE.into(), depth_or_array_layers: 6 };
+        let (data, of) = (data.flatten().collect(), TextureFormat::Rgba16Float);
+        let mut image = Image::new(size, TextureDimension::D2, data, of, RenderAssetUsages::RENDER_WORLD);
+        image.texture_view_descriptor =
+            Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::Cube), ..default() });
+        image
+    }
 }
 
 /// The hall for whoever follows rays.

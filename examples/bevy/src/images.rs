@@ -39,7 +39,7 @@ impl Pending {
     ) -> Self {
         let copy = |(name, texture): &(&'static str, &wgpu::Texture)| {
             let (buffer, row) = copy_out(device, encoder, texture);
-            Copy { name: *name, buffer, format: texture.format(), width: texture.width(), row }
+            Copy { name, buffer, format: texture.format(), width: texture.width(), row }
         };
         let copies = images.iter().map(copy).collect();
         let state = wgpu::TextureUses::RESOURCE;

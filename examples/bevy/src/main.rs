@@ -9,7 +9,7 @@
 //! #   --moved                                              the ball moves before the last frames
 //! #   --images FOLDER                                      what goes in and comes out of the last frame, as 32-bit floats
 //! #   --truth FILE.png                                     the truth
-//! #   --no-sky                                             no environment map
+//! #   --sky even|colorful|none                             the environment map, and the light that it has from where
 //! ```
 //!
 //! It writes a line of figures: the error of mirrors against the truth, the share of them that show the right
@@ -29,7 +29,8 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
 use bevy::window::ExitCondition;
-use embed_bevy::{KeepImages, Result, SsctPlugin, SsctReflections, truth};
+use embed_bevy::truth::{self, Seen};
+use embed_bevy::{KeepImages, Result, SsctPlugin, SsctReflections};
 use std::path::PathBuf;
 
 struct Options {
@@ -40,7 +41,8 @@ struct Options {
     has_moved: bool,
     images: Option<PathBuf>,
     truth: Option<PathBuf>,
-    has_sky: bool,
+    /// `None` is no environment map.
+    sky: Option<hall::Sky>,
     roughness: f32,
 }
 
@@ -61,10 +63,10 @@ fn main() -> Result<()> {
     let aspect = width as f32 / height as f32;
     let projection = PerspectiveProjection { aspect_ratio: aspect, ..default() };
     let clip_from_view = projection.get_clip_from_view();
-    let sky = Vec3::new(hall::SKY.red, hall::SKY.green, hall::SKY.blue);
+    let sky = options.sky.unwrap_or(hall::Sky::Even);
     let size = [width as usize, height as usize];
     let triangles = hall::triangles(options.has_moved);
-    let truth = truth::picture(&triangles, sky, size, clip_from_view, world_from_view);
+    let truth = truth::picture(&triangles, |direction| sky.color(direction), size, clip_from_view, world_from_view);
     if let Some(file) = &options.truth {
         write(file, options.size, &truth.iter().map(|(color, _)| *color).collect::<Vec<_>>())?;
     }
@@ -72,8 +74,15 @@ fn main() -> Result<()> {
     let device = &app.world().resource::<RenderAdapterInfo>().name;
     println!(
         "{{\"device\": {device:?}, \"with\": {:?}, \"size\": [{width}, {height}], \"mirrors\": {}, \"rmse\": {:.5}, \
-         \"right\": {:.5}, \"others_rmse\": {:.5}, \"median_ms\": {:.3}, \"least_ms\": {:.3}}}",
-        options.with, figures.mirrors, figures.rmse, figures.right, figures.others_rmse, took[0], took[1]
+         \"right\": {:.5}, \"sky_rmse\": {:.5}, \"others_rmse\": {:.5}, \"median_ms\": {:.3}, \"least_ms\": {:.3}}}",
+        options.with,
+        figures.mirrors,
+        figures.rmse,
+        figures.right,
+        figures.sky_rmse,
+        figures.others_rmse,
+        took[0],
+        took[1]
     );
     Ok(())
 }
@@ -87,7 +96,7 @@ fn options() -> Result<Options> {
         has_moved: false,
         images: None,
         truth: None,
-        has_sky: true,
+        sky: Some(hall::Sky::Even),
         roughness: 0.0,
     };
     let mut arguments = std::env::args().skip(1);
@@ -101,12 +110,21 @@ fn options() -> Result<Options> {
             "--truth" => options.truth = Some(value()?.into()),
             "--roughness" => options.roughness = value()?.parse()?,
             "--moved" => options.has_moved = true,
-            "--no-sky" => options.has_sky = false,
+            "--sky" => options.sky = sky(&value()?)?,
             name if name.starts_with("--") => return Err(format!("there is no option {name}").into()),
             file => options.output = file.into(),
         }
     }
     Ok(options)
+}
+
+fn sky(name: &str) -> Result<Option<hall::Sky>> {
+    match name {
+        "even" => Ok(Some(hall::Sky::Even)),
+        "colorful" => Ok(Some(hall::Sky::Colorful)),
+        "none" => Ok(None),
+        other => Err(format!("there is no sky {other}").into()),
+    }
 }
 
 fn size(text: &str) -> Result<[u32; 2]> {
@@ -143,7 +161,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
     target.asset_usage = RenderAssetUsages::RENDER_WORLD;
     target.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     let target = images.add(target);
-    let sky = hall::sky(&mut images);
+    let sky = options.sky.map(|sky| sky.map(&mut images));
     let camera = (
         Camera3d::default(),
         Camera { clear_color: Color::from(hall::SKY).into(), ..default() },
@@ -155,7 +173,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
     let own = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
     let ours = SsctReflections::default();
     let mut entity = world.entity_mut(camera);
-    if options.has_sky {
+    if let Some(sky) = sky {
         entity.insert(sky);
     }
     match options.with.as_str() {
@@ -227,25 +245,30 @@ struct Figures {
     rmse: f64,
     /// Share of them whose colour is the right place's within 0.04 in each channel.
     right: f64,
-    /// The error of all other pixels: of the truth itself.
+    /// The error of those that show the sky.
+    sky_rmse: f64,
+    /// The error of all pixels that are no mirror's: of the truth itself.
     others_rmse: f64,
 }
 
 impl Figures {
-    fn of(shown: &[Vec3], truth: &[(Vec3, bool)]) -> Self {
-        let error = |(shown, (truth, _)): (&Vec3, &(Vec3, bool))| (*shown - *truth).abs();
-        let (mirrors, others): (Vec<_>, Vec<_>) = shown.iter().zip(truth).partition(|(_, (_, is_mirror))| *is_mirror);
-        let rmse = |pixels: &[(&Vec3, &(Vec3, bool))]| {
-            let sum: f64 = pixels.iter().map(|pixel| f64::from(error(*pixel).length_squared())).sum();
-            (sum / (3 * pixels.len().max(1)) as f64).sqrt()
+    fn of(shown: &[Vec3], truth: &[(Vec3, Seen)]) -> Self {
+        let errors = |of: fn(Seen) -> bool| -> Vec<Vec3> {
+            let pixels = shown.iter().zip(truth).filter(|(_, (_, seen))| of(*seen));
+            pixels.map(|(shown, (truth, _))| (*shown - *truth).abs()).collect()
         };
-        let right = mirrors.iter().filter(|pixel| error(**pixel).max_element() < 0.04).count();
-        let count = mirrors.len();
+        let rmse = |errors: &[Vec3]| {
+            let sum: f64 = errors.iter().map(|error| f64::from(error.length_squared())).sum();
+            (sum / (3 * errors.len().max(1)) as f64).sqrt()
+        };
+        let mirrors = errors(|seen| seen != Seen::Directly);
+        let right = mirrors.iter().filter(|error| error.max_element() < 0.04).count();
         Self {
-            mirrors: count,
+            mirrors: mirrors.len(),
             rmse: rmse(&mirrors),
-            right: right as f64 / count.max(1) as f64,
-            others_rmse: rmse(&others),
+            right: right as f64 / mirrors.len().max(1) as f64,
+            sky_rmse: rmse(&errors(|seen| seen == Seen::MirroredSky)),
+            others_rmse: rmse(&errors(|seen| seen == Seen::Directly)),
         }
     }
 }

@@ -102,8 +102,8 @@ pub struct Reflecting {
 struct State {
     views: HashMap<Entity, Viewed>,
     triangles: Option<Built>,
-    /// Triangles that frames up to a number may still see.
-    retired: Vec<(u64, ssct::Triangles)>,
+    /// What frames up to a number may still use.
+    retired: Vec<(u64, Box<dyn Send>)>,
     context: ssct::Context,
     passes: Passes,
     frame: u64,
@@ -171,10 +171,14 @@ pub fn start(
     }
 }
 
-/// Counts frames, and lets the device say when those before are done.
-pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>) {
+/// Counts frames, lets the device say when those before are done, and lets go of what cameras needed that have no reflections any
+/// more.
+pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>, cameras: Query<(), With<Reflected>>) {
     let Some(reflecting) = reflecting else { return };
     let mut state = lock(&reflecting.state);
+    let State { views, retired, frame, .. } = &mut *state;
+    let gone: Vec<_> = views.extract_if(|camera, _| !cameras.contains(*camera)).collect();
+    retired.extend(gone.into_iter().map(|(_, view)| (*frame, Box::new(view) as _)));
     state.frame += 1;
     let (done, frame) = (reflecting.done.clone(), state.frame);
     queue.on_submitted_work_done(move || {
@@ -228,7 +232,7 @@ impl Frame<'_> {
 
         if settings.world && triangles.as_ref().is_none_or(|built| built.changes != world.changes) {
             let old = triangles.replace(Built::new(world, context, &mut raw)?);
-            retired.extend(old.map(|old| (*frame, old.triangles)));
+            retired.extend(old.map(|old| (*frame, Box::new(old.triangles) as _)));
         }
         let triangles = triangles.as_ref().filter(|_| settings.world).map(|built| &built.triangles);
 
@@ -275,7 +279,7 @@ impl Frame<'_> {
         let transitions = read.map(|texture| wgpu::TextureTransition { texture, selector: None, state });
         encoder.transition_resources(std::iter::empty(), transitions);
 
-        let sampled = (&*depth.texture.texture, depth_view);
+        let sampled = (&*depth.texture.texture, &**depth_view);
         let frame_input = self.input(viewed, sampled, (lit, lit_view), &matrices)?;
         let frame_input = ssct::FrameInput { slot, triangles, ..frame_input };
         let reflections = &mut viewed.reflections;

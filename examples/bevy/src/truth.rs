@@ -35,14 +35,25 @@ struct Met<'a> {
     triangle: &'a Triangle,
 }
 
-/// What each pixel shows: its colour, and whether it is a mirror's.
+/// How a pixel sees what gives it its colour.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// A surface that is no mirror, or the sky.
+    Directly,
+    /// A surface in a mirror.
+    Mirrored,
+    /// The sky in a mirror.
+    MirroredSky,
+}
+
+/// What each pixel shows, and how it sees it. `sky` is the light from a direction of the world.
 pub fn picture(
     triangles: &[Triangle],
-    sky: Vec3,
+    sky: impl Fn(Vec3) -> Vec3 + Sync,
     [width, height]: [usize; 2],
     clip_from_view: Mat4,
     world_from_view: Mat4,
-) -> Vec<(Vec3, bool)> {
+) -> Vec<(Vec3, Seen)> {
     let scale = Vec2::new(1.0 / clip_from_view.x_axis.x, 1.0 / clip_from_view.y_axis.y);
     let pixel = |at: usize| {
         let ndc =
@@ -50,16 +61,16 @@ pub fn picture(
         let ndc = ndc * Vec2::new(2.0, -2.0) + Vec2::new(-1.0, 1.0);
         let direction = world_from_view.transform_vector3((ndc * scale).extend(-1.0)).normalize();
         let eye = world_from_view.w_axis.truncate();
-        let Some(first) = nearest(triangles, eye, direction) else { return (sky, false) };
+        let Some(first) = nearest(triangles, eye, direction) else { return (sky(direction), Seen::Directly) };
         if !matches!(first.triangle.look, Look::Mirror) {
-            return (first.color(), false);
+            return (first.color(), Seen::Directly);
         }
         let normal = first.triangle.normal();
         let start = eye + first.at * direction;
         let mirrored = direction - 2.0 * direction.dot(normal) * normal;
         let start = start + 1e-4 * normal * mirrored.dot(normal).signum();
-        let color = nearest(triangles, start, mirrored).map_or(sky, |met| met.color());
-        (color, true)
+        let met = nearest(triangles, start, mirrored);
+        met.map_or_else(|| (sky(mirrored), Seen::MirroredSky), |met| (met.color(), Seen::Mirrored))
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let (all, part) = (width * height, (width * height).div_ceil(threads));

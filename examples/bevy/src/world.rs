@@ -64,19 +64,22 @@ type Changed3d = Or<(
     Changed<InheritedVisibility>,
 )>;
 
+type ChangedMeshes = (With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d);
+type AssetEvents<'w, 's> = (
+    MessageReader<'w, 's, AssetEvent<Mesh>>,
+    MessageReader<'w, 's, AssetEvent<StandardMaterial>>,
+    MessageReader<'w, 's, AssetEvent<Image>>,
+);
+
 /// Gathers the meshes where any of them, or what they are made of, changed.
 #[expect(clippy::too_many_arguments, reason = "each is a table of Bevy's")]
 pub fn gather(
     mut world: ResMut<WorldMeshes>,
     light: Res<LightOnMeshes>,
     drawn: Query<Drawn, Without<NotReflected>>,
-    changed: Query<(), (With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d)>,
+    changed: Query<(), ChangedMeshes>,
     mut removed: RemovedComponents<Mesh3d>,
-    (mut mesh_events, mut material_events, mut image_events): (
-        MessageReader<AssetEvent<Mesh>>,
-        MessageReader<AssetEvent<StandardMaterial>>,
-        MessageReader<AssetEvent<Image>>,
-    ),
+    (mut mesh_events, mut material_events, mut image_events): AssetEvents,
     meshes: Res<Assets<Mesh>>,
     (materials, images): (Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
 ) {
@@ -148,7 +151,7 @@ impl Taken {
     fn image(&mut self, id: AssetId<Image>, images: &Assets<Image>) -> Option<usize> {
         let image = images.get(id)?;
         let next = self.images.len();
-        let place = *self.places.entry(id).or_insert_with(|| {
+        *self.places.entry(id).or_insert_with(|| {
             let is_srgb = match image.texture_descriptor.format {
                 TextureFormat::Rgba8UnormSrgb => true,
                 TextureFormat::Rgba8Unorm => false,
@@ -158,8 +161,7 @@ impl Taken {
             let texels = image.data.as_ref()?.get(..4 * width as usize * height as usize)?;
             self.images.push(WorldImage { extent: [width, height], is_srgb, rgba: texels.to_vec() });
             Some(next)
-        });
-        place
+        })
     }
 }
 

@@ -44,7 +44,7 @@ fn number(line: &str, name: &str) -> f64 {
 #[test]
 fn the_camera_shows_what_the_command_makes_of_its_images() {
     let folder = folder("command");
-    let line = example(&folder, &["out.png", "--with", "screen", "--no-sky", "--images", "images"]);
+    let line = example(&folder, &["out.png", "--with", "screen", "--sky", "none", "--images", "images"]);
     let images = folder.join("images");
     write_gbuffer(&images, SIZE, &folder.join("g.exr"));
     let mut command = Command::new(ssct());
@@ -72,5 +72,15 @@ fn mirrors_show_the_world_and_what_moved_in_it() {
     example(&folder, &["out.png", "--with", "history", "--roughness", "0.25"]);
     for line in [still, moved] {
         assert!(number(&line, "rmse") < 0.5 * number(&bevy, "rmse"), "{line}, {bevy}");
+    }
+}
+
+#[test]
+fn mirrors_show_the_environment_map_the_way_round_that_bevy_does() {
+    let folder = folder("sky");
+    // Bevy's lighting shows the map alone, so that it says which way round the truth's sky is.
+    for with in ["nothing", "ssct", "traced"] {
+        let line = example(&folder, &["out.png", "--with", with, "--sky", "colorful"]);
+        assert!(number(&line, "sky_rmse") < 0.01, "{with}: {line}");
     }
 }

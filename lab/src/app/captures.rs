@@ -9,7 +9,7 @@ use crate::report::files;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::placement::{Wanted, with_captures};
 use crate::scene::{Capture, LoadOptions, Scene, capture_file};
-use crate::study::{Stage, gbuffer};
+use crate::stage::{Stage, gbuffer};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};

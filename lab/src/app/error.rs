@@ -6,8 +6,9 @@ use super::resolve;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::scene::{Scene, View, library};
+use crate::stage::Globals;
 use crate::study::error::ErrorStudy;
-use crate::study::{Globals, sweep};
+use crate::study::sweep;
 use clap::Args;
 
 /// Pixels of a quick study.

@@ -8,7 +8,7 @@ use crate::scene::capture_file::CaptureFolder;
 use crate::scene::gbuffer_map::GBufferMap;
 use crate::scene::texture::MAX_EXTENT;
 use crate::scene::{GBufferData, LoadOptions, gbuffer_file};
-use crate::study::{Shot, Stage, gbuffer};
+use crate::stage::{Shot, Stage, gbuffer};
 use std::path::Path;
 
 /// Runs the subcommand.

@@ -6,8 +6,9 @@ use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::methods;
+use crate::stage::Globals;
 use crate::study::precision::PrecisionStudy;
-use crate::study::{Globals, stress};
+use crate::study::stress;
 use clap::Args;
 
 /// Roughness values where none are given.

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
+use crate::stage::{Shot, Stage, image};
 use crate::study::record::{DEFINITIONS, recorded};
-use crate::study::{Shot, Stage, image};
 use std::io::Write;
 
 /// Renders one image, its intermediates or a figure.

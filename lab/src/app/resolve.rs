@@ -7,8 +7,9 @@ use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
 use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
+use crate::stage::Globals;
 use crate::study::error::Variant;
-use crate::study::{Globals, sweep};
+use crate::study::sweep;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

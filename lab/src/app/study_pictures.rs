@@ -8,9 +8,10 @@ use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
 use crate::report::images;
 use crate::scene::{Scene, View};
+use crate::stage::{Globals, Shot, Stage, gbuffer, image};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
 use crate::study::names::{cell_name, roughness, safe_word};
-use crate::study::{Globals, Shot, Stage, gbuffer, image, table};
+use crate::study::table;
 use std::path::Path;
 
 /// Name of the pictures without reflections.

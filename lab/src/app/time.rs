@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::methods;
 use crate::report::{files, trace};
 use crate::scene::{Scene, library};
-use crate::study::Globals;
+use crate::stage::Globals;
 use crate::study::captions::{CAPTIONS, Caption, REFERENCE};
 use crate::study::cell_list::CellList;
 use crate::study::error::Variant;

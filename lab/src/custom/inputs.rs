@@ -1,10 +1,11 @@
 //! Makes what a shader reads of the G-buffer: each thing once a frame, whoever reads it, and only what is read.
 
-use super::conventions::{Conventions, Hand};
+use super::conventions::Conventions;
 use super::manifest::SamplerName;
 use super::noise;
 use super::source::{CapturePart, Depth, DepthChain, ImageSource, Normal};
 use super::values;
+use crate::conventions::{Axes, NormalEncoding};
 use crate::error::{Error, Result};
 use crate::gpu::memory::{Buffer, MemoryPlace};
 use crate::gpu::program::Sampled;
@@ -45,7 +46,7 @@ enum Made {
         pipeline: GraphicsPipeline<Convert<'static>>,
         image: Image,
         what: i32,
-        axes: Hand,
+        axes: Axes,
     },
     Reduced {
         copy: ComputePipeline<Reduce<'static>>,
@@ -80,7 +81,7 @@ impl Inputs {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
         }
-        let converted = |what: i32, axes: Hand, format: vk::Format| -> Result<Made> {
+        let converted = |what: i32, axes: Axes, format: vk::Format| -> Result<Made> {
             Ok(Made::Converted {
                 pipeline: GraphicsPipeline::fullscreen(gpu, [format])?,
                 image: Image::target(gpu, &source.to_string(), format, extent)?,
@@ -101,22 +102,22 @@ impl Inputs {
             }
             ImageSource::Depth(Depth::Reversed) => Made::There,
             ImageSource::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
-            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Hand::Left, float)?,
+            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Axes::Left, float)?,
             ImageSource::Normal(Normal { world, encoding }) => {
-                let hand = if *world { conventions.world } else { conventions.view };
-                if !world && *encoding == 0 && hand == Hand::Left {
+                let axes = if *world { conventions.world } else { conventions.view };
+                if !world && *encoding == NormalEncoding::Float && axes == Axes::Left {
                     Made::There
                 } else {
                     let first = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
-                    converted(first + i32::from(*encoding), hand, vk::Format::R16G16B16A16_SFLOAT)?
+                    converted(first + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
                 }
             }
             ImageSource::Position { world } => {
-                let (what, hand) = match world {
+                let (what, axes) = match world {
                     true => (CONVERT_WORLD_PLACE, conventions.world),
                     false => (CONVERT_VIEW_PLACE, conventions.view),
                 };
-                converted(what, hand, vk::Format::R32G32B32A32_SFLOAT)?
+                converted(what, axes, vk::Format::R32G32B32A32_SFLOAT)?
             }
             ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
             ImageSource::Visibility => {
@@ -124,7 +125,7 @@ impl Inputs {
                 Made::Visibility(VisibilityPass::new(gpu, extent)?)
             }
             ImageSource::Pyramid => Made::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
-            ImageSource::Motion => converted(CONVERT_MOTION, Hand::Left, vk::Format::R32G32_SFLOAT)?,
+            ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
                 let of = ImageSource::Depth(*depth);
@@ -149,7 +150,7 @@ impl Inputs {
                 } else {
                     if **of == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour image, which the shader then reads instead.
-                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, Hand::Left, float)?);
+                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
                         // Takes the place of the entry that is there, since later entries are made of it.
                         match self.made.iter_mut().find(|(known, _)| known == &**of) {
                             Some(known) => *known = as_color,
@@ -298,7 +299,7 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     }
 }
 
-fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Hand) -> ConvertBlock {
+fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> ConvertBlock {
     let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {
         clip_to_clip_before: (clip(before) * clip(camera).inverse()).as_mat4().to_cols_array_2d(),

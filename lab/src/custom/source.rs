@@ -1,5 +1,6 @@
 //! What a shader of a user may read: the names that a manifest has for it.
 
+use crate::conventions::NormalEncoding;
 use std::fmt;
 
 /// Which depth.
@@ -13,13 +14,13 @@ pub enum Depth {
     Linear,
 }
 
-/// In which space a normal is, and how it is encoded: as it is, 0 to 1, octahedral, octahedral from 0 to 1.
+/// In which space a normal is, and how it is encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Normal {
     /// World space, else view space.
     pub world: bool,
-    /// 0 to 3, in the order of `ENCODINGS`.
-    pub encoding: u8,
+    /// How it is encoded.
+    pub encoding: NormalEncoding,
 }
 
 /// A chain of minima or maxima of depth.
@@ -88,7 +89,12 @@ pub enum ImageSource {
 }
 
 /// Encodings of normals, in the order of their numbers in the shader.
-const ENCODINGS: [&str; 4] = ["float", "unorm", "octahedral", "octahedral-unorm"];
+const ENCODINGS: [(&str, NormalEncoding); 4] = [
+    ("float", NormalEncoding::Float),
+    ("unorm", NormalEncoding::Unorm),
+    ("octahedral", NormalEncoding::Octahedral),
+    ("octahedral-unorm", NormalEncoding::OctahedralUnorm),
+];
 
 impl Depth {
     fn of(name: &str) -> Option<Self> {
@@ -127,8 +133,9 @@ impl ImageSource {
             ["lit-colour-chain", "gaussian"] => Self::LitColourChain { gaussian: true },
             ["depth", which] => Self::Depth(Depth::of(which).ok_or_else(unknown)?),
             ["normal", space @ ("view" | "world"), ref rest @ ..] if rest.len() < 2 => {
-                let encoding = rest.first().map_or(Some(0), |name| ENCODINGS.iter().position(|e| e == name));
-                Self::Normal(Normal { world: space == "world", encoding: encoding.ok_or_else(unknown)? as u8 })
+                let name = rest.first().copied().unwrap_or("float");
+                let (_, encoding) = *ENCODINGS.iter().find(|(known, _)| *known == name).ok_or_else(unknown)?;
+                Self::Normal(Normal { world: space == "world", encoding })
             }
             ["position", space @ ("view" | "world")] => Self::Position { world: space == "world" },
             ["material"] => Self::Material,
@@ -182,7 +189,8 @@ impl fmt::Display for ImageSource {
             Self::LitColourChain { gaussian: true } => write!(f, "lit-colour-chain:gaussian"),
             Self::Depth(d) => write!(f, "depth:{}", depth(d)),
             Self::Normal(n) => {
-                write!(f, "normal:{}:{}", if n.world { "world" } else { "view" }, ENCODINGS[usize::from(n.encoding)])
+                let (encoding, _) = ENCODINGS[n.encoding as usize];
+                write!(f, "normal:{}:{encoding}", if n.world { "world" } else { "view" })
             }
             Self::Position { world } => write!(f, "position:{}", if *world { "world" } else { "view" }),
             Self::Material => write!(f, "material"),

@@ -1,10 +1,11 @@
 //! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
 
-use super::conventions::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
+use super::conventions::Conventions;
 use super::reflect::{BlockField, Component};
+use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;
-use glam::{DMat4, DVec3, DVec4, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 
 /// What a manifest gives to a field: numbers, or the name of something that changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -232,8 +233,8 @@ impl FrameState<'_> {
 
     /// World to view space of a camera, in the shader's spaces.
     fn world_to_view(&self, camera: &Camera) -> DMat4 {
-        // Each of the axes is its own inverse.
-        axes(self.conventions.view) * camera.world_to_view.as_dmat4() * axes(self.conventions.world)
+        // The inverse of axes is their transpose.
+        axes(self.conventions.view) * camera.world_to_view.as_dmat4() * axes(self.conventions.world).transpose()
     }
 
     /// View to clip space of a camera, in the shader's spaces.
@@ -248,10 +249,10 @@ impl FrameState<'_> {
                 stretched * camera.view_to_clip().as_dmat4()
             }
         };
-        let of = of * axes(self.conventions.view);
+        let of = of * axes(self.conventions.view).transpose();
         match self.conventions.clip_y {
-            ClipAxis::Up => of,
-            ClipAxis::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
+            ClipY::Up => of,
+            ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
         }
     }
 
@@ -267,13 +268,13 @@ impl FrameState<'_> {
             "clip-to-world" => (clip * view).inverse(),
             _ => {
                 let [width, height] = self.extent.map(|v| 0.5 * f64::from(v));
-                let down = if self.conventions.clip_y == ClipAxis::Up { -height } else { height };
+                let down = if self.conventions.clip_y == ClipY::Up { -height } else { height };
                 let mut to_pixels = DMat4::from_scale(DVec3::new(width, down, 1.0));
                 (to_pixels.w_axis.x, to_pixels.w_axis.y) = (width, height);
                 to_pixels * clip
             }
         };
-        let matrix = if self.conventions.matrices == MatrixLayout::Rows { matrix.transpose() } else { matrix };
+        let matrix = if self.conventions.matrices == MatrixOrder::Rows { matrix.transpose() } else { matrix };
         matrix.to_cols_array().to_vec()
     }
 }
@@ -284,13 +285,9 @@ fn scale(camera: &Camera) -> [f64; 2] {
     [projection.x_axis.x, projection.y_axis.y]
 }
 
-/// From this program's axes, which are left-handed with y up, to those of a shader; its own inverse.
-pub fn axes(hand: Hand) -> DMat4 {
-    match hand {
-        Hand::Left => DMat4::IDENTITY,
-        Hand::Right => DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0)),
-        Hand::RightZUp => DMat4::from_cols(DVec4::X, DVec4::Z, DVec4::Y, DVec4::W),
-    }
+/// From this program's axes, which are left-handed with y up, to those of a shader.
+pub fn axes(to: Axes) -> DMat4 {
+    DMat4::from_mat3(to.to_ours().transpose())
 }
 
 #[cfg(test)]
@@ -329,20 +326,20 @@ mod tests {
         let ours = state(&camera, &values, Conventions::default());
         let place = DVec3::new(0.3, 1.0, 2.0);
         let seen = matrix(&ours, "world-to-clip").project_point3(place);
-        let right = Conventions { view: Hand::Right, world: Hand::Right, ..Conventions::default() };
+        let right = Conventions { view: Axes::Right, world: Axes::Right, ..Conventions::default() };
         let theirs = state(&camera, &values, right);
         let mirrored = place * DVec3::new(1.0, 1.0, -1.0);
         assert!(matrix(&theirs, "world-to-clip").project_point3(mirrored).distance(seen) < 1e-9);
         assert!(matrix(&theirs, "world-to-view").transform_point3(mirrored).z < 0.0, "it looks along −z");
-        let up = Conventions { view: Hand::RightZUp, world: Hand::RightZUp, ..Conventions::default() };
+        let up = Conventions { view: Axes::RightZUp, world: Axes::RightZUp, ..Conventions::default() };
         let z_up = state(&camera, &values, up);
         let swapped = DVec3::new(place.x, place.z, place.y);
         assert!(matrix(&z_up, "world-to-clip").project_point3(swapped).distance(seen) < 1e-9);
         assert!(matrix(&z_up, "world-to-view").transform_point3(swapped).y > 0.0, "it looks along +y");
-        let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipAxis::Down, ..right };
+        let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipY::Down, ..right };
         let in_gl = matrix(&state(&camera, &values, gl), "world-to-clip").project_point3(mirrored);
         assert!(in_gl.distance(DVec3::new(seen.x, -seen.y, 2.0 * seen.z - 1.0)) < 1e-9, "{in_gl} {seen}");
-        let rows = state(&camera, &values, Conventions { matrices: MatrixLayout::Rows, ..Conventions::default() });
+        let rows = state(&camera, &values, Conventions { matrices: MatrixOrder::Rows, ..Conventions::default() });
         assert_eq!(matrix(&rows, "view-to-clip"), matrix(&ours, "view-to-clip").transpose());
         let pixel =
             matrix(&ours, "view-to-pixels").project_point3(matrix(&ours, "world-to-view").transform_point3(place));

@@ -10,7 +10,7 @@ use crate::methods::{EffectParams, Setup};
 use crate::parameter::choices;
 use crate::passes::{Content, PosterFilter};
 use crate::scene::Lens;
-use crate::study::Intermediates;
+use crate::stage::Intermediates;
 use std::ops::Range;
 
 choices! {

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::passes::Content;
 use crate::scene::Camera;
-use crate::study::Intermediates;
+use crate::stage::Intermediates;
 use glam::{Mat3, Vec2, Vec3};
 
 /// Rows of pictures as in print, from the intermediates of a frame and its camera: positions and

@@ -8,7 +8,7 @@ use crate::passes::Content;
 use crate::passes::PathCode;
 use crate::scene::Lens;
 use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
-use crate::study::Intermediates;
+use crate::stage::Intermediates;
 use crate::study::compare::LinearImage;
 use std::io::Cursor;
 use std::path::Path;

@@ -135,7 +135,11 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
     if let Some(series) = &all.series {
         let number = series.name.trim_end_matches('s').to_owned();
-        let mut cells: Vec<Vec<String>> = vec![header().chain([number]).chain(series.names.iter().cloned()).collect()];
+        // No two columns have one name: of a film, `flip` is the mean, and `frame_flip` that of a frame.
+        let of_row: Vec<String> = header().collect();
+        let name = |name: &String| if of_row.contains(name) { format!("{number}_{name}") } else { name.clone() };
+        let of_item: Vec<String> = series.names.iter().map(name).collect();
+        let mut cells = vec![[of_row, vec![number], of_item].concat()];
         for row in rows {
             let items = (series.items)(row).into_iter().enumerate();
             cells.extend(items.map(|(n, item)| of(row).into_iter().chain([n.to_string()]).chain(item).collect()));

@@ -4,11 +4,9 @@
 use super::columns::{Column, columns, figure, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
 use super::exhibit::{Chart, Drawing, Line, Table};
-use super::gbuffer;
 use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, Of, Provenance, Stats};
-use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
@@ -17,6 +15,8 @@ use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::WorldReference;
 use crate::scene::{GBufferData, Material, Scene, View};
+use crate::stage::gbuffer;
+use crate::stage::{Globals, Shot, Stage};
 use glam::Vec3;
 use serde_json::{Value, json};
 

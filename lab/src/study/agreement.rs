@@ -4,10 +4,8 @@
 use super::columns::{Column, columns, figure, part};
 use super::error::display;
 use super::exhibit::Table;
-use super::gbuffer::{self, at_rest, hit_positions};
 use super::names::name_among;
 use super::record::{Head, Of};
-use super::stage::{Globals, Shot, Stage};
 use super::ties::is_tie;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu, Pixels, Precision};
@@ -19,6 +17,8 @@ use crate::passes::GBuffer;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
 use crate::scene::{GBufferData, Scene, View};
+use crate::stage::gbuffer::{self, at_rest, hit_positions};
+use crate::stage::{Globals, Shot, Stage};
 use std::rc::Rc;
 
 /// What is looked at on every device.

@@ -4,7 +4,6 @@
 use super::exhibit::Table;
 use super::names::roughness;
 use super::record::{Head, Of};
-use super::stage::Globals;
 use super::{Stats, TimeRecord};
 use crate::gpu::Gpu;
 use crate::methods::Setup;
@@ -12,6 +11,7 @@ use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::WorldReference;
 use crate::scene::{Scene, View};
+use crate::stage::Globals;
 use serde::Serialize;
 use std::time::Instant;
 

@@ -2,13 +2,13 @@
 //! them alike. Each frame that counts goes into the journal as soon as it is measured.
 
 use super::journal::Journal;
-use super::stage::{Shot, Stage};
 use super::zones::Zones;
 use crate::error::Result;
 use crate::gpu::FrameReport;
 use crate::gpu::frame::Mode;
 use crate::passes::gbuffer::Drawn;
 use crate::scene::Camera;
+use crate::stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
 
 /// A frame as the journal keeps it.

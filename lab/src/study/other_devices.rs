@@ -1,9 +1,9 @@
 //! The other devices of this machine: what they make of a view, held against what one of them makes of it.
 
 use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
-use super::stage::Globals;
 use crate::error::Result;
 use crate::gpu::{DeviceQuery, Gpu, device};
+use crate::stage::Globals;
 
 /// Opens every device that can be used but `base`.
 ///

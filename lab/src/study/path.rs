@@ -9,12 +9,12 @@ use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
 use super::record::{Head, Of, Provenance, Stats};
-use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
 use crate::methods::{MethodInfo, Setup, Wants};
 use crate::scene::{CameraPath, Scene, View};
+use crate::stage::{Globals, Shot, Stage};
 use serde::Deserialize;
 use serde_json::{Value, json};
 

@@ -3,13 +3,13 @@
 
 use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
 use super::names::roughness;
-use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
 use crate::methods::{self, EffectParams, MethodInfo, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Lens, Opening, Scene, View};
+use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 

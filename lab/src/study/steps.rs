@@ -2,15 +2,15 @@
 
 use super::columns::{AsDatum, Datum, columns, figure};
 use super::exhibit::Table;
-use super::gbuffer;
 use super::record::Provenance;
-use super::stage::{Globals, Stage};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::reference::CaptureData;
 use crate::reference::unified::{CubeWalk, Seen, Traversal};
 use crate::scene::placement::{self, Wanted};
 use crate::scene::{Aabb, GBufferData, Scene, View};
+use crate::stage::gbuffer;
+use crate::stage::{Globals, Stage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

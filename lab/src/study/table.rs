@@ -1,8 +1,8 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
 use super::record::TimeRecord;
-use super::stage::Globals;
 use crate::methods::{METHODS, MethodInfo};
+use crate::stage::Globals;
 use serde::Serialize;
 
 /// A row of table 5.8 (thesis ch. 5, below figure 5.8; NVIDIA GeForce GTX 670), milliseconds.

@@ -13,7 +13,6 @@ use super::error::Variant;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
-use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
@@ -21,6 +20,7 @@ use crate::gpu::timing::PassTime;
 use crate::methods::Wants;
 use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
+use crate::stage::{Globals, Shot, Stage};
 use serde_json::{Value, json};
 use std::fmt::Display;
 

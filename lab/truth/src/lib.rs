@@ -5,4 +5,4 @@ pub mod metrics;
 pub mod reference;
 pub mod scene;
 
-use ssct::{error, math};
+use ssct::{conventions, error, math};

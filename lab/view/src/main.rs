@@ -29,7 +29,7 @@ mod window;
 
 use ssct::{error, gpu, math, methods, parameter, passes};
 use ssct_lab::app::{self, resolve};
-use ssct_lab::{custom, metrics, reference, report, scene, study};
+use ssct_lab::{custom, metrics, reference, report, scene, stage, study};
 
 use animation::Animation;
 use clap::Args;
@@ -170,7 +170,7 @@ fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
     command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
-fn state(options: &ViewOptions, scene: &Scene, view: View, globals: study::Globals, sides: [Side; 2]) -> State {
+fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globals, sides: [Side; 2]) -> State {
     State {
         tab: options.panel,
         scene: viewer::scene_name(&options.common.place),

@@ -14,7 +14,7 @@ use crate::passes::Content;
 use crate::passes::look::KeepPass;
 use crate::scene::capture::face_camera;
 use crate::scene::{Camera, Capture, Lens, Material, Scene};
-use crate::study::{Shot, Stage, gbuffer, image};
+use crate::stage::{Shot, Stage, gbuffer, image};
 use glam::Vec3;
 use std::time::Instant;
 

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::methods::Setup;
     use crate::scene::library;
-    use crate::study::Globals;
+    use crate::stage::Globals;
 
     #[test]
     fn the_cached_reference_is_found_only_for_its_own_inputs() {

@@ -6,7 +6,7 @@ use crate::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
 use crate::passes::Content;
 use crate::passes::look::{Compare, Tone};
 use crate::scene::View;
-use crate::study::Globals;
+use crate::stage::Globals;
 use ssct_lab::app::parameters::MethodOptions;
 use std::collections::BTreeMap;
 

@@ -11,7 +11,7 @@ use crate::gpu::{DeviceQuery, Gpu, Pixels};
 use crate::methods::METHODS;
 use crate::passes::look::{Compare, Tone};
 use crate::scene::{View, library};
-use crate::study::Globals;
+use crate::stage::Globals;
 use clap::{Args, FromArgMatches};
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
 use ssct_lab::app::cli::{CommonOptions, SceneOptions};

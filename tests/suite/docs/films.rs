@@ -1,69 +1,49 @@
 //! The tables of films: quality and time of `unified` beside `stochastic` with a history, and what a history leaves behind.
 
-use super::figures::{Result, Row, csv, json, mean, number, ratio, table};
-use serde_json::Value;
+use super::figures::{Result, Row, csv, mean, number, ratio, table};
 use std::path::Path;
 
-/// A film by its method, what is behind it, its captures and its history.
-type Variant = (&'static str, &'static str, &'static str, &'static str);
+/// The variants of films, as their tables call them: `unified` with the world's triangles behind the screen, `stochastic` with
+/// captures behind it, and what each shows of the screen alone.
+const UNIFIED: &str = "unified";
+const UNIFIED_HISTORY: &str = "unified history on";
+const STOCHASTIC: &str = "stochastic fallback captures";
+const STOCHASTIC_HISTORY: &str = "stochastic fallback captures history on";
+const ON_SCREEN: [&str; 3] = ["ssct", "unified beyond none", "stochastic history on"];
 
-const UNIFIED: Variant = ("unified", "none", "auto", "off");
-const UNIFIED_HISTORY: Variant = ("unified", "none", "auto", "on");
-const STOCHASTIC: Variant = ("stochastic", "captures", "none", "off");
-const STOCHASTIC_HISTORY: Variant = ("stochastic", "captures", "none", "on");
-const ON_SCREEN: [Variant; 3] =
-    [("ssct", "none", "none", "off"), ("unified", "none", "none", "off"), ("stochastic", "none", "none", "on")];
-
-/// Which a record is.
-fn is(record: &Value, (method, fallback, captures, history): Variant) -> bool {
-    let setup = &record["setup"];
-    record["method"] == method
-        && setup["fallback"] == fallback
-        && (setup["captures"] == captures || captures == "none" && setup["captures"].is_null())
-        && setup["history"] == history
-}
-
-fn film<'a>(records: &'a [Value], roughness: &Value, variant: Variant) -> Result<&'a Value> {
-    let found = records.iter().find(|r| r["roughness"] == *roughness && is(r, variant));
+fn film<'a>(rows: &'a [Row], roughness: &str, variant: &str) -> Result<&'a Row> {
+    let found = rows.iter().find(|r| r["roughness"] == roughness && r["variant"] == variant);
     found.ok_or_else(|| format!("no film of {variant:?} at {roughness}"))
 }
 
-fn figure(record: &Value, field: &str) -> Result<f64> {
-    record[field].as_f64().ok_or_else(|| format!("a film without {field}"))
-}
-
-fn roughness_values(records: &[Value]) -> Vec<Value> {
-    let mut values: Vec<Value> = Vec::new();
-    for record in records {
-        if !values.contains(&record["roughness"]) {
-            values.push(record["roughness"].clone());
-        }
-    }
+fn roughness_values(rows: &[Row]) -> Vec<String> {
+    let mut values: Vec<String> = rows.iter().map(|row| row["roughness"].clone()).collect();
+    values.dedup();
+    values.sort();
+    values.dedup();
     values
 }
 
 /// The folders of walks, with what they show.
-const WALKS: [(&str, &str); 3] = [
-    ("rooms", "`rooms`, `corridor`"),
-    ("museum", "`museum`, `exit-sign`"),
-    ("rooms-256", "`rooms`, `corridor`, 256 rays"),
-];
+const WALKS: [(&str, &str); 2] = [("rooms", "`rooms`, `corridor`"), ("museum", "`museum`, `exit-sign`")];
 
-/// `unified` with captures beside `stochastic` with a history and captures behind it.
+/// `unified` beside `stochastic` with a history and captures behind it.
 pub fn walks(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for (name, shown) in WALKS {
-        let records = json(&folder.join(name), "video.json")?;
-        for roughness in roughness_values(&records) {
-            let [ours, theirs] = [UNIFIED, STOCHASTIC_HISTORY].map(|v| film(&records, &roughness, v));
+        let films = csv(&folder.join(name), "video.csv")?;
+        for roughness in roughness_values(&films) {
+            let [ours, theirs] = [UNIFIED, STOCHASTIC_HISTORY].map(|v| film(&films, &roughness, v));
             let (ours, theirs) = (ours?, theirs?);
             let mut row = vec![shown.to_owned(), roughness.to_string()];
             for field in ["jod", "jod_reflection"] {
-                let (a, b) = (figure(ours, field)?, figure(theirs, field)?);
+                let (a, b) = (number(ours, field)?, number(theirs, field)?);
                 row.extend([format!("{a:.2}"), format!("{b:.2}"), format!("{:+.2}", a - b)]);
             }
-            row.push(ratio(figure(ours, "time_ms")? / figure(theirs, "time_ms")?));
-            row.extend([ours, theirs].map(|r| figure(r, "flip").map_or_else(|e| e, |v| format!("{v:.3}"))));
+            row.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+            row.extend([ours, theirs].map(|r| number(r, "flip").map_or_else(|e| e, |v| format!("{v:.3}"))));
+            let changes = |r| Ok::<_, String>(ratio(number(r, "change_error")? / number(r, "reference_flicker")?));
+            row.extend([changes(ours)?, changes(theirs)?]);
             rows.push(row);
         }
     }
@@ -79,24 +59,60 @@ pub fn walks(folder: &Path) -> Result<String> {
         "time, `unified` over `stochastic`",
         "FLIP, `unified`",
         "`stochastic`",
+        "error of changes, `unified`",
+        "`stochastic`",
     ];
     table(&head, rows)
 }
 
-/// The table of variants without captures: what the screen lacks outweighs all else.
+/// What a history of `unified` changes in the walks.
+pub fn with_history(folder: &Path) -> Result<String> {
+    let mut rows = Vec::new();
+    for (name, shown) in WALKS {
+        let films = csv(&folder.join(name), "video.csv")?;
+        for roughness in roughness_values(&films) {
+            let both = [UNIFIED, UNIFIED_HISTORY].map(|v| film(&films, &roughness, v));
+            let both = both.into_iter().collect::<Result<Vec<_>>>()?;
+            let mut row = vec![shown.to_owned(), roughness.to_string()];
+            for field in ["jod", "jod_reflection"] {
+                let [without, with] = [number(both[0], field)?, number(both[1], field)?];
+                row.extend([format!("{without:.2}"), format!("{with:.2}"), format!("{:+.2}", with - without)]);
+            }
+            for of in both {
+                row.push(ratio(number(of, "change_error")? / number(of, "reference_flicker")?));
+            }
+            rows.push(row);
+        }
+    }
+    let head = [
+        "walk",
+        "ϱ",
+        "JOD, without",
+        "with a history",
+        "difference",
+        "JOD of reflections, without",
+        "with a history",
+        "difference",
+        "error of changes, without",
+        "with a history",
+    ];
+    table(&head, rows)
+}
+
+/// The table of variants of the screen alone: what it lacks outweighs all else.
 pub fn on_screen(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
-    for (name, shown) in WALKS.into_iter().take(2) {
-        let records = json(&folder.join(name), "video.json")?;
+    for (name, shown) in WALKS {
+        let records = csv(&folder.join(name), "video.csv")?;
         for roughness in roughness_values(&records) {
             let mut row = vec![shown.to_owned(), roughness.to_string()];
             let films = ON_SCREEN.map(|v| film(&records, &roughness, v));
             let films = films.into_iter().collect::<Result<Vec<_>>>()?;
             for field in ["jod", "jod_reflection"] {
-                row.extend(films.iter().map(|r| figure(r, field).map_or_else(|e| e, |v| format!("{v:.2}"))));
+                row.extend(films.iter().map(|r| number(r, field).map_or_else(|e| e, |v| format!("{v:.2}"))));
             }
-            let time = figure(films[2], "time_ms")?;
-            row.extend([films[0], films[1]].map(|r| figure(r, "time_ms").map_or_else(|e| e, |v| ratio(v / time))));
+            let time = number(films[2], "time_ms")?;
+            row.extend([films[0], films[1]].map(|r| number(r, "time_ms").map_or_else(|e| e, |v| ratio(v / time))));
             rows.push(row);
         }
     }
@@ -127,13 +143,10 @@ const GHOSTS: [(&str, &str, usize, usize); 4] = [
 pub fn ghosts(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for (name, part, first, end) in GHOSTS {
-        let records = json(&folder.join(name), "video.json")?;
-        let roughness = &roughness_values(&records)[0];
         let mut row = vec![part.to_owned()];
         for variant in [UNIFIED, UNIFIED_HISTORY, STOCHASTIC, STOCHASTIC_HISTORY] {
-            let record = film(&records, roughness, variant)?;
-            let frames = record["frames"].as_array().into_iter().flatten().skip(first).take(end - first);
-            row.push(format!("{:.4}", mean(&frames.filter_map(|f| f["flip"].as_f64()).collect::<Vec<_>>())?));
+            let frames = flips(&folder.join(name), variant)?;
+            row.push(format!("{:.4}", mean(frames.get(first..end).ok_or("a film that ends before")?)?));
         }
         rows.push(row);
     }
@@ -187,12 +200,12 @@ pub fn histories(folder: &Path) -> Result<String> {
     table(&head, rows)
 }
 
-/// FLIP of each frame of a variant's film, from the table of frames.
+/// FLIP of each frame of a variant's film, from the table of frames. Those of older records have two columns of the name.
 fn flips(folder: &Path, variant: &str) -> Result<Vec<f64>> {
     let variant = variant.replace('_', " ");
     let rows = csv(folder, "video-frames.csv")?;
-    let found: Vec<f64> =
-        rows.iter().filter(|r| r["variant"] == variant).map(|r| number(r, "flip")).collect::<Result<_>>()?;
+    let of = |row: &Row| number(row, if row.contains_key("frame_flip") { "frame_flip" } else { "flip" });
+    let found: Vec<f64> = rows.iter().filter(|r| r["variant"] == variant).map(of).collect::<Result<_>>()?;
     if found.is_empty() { Err(format!("no film of {variant:?}")) } else { Ok(found) }
 }
 

@@ -87,6 +87,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["films"] => films::walks(first)?,
         ["films-on-screen"] => films::on_screen(first)?,
         ["films-history"] => films::ghosts(first)?,
+        ["films-with-history"] => films::with_history(first)?,
         ["histories"] => films::histories(first)?,
         ["flip", variant, frame] => films::flip(first, variant, frame)?,
         ["flip-over-end", variant, frame] => films::flip_over_end(first, variant, frame)?,

@@ -111,7 +111,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "world = \"left\"",
             "world = 1",
-            "map.toml:3: [conventions]: world must be one of \"left\", \"right\", \"right-z-up\", \"left-z-up\", not 1",
+            "map.toml:3: [conventions]: world must be one of \"left\", \"right\", \"right-z-up\", \"left-z-up\", \"right-y-down\", not 1",
         ),
         (
             "channels = [\"N.X\", \"N.Y\", \"N.Z\"]",

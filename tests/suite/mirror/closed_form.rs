@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3};
 use ssct::methods::Setup;
 use ssct::parameter::Preset;
 use ssct::passes::PathCode;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// What a case's pixels were compared with.
 struct Compared {

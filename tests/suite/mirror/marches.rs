@@ -10,7 +10,7 @@ use ssct::methods::poster::PosterParams;
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::linear_trace::LinearMarch;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// Where a ray of a case ended, beside where it should: lengths along the ray in screen space, that is in
 /// texture coordinates and standard depth together, in which the thesis's strides are measured.

@@ -13,7 +13,7 @@ use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::{PathCode, PosterFilter};
 use ssct_lab::metrics::rmse;
 use ssct_lab::scene::Scene;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// A mirror floor before a wall of four quarters: bottom left, bottom right, top left, top right.
 fn quarters(colors: [[u8; 3]; 4]) -> Scene {

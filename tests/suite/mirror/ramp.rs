@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Gpu;
 use ssct::methods::{EffectParams, Setup};
 use ssct::passes::PathCode;
-use ssct_lab::study::Globals;
+use ssct_lab::stage::Globals;
 
 /// A mirror ramp under a red ceiling: its rays go up, at its top away from the camera and at its
 /// foot towards it. All else is black.

@@ -15,8 +15,8 @@ use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
 use crate::report::sheet::{Part, difference, enlarged, framed, sheet};
 use crate::scene::Camera;
+use crate::stage::{Intermediates, RenderedImage};
 use crate::study::twin::hi_z_constants;
-use crate::study::{Intermediates, RenderedImage};
 use glam::{Vec2, Vec3};
 
 /// Places the renders side by side, two in a row.

@@ -9,7 +9,7 @@ use crate::methods::{self, METHODS, Wants};
 use crate::report::figures;
 use crate::report::images::{Rgb, display};
 use crate::scene::{Camera, Scene, library};
-use crate::study::{RenderedImage, Shot, Stage, image};
+use crate::stage::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
 use std::path::Path;
 

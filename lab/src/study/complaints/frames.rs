@@ -11,9 +11,9 @@ use crate::reference::world::{RAY_START_M, WorldReference};
 use crate::reference::world_hits::world_hits;
 use crate::scene::bvh::WorldRay;
 use crate::scene::{Camera, GBufferData, Projection, Scene, View};
+use crate::stage::gbuffer::{read, reflection};
+use crate::stage::{Shot, Stage};
 use crate::study::error::Variant;
-use crate::study::gbuffer::{read, reflection};
-use crate::study::{Shot, Stage};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 

@@ -9,7 +9,7 @@ use crate::gpu::Gpu;
 use crate::methods::setup::BeyondScreen;
 use crate::methods::{EffectParams, MethodInfo, Setup};
 use crate::scene::Scene;
-use crate::study::Globals;
+use crate::stage::Globals;
 use crate::study::engine::{Bench, Planned, Study};
 use crate::study::error::Variant;
 use crate::study::journal::scene_digest;

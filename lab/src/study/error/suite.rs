@@ -3,10 +3,10 @@
 use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
 use crate::error::Result;
 use crate::scene::{Scene, View};
+use crate::stage::{Globals, Stage};
 use crate::study::engine::{Bench, Last, Planned, Study};
 use crate::study::journal::scene_digest;
 use crate::study::names::cell_name;
-use crate::study::{Globals, Stage};
 use serde_json::json;
 
 /// Each view at each size with each of the global factors.

@@ -10,7 +10,7 @@ use crate::methods::{EffectParams, METHODS, MethodInfo, Setup};
 use crate::reference::surface::World;
 use crate::scene::bvh::WorldRay;
 use crate::scene::{Capture, Scene, View};
-use crate::study::Globals;
+use crate::stage::Globals;
 use glam::Vec3;
 
 /// Roughness values: a mirror, a narrow lobe and a wide one.

@@ -8,8 +8,8 @@ use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Camera, GBufferData, Material, ProjectionKind, Scene};
-use crate::study::gbuffer::{self, reflection};
-use crate::study::{Shot, Stage};
+use crate::stage::gbuffer::{self, reflection};
+use crate::stage::{Shot, Stage};
 use glam::Vec3;
 
 /// What a frame left.

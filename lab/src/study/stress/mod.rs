@@ -13,9 +13,7 @@ pub use row::StressRow;
 pub use suite::StressStudy;
 
 use super::columns::{columns, figure, time};
-use super::gbuffer::hit_positions;
 use super::record::{Provenance, RecordedSetup, recorded};
-use super::stage::Globals;
 use super::ties::is_tie;
 use crate::error::Result;
 use crate::gpu::{Gpu, Pixels};
@@ -26,6 +24,8 @@ use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
 use crate::scene::{GBufferData, Lens, Scene, View};
+use crate::stage::Globals;
+use crate::stage::gbuffer::hit_positions;
 use cases::Case;
 use glam::Vec3;
 use lineup::{Made, SceneLineup, ScreenLineup};

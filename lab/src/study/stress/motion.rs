@@ -12,7 +12,7 @@ use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
 use crate::reference::world::WorldReference;
 use crate::scene::{Camera, GBufferData, Scene, View};
-use crate::study::Globals;
+use crate::stage::Globals;
 use crate::study::columns::{AsDatum, Datum, columns, figure};
 use crate::study::engine::{Bench, Planned, Row, Study};
 use crate::study::exhibit::{Table, pivot};

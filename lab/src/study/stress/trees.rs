@@ -16,8 +16,8 @@ use crate::reference::ray::RaySetup;
 use crate::reference::surface::World;
 use crate::scene::bvh::WorldRay;
 use crate::scene::{Aabb, Encoding, GBufferData, Lens, Light, Material, Mesh, Scene, Texture, Vertex, View};
-use crate::study::Globals;
-use crate::study::gbuffer::ray_ends;
+use crate::stage::Globals;
+use crate::stage::gbuffer::ray_ends;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 

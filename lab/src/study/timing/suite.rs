@@ -4,7 +4,7 @@ use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recor
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
-use crate::study::Globals;
+use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};

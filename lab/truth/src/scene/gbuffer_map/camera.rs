@@ -6,6 +6,7 @@ use super::depth::{DepthCoding, MapDepth};
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::numbers::MapNumbers;
+use crate::conventions::ClipY;
 use crate::error::Result;
 use crate::scene::camera::{ReadProjection, is_rotation};
 use crate::scene::{Camera, Lens, Opening, Projection, ProjectionKind};
@@ -225,7 +226,7 @@ fn by_matrix(
         // (z + w) / 2 takes the place of z.
         clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
     }
-    let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y_is_up)
+    let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
         .map_err(|why| files.error(matrix.line, wrong(why)))?;
     let refused = |message: &str| Err(files.error(matrix.line, wrong(message)));
     if read.turn.z < 0.0 {

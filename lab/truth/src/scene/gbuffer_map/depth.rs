@@ -4,6 +4,7 @@
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::conventions::ClipDepth;
 use crate::error::Result;
 use crate::scene::{Camera, ProjectionKind};
 use glam::DVec3;
@@ -34,9 +35,8 @@ impl DepthCoding {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum DepthKind {
-    Reversed,
-    Standard,
-    MinusOneToOne,
+    /// The depth of clip space.
+    Clip(ClipDepth),
     ViewZ,
     Distance,
 }
@@ -60,9 +60,9 @@ const ROUNDED: f64 = 1.0 / 1024.0;
 impl MapDepth {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let kinds = [
-            ("reversed", DepthKind::Reversed),
-            ("standard", DepthKind::Standard),
-            ("minus-one-to-one", DepthKind::MinusOneToOne),
+            ("reversed", DepthKind::Clip(ClipDepth::Reversed)),
+            ("standard", DepthKind::Clip(ClipDepth::Standard)),
+            ("minus-one-to-one", DepthKind::Clip(ClipDepth::MinusOneToOne)),
             ("view-z", DepthKind::ViewZ),
             ("distance", DepthKind::Distance),
         ];
@@ -89,14 +89,14 @@ impl MapDepth {
     }
 
     pub fn is_minus_one_to_one(&self) -> bool {
-        self.kind == DepthKind::MinusOneToOne
+        self.kind == DepthKind::Clip(ClipDepth::MinusOneToOne)
     }
 
     /// Whether the depth buffer is reversed; `None` for distances.
     pub fn is_reversed(&self) -> Option<bool> {
         match self.kind {
-            DepthKind::Reversed => Some(true),
-            DepthKind::Standard | DepthKind::MinusOneToOne => Some(false),
+            DepthKind::Clip(ClipDepth::Reversed) => Some(true),
+            DepthKind::Clip(ClipDepth::Standard) | DepthKind::Clip(ClipDepth::MinusOneToOne) => Some(false),
             DepthKind::ViewZ | DepthKind::Distance => None,
         }
     }
@@ -151,9 +151,9 @@ impl MapDepth {
             }
             let wrong = |must: &str| Err(planes.error(i, value, must));
             let reversed = match self.kind {
-                DepthKind::Reversed => value,
-                DepthKind::Standard => 1.0 - value,
-                DepthKind::MinusOneToOne => 0.5 - 0.5 * value,
+                DepthKind::Clip(ClipDepth::Reversed) => value,
+                DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
+                DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
                 DepthKind::ViewZ | DepthKind::Distance => {
                     let along = if self.kind == DepthKind::Distance { ray(i).length() } else { 1.0 };
                     let z = value * metres / along;
@@ -182,8 +182,10 @@ impl MapDepth {
     /// Whether a value of the file means sky.
     fn is_sky(&self, raw: f64) -> bool {
         let beyond = match (self.kind, self.sky_beyond) {
-            (DepthKind::Reversed, limit) => raw <= limit.unwrap_or(0.0),
-            (DepthKind::Standard | DepthKind::MinusOneToOne, limit) => raw >= limit.unwrap_or(1.0),
+            (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
+            (DepthKind::Clip(ClipDepth::Standard) | DepthKind::Clip(ClipDepth::MinusOneToOne), limit) => {
+                raw >= limit.unwrap_or(1.0)
+            }
             (DepthKind::ViewZ | DepthKind::Distance, Some(limit)) => raw.abs() >= limit.abs(),
             // Infinite distances of either sign are sky; finite ones beyond the far plane become sky in `reversed`.
             (DepthKind::ViewZ | DepthKind::Distance, None) => raw.is_infinite(),

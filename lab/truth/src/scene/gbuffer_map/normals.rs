@@ -4,18 +4,14 @@ use super::axes::MapConventions;
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::conventions::NormalEncoding;
 use crate::error::Result;
 use crate::scene::Camera;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum NormalEncoding {
-    Signed,
-    Unorm,
-    /// Signed octahedral coordinates.
-    Octahedral,
-    /// Octahedral coordinates from 0 to 1.
-    OctahedralUnorm,
+enum MapEncoding {
+    Of(NormalEncoding),
     /// Octahedral coordinates as two numbers of 12 bits in three channels of 8 bits.
     Octahedral888,
 }
@@ -25,7 +21,7 @@ enum NormalEncoding {
 pub(super) struct MapNormals {
     source: MapSource,
     is_world: bool,
-    encoding: NormalEncoding,
+    encoding: MapEncoding,
 }
 
 /// A normal that is shorter than this has no direction: the pixel shows no surface, or one that is not lit.
@@ -33,17 +29,18 @@ const SHORTEST: f64 = 1e-3;
 
 impl MapNormals {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
-        use NormalEncoding::{Octahedral, Octahedral888, OctahedralUnorm, Signed, Unorm};
+        use MapEncoding::{Octahedral888, Of};
+        use NormalEncoding::{Float, Octahedral, OctahedralUnorm, Unorm};
         let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
         let encodings = [
-            ("signed", Signed),
-            ("unorm", Unorm),
-            ("octahedral", Octahedral),
-            ("octahedral-unorm", OctahedralUnorm),
+            ("signed", Of(Float)),
+            ("unorm", Of(Unorm)),
+            ("octahedral", Of(Octahedral)),
+            ("octahedral-unorm", Of(OctahedralUnorm)),
             ("octahedral-888", Octahedral888),
         ];
-        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Signed);
-        let counts: &[usize] = if matches!(encoding, Octahedral | OctahedralUnorm) { &[2] } else { &[3] };
+        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Of(Float));
+        let counts: &[usize] = if matches!(encoding, Of(Octahedral | OctahedralUnorm)) { &[2] } else { &[3] };
         let source = MapSource::take(&mut keys, SourceRules { counts, ..SourceRules::EXACT })?;
         keys.finish()?;
         Ok(Self { source, is_world, encoding })
@@ -90,11 +87,11 @@ impl MapNormals {
     fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
         let [x, y] = [0, 1].map(|k| planes.at(k, pixel));
         match self.encoding {
-            NormalEncoding::Signed => DVec3::new(x, y, planes.at(2, pixel)),
-            NormalEncoding::Unorm => unit(DVec3::new(x, y, planes.at(2, pixel)) * 2.0 - 1.0),
-            NormalEncoding::Octahedral => octahedral(DVec2::new(x, y)),
-            NormalEncoding::OctahedralUnorm => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
-            NormalEncoding::Octahedral888 => {
+            MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.at(2, pixel)),
+            MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.at(2, pixel)) * 2.0 - 1.0),
+            MapEncoding::Of(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
+            MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
+            MapEncoding::Octahedral888 => {
                 let bytes = [x, y, planes.at(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
                 // The third byte has the upper four bits of both numbers: those of x in its lower half, of y in its
                 // upper.

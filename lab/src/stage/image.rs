@@ -1,7 +1,7 @@
 //! One image and, on request, everything that led to it.
 
 use super::gbuffer;
-use super::stage::{Shot, Stage};
+use super::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Pixels};
 use crate::methods::{Intermediate, Output};

@@ -1,5 +1,10 @@
 //! A scene on a device, and a shot of it: one camera, one size, one method.
 
+pub mod gbuffer;
+pub mod image;
+
+pub use image::{Intermediates, RenderedImage};
+
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};

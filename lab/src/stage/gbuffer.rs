@@ -1,6 +1,6 @@
 //! G-buffers and captures between device and host, and methods run on a G-buffer from the host.
 
-use super::stage::{Shot, Stage};
+use super::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};

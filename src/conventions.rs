@@ -1,0 +1,118 @@
+//! The words for how other renderers lay out their spaces, matrices, depth and normals. The door, methods from folders and maps of
+//! G-buffers share them; each takes those that it has a use for.
+
+use glam::{DMat3, DVec3};
+use serde::Deserialize;
+
+/// How the axes of a space lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axes {
+    /// x to the right, y up, z forwards: ours.
+    #[default]
+    Left,
+    /// x to the right, y up, z backwards.
+    Right,
+    /// x to the right, y forwards, z up.
+    RightZUp,
+    /// x forwards, y to the right, z up.
+    LeftZUp,
+    /// x to the right, y down, z forwards.
+    RightYDown,
+}
+
+impl Axes {
+    /// Every one, by the name that files have for it.
+    pub const NAMES: [(&str, Self); 5] = [
+        ("left", Self::Left),
+        ("right", Self::Right),
+        ("right-z-up", Self::RightZUp),
+        ("left-z-up", Self::LeftZUp),
+        ("right-y-down", Self::RightYDown),
+    ];
+
+    /// Takes a vector of these axes to ours. Its columns are the axes x, y and z in ours, and its inverse is its transpose.
+    pub fn to_ours(self) -> DMat3 {
+        match self {
+            Self::Left => DMat3::IDENTITY,
+            Self::Right => DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::NEG_Z),
+            Self::RightZUp => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y),
+            Self::LeftZUp => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
+            Self::RightYDown => DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::Z),
+        }
+    }
+}
+
+/// How the numbers of a matrix are listed, which is multiplied by column vectors from the right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MatrixOrder {
+    /// Column by column.
+    #[default]
+    Columns,
+    /// Row by row.
+    Rows,
+}
+
+/// Where the top of the image is in a renderer's clip space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClipY {
+    /// At y = −w, as Vulkan has it with a viewport of positive height.
+    #[default]
+    Down,
+    /// At y = w: the viewport has a negative height.
+    Up,
+}
+
+/// The depth of clip space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClipDepth {
+    /// 0 at the near plane and 1 at the far plane.
+    #[default]
+    Standard,
+    /// 1 at the near plane and 0 at the far plane, or infinitely far away.
+    Reversed,
+    /// −1 at the near plane and 1 at the far plane, as OpenGL has it.
+    MinusOneToOne,
+}
+
+/// In which space normals are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalSpace {
+    /// The caller's view space.
+    View,
+    /// The caller's world space.
+    World,
+}
+
+/// How the texels of an image hold unit normals. The order is that of `CONVERT_VIEW_NORMAL` and what follows it in GLSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NormalEncoding {
+    /// x, y and z as they are: floats or signed normalised numbers.
+    Float,
+    /// x, y and z, mapped from −1…1 to 0…1.
+    Unorm,
+    /// Two numbers, −1…1: the place on an octahedron that is unfolded to a square.
+    Octahedral,
+    /// The octahedral place, mapped to 0…1.
+    OctahedralUnorm,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_rotations_or_mirrors_of_the_hand_that_their_name_says() {
+        for (name, axes) in Axes::NAMES {
+            let to_ours = axes.to_ours();
+            assert_eq!(to_ours * to_ours.transpose(), DMat3::IDENTITY, "{name}");
+            assert_eq!(to_ours.determinant(), if name.starts_with("left") { 1.0 } else { -1.0 }, "{name}");
+            let up = if name.ends_with("z-up") { DVec3::Z } else { DVec3::Y };
+            let down = name.ends_with("y-down");
+            assert_eq!(to_ours * up, if down { DVec3::NEG_Y } else { DVec3::Y }, "{name}");
+        }
+    }
+}
