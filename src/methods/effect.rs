@@ -290,7 +290,8 @@ impl Effect {
             history: history
                 .then(|| {
                     let averaged = (effect.history_frames, effect.history_deviations);
-                    HistoryPass::new(&gpu, extent, projection, averaged, wants.composite)
+                    let stage = effect.history_stage.on(&gpu);
+                    HistoryPass::new(&gpu, (extent, projection), averaged, stage, wants.composite)
                 })
                 .transpose()?,
             bounces,

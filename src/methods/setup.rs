@@ -7,6 +7,7 @@ use crate::math::OracleVersion;
 use crate::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
 };
+use crate::passes::tiles::TileStage;
 use crate::passes::trace_normals::TraceNormals;
 use crate::scene::ProjectionKind;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
@@ -35,6 +36,30 @@ choices! {
         Off = "off",
         /// With those before it.
         On = "on",
+    }
+}
+
+choices! {
+    /// The shaders in which passes run that exist for two stages: those of `unified`, and the history.
+    pub enum StageChoice {
+        /// Fragment shaders on a device that is a CPU, compute shaders on any other.
+        Auto = "auto",
+        /// Fragment shaders, drawn over tiles as points or over the whole image.
+        Fragment = "fragment",
+        /// Compute shaders, in workgroups over tiles or over the whole image.
+        Compute = "compute",
+    }
+}
+
+impl StageChoice {
+    /// The stage that passes have on a device.
+    pub(super) fn on(self, gpu: &Gpu) -> TileStage {
+        match self {
+            Self::Fragment => TileStage::Fragment,
+            Self::Compute => TileStage::Compute,
+            Self::Auto if gpu.info().is_cpu() => TileStage::Fragment,
+            Self::Auto => TileStage::Compute,
+        }
     }
 }
 
@@ -204,6 +229,8 @@ parameters! {
         /// as far where it is known to agree, and eight times where nothing moves.
         history_deviations: f32 =
             Parameter::new(1.0).between(0.0, 100.0).unit("standard deviations").source("Salvi 2016"),
+        /// The shaders of the history. The image is the same, and which is faster depends on the device.
+        history_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
         /// What unified hits on the screen alone, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
         /// those that it can have come to from in front.
         oracle: OracleVersion = Parameter::new(OracleVersion::V1).source("this project"),

@@ -74,6 +74,7 @@
 //! plain twins in `reference::unified`.
 
 use super::setup::HistoryUse;
+pub use super::setup::StageChoice;
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -122,30 +123,6 @@ choices! {
         Screen = "screen",
         /// The triangles.
         Triangles = "triangles",
-    }
-}
-
-choices! {
-    /// The shaders in which passes of `unified` run.
-    pub enum StageChoice {
-        /// Fragment shaders on a device that is a CPU, compute shaders on any other.
-        Auto = "auto",
-        /// Fragment shaders, drawn over tiles as points or over the whole image.
-        Fragment = "fragment",
-        /// Compute shaders, in workgroups over tiles or over the whole image.
-        Compute = "compute",
-    }
-}
-
-impl StageChoice {
-    /// The stage that passes have on a device.
-    fn on(self, gpu: &Gpu) -> TileStage {
-        match self {
-            Self::Fragment => TileStage::Fragment,
-            Self::Compute => TileStage::Compute,
-            Self::Auto if gpu.info().is_cpu() => TileStage::Fragment,
-            Self::Auto => TileStage::Compute,
-        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Temporal filtering (thesis §4.2.11): the reflection of earlier frames, found again in this one, and averaged with it.
 
 use super::scene_data::Standing;
+use super::tiles::TileStage;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::{HistoryBlock, MoverData};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
 use crate::scene::{Camera, ProjectionKind};
@@ -12,13 +13,13 @@ use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
 use std::cell::{Cell, OnceCell, RefCell};
 
-/// Format of what guides the search: `Guide` of `shaders-glsl/common/history.frag`, packed.
+/// Format of what guides the search: `Guide` of `shaders-glsl/common/history.glsl`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
 /// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
     gpu: Gpu,
-    constants: programs::HistoryConstants,
+    variant: Variant,
     pipeline: Pipeline,
     /// Made when a frame first knows how surfaces moved.
     with_motion: OnceCell<Pipeline>,
@@ -35,7 +36,19 @@ pub struct HistoryPass {
     deviations: f32,
 }
 
-type Pipeline = GraphicsPipeline<programs::History<'static>>;
+/// Which program of the history it is.
+#[derive(Clone, Copy)]
+struct Variant {
+    stage: TileStage,
+    is_orthographic: bool,
+    composite: bool,
+}
+
+/// The program of the stage that was chosen. Both make the same images.
+enum Pipeline {
+    Fragment(GraphicsPipeline<programs::History<'static>>),
+    Compute(ComputePipeline<programs::HistoryCompute<'static>>),
+}
 
 /// How the surfaces that pixels show have moved since the frame before, by somebody who knows it.
 #[derive(Clone, Copy)]
@@ -110,20 +123,21 @@ impl HistoryPass {
     /// Errors of the device.
     pub fn new(
         gpu: &Gpu,
-        extent: [u32; 2],
-        kind: ProjectionKind,
+        (extent, kind): ([u32; 2], ProjectionKind),
         (averaged, deviations): (u32, f32),
+        stage: TileStage,
         composite: bool,
     ) -> Result<Self> {
-        let constants = programs::HistoryConstants { orthographic: kind.is_orthographic(), composite, motion: false };
-        let image = |name, format| Image::target(gpu, name, format, extent);
+        let variant = Variant { stage, is_orthographic: kind.is_orthographic(), composite };
+        let make = if stage == TileStage::Compute { stored_target } else { Image::target };
+        let image = |name, format| make(gpu, name, format, extent);
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
         Ok(Self {
             gpu: gpu.clone(),
-            pipeline: pipeline(gpu, &constants)?,
-            constants,
+            pipeline: Pipeline::new(gpu, variant, false)?,
+            variant,
             with_motion: OnceCell::new(),
             kept: [kept()?, kept()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
@@ -192,28 +206,45 @@ impl HistoryPass {
             has_ends: i32::from(ends.is_some()),
             ..self.block(camera, &past, gbuffer.depth.extent(), motion)
         };
-        let program = programs::History {
-            history: &block,
-            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
-            reflection_buffer: reflection.0.all(),
-            material_buffer: gbuffer.material.all(),
-            color_before: earlier.reflection.all(),
-            guide_before: earlier.guide.all(),
-            color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-            // Not read where they are not known.
-            ends_image: ends.unwrap_or(&self.no_ends).all(),
-            triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
-            motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
-        };
         let composite = self.composite.as_ref();
-        let targets = [
-            Target::overwrite(now.reflection.all()),
-            Target::overwrite(now.guide.all()),
-            composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
-        ];
-        let pipeline = if motion.is_some() { self.with_motion()? } else { &self.pipeline };
-        frame.fullscreen("history", pipeline, targets, &program)?;
+        macro_rules! program {
+            ($program:ident { $($stored:ident: $image:expr),* }) => {
+                programs::$program {
+                    history: &block,
+                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                    normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                    reflection_buffer: reflection.0.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_before: earlier.reflection.all(),
+                    guide_before: earlier.guide.all(),
+                    color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+                    // Not read where they are not known.
+                    ends_image: ends.unwrap_or(&self.no_ends).all(),
+                    triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
+                    motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
+                    $($stored: $image.all()),*
+                }
+            };
+        }
+        match if motion.is_some() { self.with_motion()? } else { &self.pipeline } {
+            Pipeline::Fragment(pipeline) => {
+                let targets = [
+                    Target::overwrite(now.reflection.all()),
+                    Target::overwrite(now.guide.all()),
+                    composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
+                ];
+                frame.fullscreen("history", pipeline, targets, &program!(History {}))?;
+            }
+            Pipeline::Compute(pipeline) => {
+                let program = program!(HistoryCompute {
+                    reflection_image: now.reflection,
+                    guide_image: now.guide,
+                    color_image: composite.unwrap_or(&now.reflection)
+                });
+                let [width, height] = gbuffer.depth.extent();
+                frame.compute("history", pipeline, &program, [width, height, 1])?;
+            }
+        }
         Ok((Reflection(&now.reflection), composite))
     }
 
@@ -221,7 +252,7 @@ impl HistoryPass {
         if let Some(made) = self.with_motion.get() {
             return Ok(made);
         }
-        let made = pipeline(&self.gpu, &programs::HistoryConstants { motion: true, ..self.constants })?;
+        let made = Pipeline::new(&self.gpu, self.variant, true)?;
         Ok(self.with_motion.get_or_init(|| made))
     }
 
@@ -260,9 +291,20 @@ impl HistoryPass {
     }
 }
 
-fn pipeline(gpu: &Gpu, constants: &programs::HistoryConstants) -> Result<Pipeline> {
-    let color = if constants.composite { LIT_COLOR } else { vk::Format::UNDEFINED };
-    GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], constants)
+impl Pipeline {
+    fn new(
+        gpu: &Gpu,
+        Variant { stage, is_orthographic: orthographic, composite }: Variant,
+        motion: bool,
+    ) -> Result<Self> {
+        if stage == TileStage::Compute {
+            let constants = programs::HistoryComputeConstants { orthographic, composite, motion };
+            return Ok(Self::Compute(ComputePipeline::with(gpu, &constants)?));
+        }
+        let constants = programs::HistoryConstants { orthographic, composite, motion };
+        let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
+        Ok(Self::Fragment(GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], &constants)?))
+    }
 }
 
 /// How far a camera's projection shifts the image, in pixels, x to the right and y down: by its jitter, for one.

@@ -1,4 +1,4 @@
-//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`) makes the same images to the bit, in
+//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`) makes the same images to the bit, in
 //! passes of the same names.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
@@ -26,7 +26,8 @@ const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fr
 type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
 
 fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
-    setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages)
+    let setup = setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
+    setup.with(|p: &mut EffectParams| p.history_stage = stages[1])
 }
 
 /// Holds the images and the passes of each pair of stages against those of fragment shaders.

@@ -1,15 +1,17 @@
 //! The tables of films: quality and time of `unified` beside `stochastic` with a history, and what a history leaves behind.
 
-use super::figures::{Result, Row, csv, mean, number, ratio, table};
+use super::figures::{Result, Row, csv, json, mean, median, number, ratio, table};
+use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The variants of films, as their tables call them: `unified` with the world's triangles behind the screen, `stochastic` with
 /// captures behind it, and what each shows of the screen alone.
 const UNIFIED: &str = "unified";
 const UNIFIED_HISTORY: &str = "unified history on";
-const STOCHASTIC: &str = "stochastic fallback captures";
-const STOCHASTIC_HISTORY: &str = "stochastic fallback captures history on";
-const ON_SCREEN: [&str; 3] = ["ssct", "unified beyond none", "stochastic history on"];
+const STOCHASTIC: &str = "stochastic + captures";
+const STOCHASTIC_HISTORY: &str = "stochastic + captures history on";
+const ON_SCREEN: [&str; 3] = ["ssct", "unified none", "stochastic history on"];
 
 fn film<'a>(rows: &'a [Row], roughness: &str, variant: &str) -> Result<&'a Row> {
     let found = rows.iter().find(|r| r["roughness"] == roughness && r["variant"] == variant);
@@ -253,4 +255,41 @@ pub fn movers(folder: &Path) -> Result<String> {
     };
     let rows = csv(folder, "movers.csv")?.iter().map(row).collect::<Result<_>>()?;
     table(&["scene", "what moves", "triangles", "of which move", "the whole tree, ms", "the small tree, ms"], rows)
+}
+
+/// What a history costs on a device, as a fragment shader over the whole image: medians over the views.
+pub fn history_times(folder: &Path) -> Result<String> {
+    let records = json(folder, "times.json")?;
+    let size = |r: &Value| (r["width"].as_u64(), r["height"].as_u64());
+    let ms = |r: &Value| r["total"]["median_ms"].as_f64().ok_or("no time");
+    let mut rows = Vec::new();
+    for of in records.iter().map(size).collect::<BTreeSet<_>>() {
+        for roughness in [0.05, 0.1, 0.3, 0.6] {
+            let here: Vec<_> = records.iter().filter(|r| size(r) == of && r["roughness"] == roughness).collect();
+            let with = |history: &'static str| here.iter().filter(move |r| r["setup"]["history"] == *history).copied();
+            let pass = |r: &Value| {
+                let passes = r["passes"].as_array().ok_or("no passes")?;
+                let own = passes.iter().find(|p| p["name"] == "history").ok_or("no history")?;
+                own["median_ms"].as_f64().ok_or("no time")
+            };
+            let ratios = with("on").map(|r| {
+                let is_pair = |other: &&Value| (&other["scene"], &other["view"]) == (&r["scene"], &r["view"]);
+                Ok::<_, String>(ms(r)? / ms(with("off").find(is_pair).ok_or("no pair")?)?)
+            });
+            let ratios: Vec<f64> = ratios.collect::<Result<_>>()?;
+            let [without, passes] = [
+                with("off").map(ms).collect::<std::result::Result<Vec<_>, _>>()?,
+                with("on").map(pass).collect::<std::result::Result<Vec<_>, _>>()?,
+            ];
+            let (width, height) = (of.0.unwrap_or_default(), of.1.unwrap_or_default());
+            rows.push(vec![
+                format!("{width}×{height}"),
+                roughness.to_string(),
+                format!("{:.2}", median(&without)?),
+                format!("{:.2}", median(&passes)?),
+                ratio(median(&ratios)?),
+            ]);
+        }
+    }
+    table(&["size", "ϱ", "`unified`, ms", "the history's pass, ms", "with it over without"], rows)
 }

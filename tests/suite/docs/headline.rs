@@ -28,9 +28,9 @@ fn y(error: f64) -> f64 {
     MARGIN[1] + height * (high - error.clamp(ERRORS[0], ERRORS[1]).ln()) / (high - low)
 }
 
-/// The plot of the records of `scripts/bars.sh`, as SVG.
-pub fn plot(folder: &Path) -> Result<String, String> {
-    let (times, errors) = (bars_times(folder, "960x540")?, bars_errors(folder)?);
+/// The plot of the records of `scripts/bars.sh`, as SVG: times of one folder, and errors of the other.
+pub fn plot(timed: &Path, judged: &Path) -> Result<String, String> {
+    let (times, errors) = (bars_times(timed, "960x540")?, bars_errors(judged)?);
     let mut svg = String::new();
     let [width, height] = SIZE;
     let mut line = |text: String| {

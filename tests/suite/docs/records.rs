@@ -17,7 +17,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
     let words: Vec<&str> = query.split(' ').collect();
     let [first, ..] = folders else { return Err("no records are named".to_owned()) };
     let text = match words[..] {
-        ["headline"] => headline(first)?,
+        ["headline"] => headline(folders)?,
         ["times", size] => times(first, size)?,
         ["errors"] => errors(first)?,
         ["slowest", method] => slowest(first, method)?,
@@ -94,6 +94,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["flip-from", variant, frame] => films::flip_from(first, variant, frame)?,
         ["changes", variant] => films::changes(first, variant)?,
         ["movers"] => films::movers(first)?,
+        ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,
         ["camera-capture"] => layers::camera_capture(first)?,
@@ -110,7 +111,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["stress-cases", method] => stress::cases(first, method)?,
         ["stress-compared", method] => stress::hits(first, method)?.0,
         ["stress-wrong", method] => stress::hits(first, method)?.1,
-        ["precision"] => precision(first)?,
+        ["precision", scene] => precision(first, scene)?,
         ["large-gltf", figure, side] => large_gltf::large_gltf(first, figure, side)?,
         ["commit"] => commit(first)?,
         _ => measured::show(query, first)?,
@@ -172,10 +173,12 @@ fn errors_over(folder: &Path, roughness: &str, of: (&str, &str), over: (&str, &s
     .collect()
 }
 
-fn headline(folder: &Path) -> Result<String> {
+/// Times of the first folder, and errors of the second.
+fn headline(folders: &[PathBuf]) -> Result<String> {
+    let [timed, judged] = folders else { return Err("times are of one folder, and errors of another".to_owned()) };
     let row = |roughness: &&str| {
-        let time = |method| median_and_greatest(&times_over(folder, "960x540", roughness, method)?);
-        let rmse = errors_over(folder, roughness, ("unified", "screen"), ("ssct", "screen"))?;
+        let time = |method| median_and_greatest(&times_over(timed, "960x540", roughness, method)?);
+        let rmse = errors_over(judged, roughness, ("unified", "screen"), ("ssct", "screen"))?;
         Ok(vec![shortest(roughness), time("ssct")?, time("hzct")?, median_and_greatest(&rmse)?])
     };
     let rows = ROUGHNESS.iter().map(row).collect::<Result<_>>()?;
@@ -428,30 +431,25 @@ fn door(folder: &Path) -> Result<String> {
     table(&head, ["unified", "ssct", "hzct"].iter().map(row).collect::<Result<_>>()?)
 }
 
-/// Errors by the formats of a G-buffer, mean over the views.
-fn precision(folder: &Path) -> Result<String> {
-    let all = json(folder, "precision.json")?;
-    let formats = |r: &Value| ["depth", "normal", "color"].map(|f| r["storage"][f].as_str().unwrap_or("?").to_owned());
-    let mut order: Vec<[String; 3]> = Vec::new();
-    for record in &all {
-        if !order.contains(&formats(record)) {
-            order.push(formats(record));
-        }
-    }
+/// Errors by the formats of a G-buffer, mean over the views of a scene.
+fn precision(folder: &Path, scene: &str) -> Result<String> {
+    let all = csv(folder, &format!("{scene}.csv"))?;
+    let mut order: Vec<&str> = all.iter().map(|row| row["storage"].as_str()).collect();
+    let mut known = BTreeSet::new();
+    order.retain(|storage| known.insert(*storage));
     let mut rows = Vec::new();
-    for format in order {
-        let here: Vec<&Value> = all.iter().filter(|r| formats(r) == format).collect();
-        let bytes = here.first().and_then(|r| r["bytes_per_pixel"].as_u64()).ok_or("no bytes")?;
-        let mut row: Vec<String> = format.iter().map(|f| format!("`{f}`")).collect();
-        row.push(bytes.to_string());
+    for storage in order {
+        let here: Vec<&Row> = all.iter().filter(|r| r["storage"] == storage && r["roughness"] == "0").collect();
+        let bytes = &here.first().ok_or("no mirror")?["bytes_per_pixel"];
+        let mut row = vec![storage.to_owned(), bytes.clone()];
         for method in ["oracle", "unified", "ssct"] {
-            let mirrors = here.iter().filter(|r| r["method"] == method && r["roughness"].as_f64() == Some(0.0));
-            let wrong: Vec<f64> = mirrors.filter_map(|r| Some(1.0 - r["hit_agreement"].as_f64()?)).collect();
+            let of = here.iter().filter(|r| r["method"] == method);
+            let wrong = of.map(|r| Ok(1.0 - number(r, "hit_agreement")?)).collect::<Result<Vec<_>>>()?;
             let wrong = mean(&wrong)?;
             let decimals = [(0.01, 1), (1e-4, 2)].iter().find(|(above, _)| wrong > *above).map_or(4, |(_, d)| *d);
             row.push(percent(wrong, decimals));
         }
         rows.push(row);
     }
-    table(&["depth", "normals", "colour", "bytes", "oracle, wrong", "`unified`, wrong", "`ssct`, wrong"], rows)
+    table(&["formats", "bytes", "oracle, wrong", "`unified`, wrong", "`ssct`, wrong"], rows)
 }

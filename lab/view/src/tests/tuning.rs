@@ -89,6 +89,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("bump-after", "0.5"),
         ("history-frames", "3"),
         ("history-deviations", "0.1"),
+        ("history-stage", "compute"),
         ("layers", "2"),
         ("layer-separation", "3"),
         ("layer-thickness", "20"),
@@ -126,7 +127,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             // Nothing reads the maximum of the Hi-Z. Both
             // stages of a shader make the same image, and so do both tracers; tests/suite/own_rays.rs tries rays of a pixel's
             // own, which are for lobes among triangles. Who is asked first matters where rays go beyond the screen.
-            let shows_nothing = ["hi-z-maximum", "first", "tracer", "own-rays", "trace-stage", "resolve-stage"];
+            let shows_nothing =
+                ["hi-z-maximum", "first", "tracer", "own-rays", "trace-stage", "resolve-stage", "history-stage"];
             if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
