@@ -94,6 +94,13 @@ struct Source {
     code: String,
 }
 
+impl Source {
+    /// Whether it is the file of a module at the root of its package, or stands in its folder.
+    fn is_of(&self, module: &str) -> bool {
+        self.path.split(['/', '.']).next() == Some(module)
+    }
+}
+
 /// The code without comments and without the unit tests at a file's end, which may import anything.
 fn code(text: &str) -> String {
     // `mod tests;` only names another file; what follows it is shipped.
@@ -334,7 +341,7 @@ fn the_references_share_nothing_with_the_gpu() {
         let (_, below) = LAYERS.iter().find(|(name, _)| *name == layer).unwrap();
         assert!(["gpu", "passes", "methods"].iter().all(|n| !below.contains(n)), "{layer}");
     }
-    let vulkan = |s: &&Source| s.path.starts_with("reference/") && s.code.contains("ash::");
+    let vulkan = |s: &&Source| s.is_of("reference") && s.code.contains("ash::");
     assert_eq!(sources().iter().filter(vulkan).map(|s| s.path.clone()).collect::<Vec<_>>(), [""; 0]);
 }
 
@@ -345,7 +352,7 @@ fn a_pass_imports_no_other_pass() {
     let passes: Vec<_> =
         sources.iter().filter_map(stem).filter(|n| n != "mod" && !SHARED_BY_PASSES.contains(&n.as_str())).collect();
     assert!(passes.len() >= 7, "{passes:?}");
-    let in_passes = || sources.iter().filter(|s| s.path.starts_with("passes/"));
+    let in_passes = || sources.iter().filter(|s| s.is_of("passes"));
     let wrong: Vec<_> = in_passes().flat_map(|s| wrong_siblings(&s.path, &s.code, &passes)).collect();
     assert_eq!(wrong, [""; 0]);
     for shared in SHARED_BY_PASSES {
@@ -368,22 +375,28 @@ fn unsafe_code_stays_in_gpu_at_the_door_and_in_the_window() {
     let mut found = 0;
     for s in sources().iter().filter(|s| !names_after(&s.code, "unsafe").is_empty() || s.code.contains("unsafe {")) {
         let folders: &[&str] = match s.package {
-            "src" => &["gpu/", "embed/"],
-            VIEW => &["presentation/"],
+            "src" => &["gpu", "embed"],
+            VIEW => &["presentation"],
             _ => &[],
         };
-        let is_there = folders.iter().any(|folder| s.path.starts_with(folder));
+        let is_there = folders.iter().any(|folder| s.is_of(folder));
         assert!(is_there, "{} in {}", s.path, s.package);
         found += 1;
     }
     assert!(found >= 5, "the word is found where it is");
 }
 
-/// The path of a module in its package: `mod.rs` is its folder's, and the files at the root are nobody's.
+/// The path of a module in its package: those of the files at the root are empty.
 fn module_path(path: &str) -> Vec<&str> {
     let stem = path.strip_suffix(".rs").unwrap_or(path);
-    let stem = stem.strip_suffix("/mod").unwrap_or(stem);
-    if ["lib", "main", "mod"].contains(&stem) { Vec::new() } else { stem.split('/').collect() }
+    if ["lib", "main"].contains(&stem) { Vec::new() } else { stem.split('/').collect() }
+}
+
+#[test]
+fn a_module_stands_beside_its_folder() {
+    let sources = sources();
+    let inside: Vec<_> = sources.iter().filter(|s| s.path.ends_with("mod.rs")).map(|s| (s.package, &s.path)).collect();
+    assert!(inside.is_empty() && !sources.is_empty(), "these stand in their folder: {inside:?}");
 }
 
 /// What the modules of a package import of the modules beside them, for each folder, whose path comes first.
@@ -433,7 +446,7 @@ fn no_modules_beside_each_other_import_each_other_in_a_circle() {
 
 /// Whether a source is of a program that reads arguments and prints.
 fn is_command(s: &Source) -> bool {
-    s.package == VIEW || s.path.starts_with("app/")
+    s.package == VIEW || s.is_of("app")
 }
 
 #[test]

@@ -71,7 +71,7 @@ impl LibraryPage<'_> {
             (compare) (self.compare())
             (left_out) (self.left_out())
             script type="application/json" id="library-data" { (PreEscaped(data::embedded(self))) }
-            script { (PreEscaped(include_str!("library.js"))) }
+            script { (PreEscaped(include_str!("library/library.js"))) }
         };
         Ok(frame(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))
     }

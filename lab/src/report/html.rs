@@ -125,7 +125,7 @@ impl Page<'_> {
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
             (gallery::compare_template())
-            script { (PreEscaped(include_str!("compare.js"))) }
+            script { (PreEscaped(include_str!("html/compare.js"))) }
         };
         let header =
             page_header("Glossy reflections in screen space", Some(self.device), DEFINITIONS, &self.command, &parts);
@@ -203,7 +203,7 @@ fn head(title: &str) -> Markup {
             title { "ssct " (title) }
             // Without it a browser asks the server for one.
             link rel="icon" href="data:,";
-            style { (PreEscaped(include_str!("page.css"))) }
+            style { (PreEscaped(include_str!("html/page.css"))) }
         }
     }
 }
