@@ -29,4 +29,7 @@ fill() { # a template, a file
 }
 fill c/ssct.pc.in "$prefix/lib/pkgconfig/ssct.pc"
 fill c/ssct-config.cmake.in "$prefix/lib/cmake/ssct/ssct-config.cmake"
-echo "install-c: ssct $version is in $prefix" >&2
+cat >&2 <<EOF
+install-c: ssct $version is in $prefix
+  cc FILE.c \$(PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags --libs ssct vulkan) -lm -Wl,-rpath,$prefix/lib
+EOF

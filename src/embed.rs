@@ -29,7 +29,8 @@ impl Context {
     /// Takes a device over as it is.
     ///
     /// # Errors
-    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3, a feature of
+    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3 on the device or in the version that the
+    /// instance was made for, a feature of
     /// [`enable_features`](crate::enable_features) that is not on, or graphics or compute in the queue family.
     ///
     /// # Safety

@@ -103,7 +103,7 @@ typedef struct SsctContextInfo {
   size_t struct_size;
   /// The loader's function, if you loaded it yourself; NULL for the system's loader.
   PFN_vkGetInstanceProcAddr get_instance_proc_addr;
-  /// The instance, made for Vulkan 1.3.
+  /// The instance, made for Vulkan 1.3 (VkApplicationInfo::apiVersion).
   VkInstance instance;
   /// The physical device.
   VkPhysicalDevice physical_device;
@@ -311,8 +311,9 @@ typedef struct SsctFrame {
   const struct SsctFactor *roughness;
   /// Lit colour, linear, without reflections.
   const struct SsctImage *color;
-  /// A cube map of what is seen where nothing stands, in world axes. Without one (NULL), rays that leave the screen to end
-  /// there miss.
+  /// A cube map of what is seen where nothing stands, in world axes, its view an array of the six faces
+  /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY): the light of rays of which captures or triangles say that they end there. NULL for none:
+  /// they miss, as every ray does that leaves the screen where there are neither captures nor triangles.
   const struct SsctImage *sky;
   /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
   const struct SsctCaptureCubes *captures;
@@ -556,7 +557,7 @@ const char *ssct_version(void);
 
 /// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
 /// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
-/// cannot be made.
+/// cannot be made. `sType` of the last two structs is yours to set.
 enum SsctResult ssct_enable_features(VkPhysicalDeviceFeatures *features,
                                      VkPhysicalDeviceVulkan12Features *features12,
                                      VkPhysicalDeviceVulkan13Features *features13);

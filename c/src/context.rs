@@ -1,7 +1,7 @@
 //! The caller's device.
 
 use crate::border::{
-    Failure, Growing, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take, text,
+    Failure, Growing, Outcome, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take, text,
 };
 use crate::memory::{CallersMemory, SsctMemory};
 use crate::vulkan::{
@@ -27,7 +27,7 @@ pub struct SsctContextInfo {
     pub struct_size: usize,
     /// The loader's function, if you loaded it yourself; NULL for the system's loader.
     pub get_instance_proc_addr: PFN_vkGetInstanceProcAddr,
-    /// The instance, made for Vulkan 1.3.
+    /// The instance, made for Vulkan 1.3 (VkApplicationInfo::apiVersion).
     pub instance: VkInstance,
     /// The physical device.
     pub physical_device: VkPhysicalDevice,
@@ -90,7 +90,7 @@ pub extern "C" fn ssct_version() -> *const c_char {
 
 /// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
 /// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
-/// cannot be made.
+/// cannot be made. `sType` of the last two structs is yours to set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_enable_features(
     features: *mut VkPhysicalDeviceFeatures,
@@ -106,9 +106,22 @@ pub unsafe extern "C" fn ssct_enable_features(
                 needed_mut("features13", features13)?,
             )
         };
+        typed("features12", all.1.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
+        typed("features13", all.2.s_type, VkPhysicalDeviceVulkan13Features::default().s_type)?;
         ssct::enable_features(all.0, all.1, all.2);
         Ok(())
     })
+}
+
+/// Refuses a struct of another type.
+fn typed(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Outcome<()> {
+    if is == should {
+        return Ok(());
+    }
+    Err(Failure::usage(format!(
+        "sType of the argument {argument} is {}; it must be VK_STRUCTURE_TYPE_{should:?}",
+        is.as_raw()
+    )))
 }
 
 /// Makes a context of a device, and writes it to `context`; NULL if it fails.

@@ -124,8 +124,9 @@ pub struct SsctFrame {
     pub roughness: *const SsctFactor,
     /// Lit colour, linear, without reflections.
     pub color: *const SsctImage,
-    /// A cube map of what is seen where nothing stands, in world axes. Without one (NULL), rays that leave the screen to end
-    /// there miss.
+    /// A cube map of what is seen where nothing stands, in world axes, its view an array of the six faces
+    /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY): the light of rays of which captures or triangles say that they end there. NULL for none:
+    /// they miss, as every ray does that leaves the screen where there are neither captures nor triangles.
     pub sky: *const SsctImage,
     /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
     pub captures: *const SsctCaptureCubes,

@@ -82,8 +82,8 @@ pub struct FrameInput<'a> {
     pub reflectors: Reflectors,
     /// Lit colour, linear.
     pub color: ImageInput,
-    /// A cube map of what is seen where nothing stands, in world axes ([`ImageInput::cube`]). Without one, rays that leave
-    /// the screen to end there miss.
+    /// A cube map of what is seen where nothing stands, in world axes ([`ImageInput::cube`]): the light of rays of which captures or
+    /// triangles say that they end there. Without either, nobody knows where a ray goes that leaves the screen, and it misses.
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
     pub captures: Option<&'a CaptureCubes>,

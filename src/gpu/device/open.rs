@@ -323,6 +323,14 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     if properties.api_version < vk::API_VERSION_1_3 {
         return Err(refused("it has no Vulkan 1.3".into()));
     }
+    // The loader knows the version that the instance was made for, and hands out no later functions.
+    // SAFETY: by the contract, the device is alive and of this instance.
+    let later =
+        unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), c"vkCmdPipelineBarrier2".as_ptr()) };
+    if later.is_none() {
+        let why = "the instance was not made for Vulkan 1.3 (VkApplicationInfo::apiVersion)";
+        return Err(refused(why.into()));
+    }
     if let Some(name) = features::missing(enabled.core, enabled.vulkan12, enabled.vulkan13) {
         return Err(refused(format!("the feature {name} was not enabled when the device was made")));
     }
