@@ -60,7 +60,7 @@ test-wgpu: build
 	SSCT_COMMAND="$(BIN)" $(CARGO) test --manifest-path examples/wgpu/Cargo.toml \
 		--target-dir "$(or $(CARGO_TARGET_DIR),target)"
 
-# The example in Bevy, whose compiler examples/bevy/rust-toolchain.toml names: a quarter of an hour the first time.
+# The example in Bevy, whose compiler examples/bevy/rust-toolchain.toml names: ten minutes the first time, on two cores.
 test-bevy: build
 	cd examples/bevy && if command -v rustup >/dev/null; then rustup toolchain install; fi && \
 		SSCT_COMMAND="$(abspath $(BIN))" $(CARGO) test
