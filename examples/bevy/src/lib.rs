@@ -65,15 +65,24 @@ impl Default for SsctReflections {
     }
 }
 
-/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`].
+/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`]. All opaque
+/// materials are deferred from then on, and every camera gets the prepasses that show them.
 #[derive(Default)]
 pub struct SsctPlugin;
+
+/// Lets every camera see what is drawn deferred, since all opaque meshes are, with reflections or without.
+fn see_deferred(mut commands: Commands, cameras: Query<Entity, (With<Camera3d>, Without<DeferredPrepass>)>) {
+    for camera in &cameras {
+        commands.entity(camera).insert((DepthPrepass, DeferredPrepass));
+    }
+}
 
 impl Plugin for SsctPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<WorldMeshes>()
             .init_resource::<LightOnMeshes>()
             .insert_resource(DefaultOpaqueRendererMethod::deferred())
+            .add_systems(PostUpdate, see_deferred)
             .add_systems(Last, world::gather);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         render_app

@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run -- out.png [OPTION…]
-//! #   --with ssct|screen|traced|history|bevy|bevy-steps|nothing   who reflects
+//! #   --with ssct|screen|traced|history|off|bevy|bevy-steps|nothing   who reflects; off is the plugin without the component
 //! #   --roughness 0.2                                      perceptual roughness of the floor; the figures are of mirrors
 //! #   --size 640x360, --frames 12                          the picture, and frames before it is taken
 //! #   --moved                                              the ball moves before the last frames
@@ -141,7 +141,7 @@ fn app(options: &Options) -> Result<App> {
     };
     let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
     app.add_plugins((DefaultPlugins.set(window).set(render), RenderDiagnosticsPlugin));
-    if matches!(options.with.as_str(), "ssct" | "screen" | "traced" | "history") {
+    if matches!(options.with.as_str(), "ssct" | "screen" | "traced" | "history" | "off") {
         app.add_plugins(SsctPlugin);
     }
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
@@ -184,6 +184,8 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         }
         "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ours }),
         "history" => entity.insert(SsctReflections { history: true, ..ours }),
+        // The plugin alone: what a camera without the component shows.
+        "off" => &mut entity,
         "bevy" => entity.insert(own),
         "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..own }),
         "nothing" => {

@@ -96,6 +96,8 @@ pub struct Reflecting {
     pending: Mutex<Vec<Pending>>,
     /// Frames before this one are done.
     done: Arc<AtomicU64>,
+    /// What was said last to be wrong, so that it is not said in every frame.
+    said: Mutex<String>,
 }
 
 /// Fields are dropped in their order: what `ssct` made, before the device.
@@ -164,8 +166,13 @@ pub fn start(
         Ok(context) => {
             let (views, retired, passes) = (HashMap::default(), Vec::new(), Passes::new(&device));
             let state = State { views, triangles: None, retired, context, passes, frame: 0, device };
-            let (state, pending) = (Mutex::new(state), Mutex::default());
-            commands.insert_resource(Reflecting { state, pending, done: Arc::default() });
+            let state = Mutex::new(state);
+            commands.insert_resource(Reflecting {
+                state,
+                pending: Mutex::default(),
+                done: Arc::default(),
+                said: Mutex::default(),
+            });
         }
         Err(why) => error!("SsctPlugin: {why}"),
     }
@@ -204,7 +211,11 @@ pub fn reflect(
     let Some(reflecting) = reflecting else { return };
     let frame = Frame { entity, reflected, extracted, target, prepass, images: &images, adapter: &adapter };
     if let Err(why) = frame.record(&reflecting, &world, &mut ctx) {
-        error!("no reflections: {why}");
+        let (why, mut said) = (why.to_string(), lock(&reflecting.said));
+        if *said != why {
+            error!("no reflections: {why}");
+            *said = why;
+        }
     }
 }
 

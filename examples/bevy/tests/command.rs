@@ -70,6 +70,9 @@ fn mirrors_show_the_world_and_what_moved_in_it() {
     let bevy = example(&folder, &["out.png", "--with", "bevy"]);
     // A history shows two images in turn.
     example(&folder, &["out.png", "--with", "history", "--roughness", "0.25"]);
+    // A camera beside those with the component still shows all that does not reflect.
+    let off = example(&folder, &["out.png", "--with", "off"]);
+    assert!(number(&off, "others_rmse") < 0.05, "{off}");
     for line in [still, moved] {
         assert!(number(&line, "rmse") < 0.5 * number(&bevy, "rmse"), "{line}, {bevy}");
     }
