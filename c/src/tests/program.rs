@@ -76,8 +76,8 @@ impl Program {
             let physical = instance.enumerate_physical_devices().unwrap()[0];
             let mut features = vk::PhysicalDeviceFeatures::default();
             let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
-            let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
-            features13.s_type = features12.s_type;
+            let s_type = features12.s_type;
+            let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
             let untyped = ssct_enable_features(&mut features, &mut features12, &mut features13);
             refused(
                 untyped,
