@@ -13,7 +13,7 @@ out=${1:?usage: scripts/films.sh OUT}
 roughness=${ROUGHNESS:-0.05,0.1,0.3,0.6}
 mkdir -p "$out"
 
-# `unified` has the world's triangles behind the screen; captures know of it as well, and the first methods of the screen alone.
+# The first three show the screen alone. Then `unified` has the scene's triangles behind the screen, and `stochastic` captures.
 walk=(
     --variant "ssct" --variant "unified --beyond none" --variant "stochastic --history on"
     --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"

@@ -108,6 +108,16 @@ impl Inputs {
 }
 
 #[test]
+fn structs_of_another_type_are_refused() {
+    let (mut features, mut features12) = (Default::default(), vk::PhysicalDeviceVulkan12Features::default());
+    let s_type = features12.s_type;
+    let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
+    // SAFETY: these are such structs.
+    let untyped = unsafe { ssct_enable_features(&mut features, &mut features12, &mut features13) };
+    refused(untyped, SsctResult::Usage, "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3");
+}
+
+#[test]
 fn captures_a_sky_and_times_come_through() {
     let mut program = Program::new();
     let mut inputs = Inputs::new(&mut program, SIDE);

@@ -8,11 +8,12 @@ layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out uvec4 out_guide;
 layout(location = 2) out vec4 out_color; // where it is wanted
 
-// The pixels of a block are shaded in step.
+// The pixels of a block are shaded in step. Nothing is fused, so that history.comp sums to the same bits.
 vec4 OverBlock(ivec2 pixel, vec4 v) {
     vec2 outward = OutwardOf(pixel);
-    v += v - outward.x * dFdxFine(v);
-    return v + v - outward.y * dFdyFine(v);
+    precise vec4 both = v + (v - outward.x * dFdxFine(v));
+    precise vec4 all = both + (both - outward.y * dFdyFine(both));
+    return all;
 }
 
 Block OverBlock(ivec2 pixel, Block own) {

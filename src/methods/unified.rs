@@ -73,8 +73,7 @@
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
 //! plain twins in `reference::unified`.
 
-use super::setup::HistoryUse;
-pub use super::setup::StageChoice;
+use super::setup::{HistoryUse, StageChoice};
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;

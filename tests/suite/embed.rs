@@ -12,9 +12,9 @@ use ssct::methods::METHODS;
 use ssct::methods::capture::CaptureImages;
 use ssct::methods::{Setup, Wants};
 use ssct::{
-    CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, DeviceMemory, EnabledFeatures,
-    FactorInput, FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections,
-    ReflectionsInfo, Reflectors,
+    CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, DeviceMemory, FactorInput,
+    FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections, ReflectionsInfo,
+    Reflectors,
 };
 use ssct_lab::scene::Capture;
 use ssct_lab::stage::{Globals, Stage, gbuffer};
@@ -48,35 +48,6 @@ fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
     }
     assert!(ssct::methods().any(|(name, _)| name == "unified"));
     gpu.check_validation().unwrap();
-}
-
-#[test]
-fn an_instance_of_an_older_version_is_refused() {
-    // SAFETY: the handles belong together and are destroyed after the context was refused.
-    unsafe {
-        let entry = ash::Entry::load().unwrap();
-        let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
-        let info = vk::InstanceCreateInfo::default().application_info(&application);
-        let instance = entry.create_instance(&info, None).unwrap();
-        let physical = instance.enumerate_physical_devices().unwrap()[0];
-        let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
-        let device = instance.create_device(physical, &info, None).unwrap();
-        let handles = DeviceHandles {
-            entry,
-            instance: instance.clone(),
-            physical,
-            device: device.clone(),
-            queue_family: 0,
-            enabled: EnabledFeatures::default(),
-            debug_utils: false,
-            memory: None,
-        };
-        let said = Context::new(handles).err().unwrap().to_string();
-        assert!(said.contains("the instance was not made for Vulkan 1.3"), "{said}");
-        device.destroy_device(None);
-        instance.destroy_instance(None);
-    }
 }
 
 #[test]

@@ -1,10 +1,12 @@
-//! Colours that are no numbers, from the host and through the door: they are black, and spread nowhere.
+//! What hosts get wrong: colours that are no numbers are black and spread nowhere, and an instance that was made for an older
+//! Vulkan is refused.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
 use crate::common::gpu;
+use ash::vk;
 use glam::Vec3;
-use ssct::Reflections;
 use ssct::methods::{METHODS, Setup};
+use ssct::{Context, DeviceHandles, EnabledFeatures, Reflections};
 use ssct_lab::stage::gbuffer;
 
 #[test]
@@ -38,4 +40,33 @@ fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {
         }
     }
     gpu.check_validation().unwrap();
+}
+
+#[test]
+fn an_instance_of_an_older_version_is_refused() {
+    // SAFETY: the handles belong together and are destroyed after the context was refused.
+    unsafe {
+        let entry = ash::Entry::load().unwrap();
+        let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
+        let info = vk::InstanceCreateInfo::default().application_info(&application);
+        let instance = entry.create_instance(&info, None).unwrap();
+        let physical = instance.enumerate_physical_devices().unwrap()[0];
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        let device = instance.create_device(physical, &info, None).unwrap();
+        let handles = DeviceHandles {
+            entry,
+            instance: instance.clone(),
+            physical,
+            device: device.clone(),
+            queue_family: 0,
+            enabled: EnabledFeatures::default(),
+            debug_utils: false,
+            memory: None,
+        };
+        let said = Context::new(handles).err().unwrap().to_string();
+        assert!(said.contains("the instance was not made for Vulkan 1.3"), "{said}");
+        device.destroy_device(None);
+        instance.destroy_instance(None);
+    }
 }

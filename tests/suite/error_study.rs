@@ -59,8 +59,8 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     }
     assert!(records.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 
-    // From the same hits, `unified` on the screen alone shows a mirror over the pixel's footprint, as the reference does, and the
-    // thesis's cone at one point.
+    // A ray that meets a window shows the sky along itself, in the reference and in `unified`. The thesis's cone shows the
+    // window's pixel, which has the sky as the camera sees it. Where a scene has no windows, the two are equal.
     let mirrors = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "unified", "--beyond", "none"];
     let how = ["--roughness", "0", "--size", "96x54", "--no-sweep", "--samples", "1", "--rays", "64", "--json"];
     let mirrors = ssct(&[&mirrors[..], &how[..]].concat());

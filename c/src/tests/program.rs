@@ -1,6 +1,5 @@
 //! A program's device, images and command buffer, under the validation layers.
 
-use super::refused;
 use super::{said, sized};
 use crate::border::SsctResult;
 use crate::context::{SsctContext, SsctContextInfo, ssct_context_create, ssct_enable_features};
@@ -76,15 +75,7 @@ impl Program {
             let physical = instance.enumerate_physical_devices().unwrap()[0];
             let mut features = vk::PhysicalDeviceFeatures::default();
             let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
-            let s_type = features12.s_type;
-            let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
-            let untyped = ssct_enable_features(&mut features, &mut features12, &mut features13);
-            refused(
-                untyped,
-                SsctResult::Usage,
-                "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3",
-            );
-            features13 = vk::PhysicalDeviceVulkan13Features::default();
+            let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
             assert_eq!(ssct_enable_features(&mut features, &mut features12, &mut features13), SsctResult::Ok);
             let (mut chained12, mut chained13) = (features12, features13);
             let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];

@@ -39,7 +39,7 @@ use std::ops::Range;
 
 /// Reflections of a camera by `ssct`, in place of Bevy's `ScreenSpaceReflections`. The camera must cover its whole target.
 #[derive(Component, Clone, Debug, PartialEq)]
-#[require(DepthPrepass, DeferredPrepass, Hdr)]
+#[require(Hdr)]
 pub struct SsctReflections {
     /// A method of `ssct`: `unified`, or `traced`, whose rays all go among the world's meshes.
     pub method: String,

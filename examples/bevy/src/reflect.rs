@@ -9,7 +9,7 @@ use bevy::camera::Exposure;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::light::EnvironmentMapLight;
 use bevy::pbr::{ScreenSpaceReflections, ScreenSpaceReflectionsPipelineId, ScreenSpaceReflectionsUniform};
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::diagnostic::RecordDiagnostics;
@@ -96,8 +96,8 @@ pub struct Reflecting {
     pending: Mutex<Vec<Pending>>,
     /// Frames before this one are done.
     done: Arc<AtomicU64>,
-    /// What was said last to be wrong, so that it is not said in every frame.
-    said: Mutex<String>,
+    /// Faults that were reported: each is said once, and not in every frame.
+    reported: Mutex<HashSet<String>>,
 }
 
 /// Fields are dropped in their order: what `ssct` made, before the device.
@@ -171,7 +171,7 @@ pub fn start(
                 state,
                 pending: Mutex::default(),
                 done: Arc::default(),
-                said: Mutex::default(),
+                reported: Mutex::default(),
             });
         }
         Err(why) => error!("SsctPlugin: {why}"),
@@ -211,10 +211,9 @@ pub fn reflect(
     let Some(reflecting) = reflecting else { return };
     let frame = Frame { entity, reflected, extracted, target, prepass, images: &images, adapter: &adapter };
     if let Err(why) = frame.record(&reflecting, &world, &mut ctx) {
-        let (why, mut said) = (why.to_string(), lock(&reflecting.said));
-        if *said != why {
+        let why = why.to_string();
+        if lock(&reflecting.reported).insert(why.clone()) {
             error!("no reflections: {why}");
-            *said = why;
         }
     }
 }

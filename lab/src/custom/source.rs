@@ -189,7 +189,8 @@ impl fmt::Display for ImageSource {
             Self::LitColourChain { gaussian: true } => write!(f, "lit-colour-chain:gaussian"),
             Self::Depth(d) => write!(f, "depth:{}", depth(d)),
             Self::Normal(n) => {
-                let (encoding, _) = ENCODINGS[n.encoding as usize];
+                let encoding =
+                    ENCODINGS.iter().find(|(_, encoding)| *encoding == n.encoding).map_or("", |(name, _)| name);
                 write!(f, "normal:{}:{encoding}", if n.world { "world" } else { "view" })
             }
             Self::Position { world } => write!(f, "position:{}", if *world { "world" } else { "view" }),

@@ -2,7 +2,7 @@
 
 use super::figures::{Result, Row, csv, json, mean, median, number, ratio, table};
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The variants of films, as their tables call them: `unified` with the world's triangles behind the screen, `stochastic` with
@@ -18,37 +18,54 @@ fn film<'a>(rows: &'a [Row], roughness: &str, variant: &str) -> Result<&'a Row> 
     found.ok_or_else(|| format!("no film of {variant:?} at {roughness}"))
 }
 
-fn roughness_values(rows: &[Row]) -> Vec<String> {
-    let mut values: Vec<String> = rows.iter().map(|row| row["roughness"].clone()).collect();
-    values.dedup();
-    values.sort();
-    values.dedup();
-    values
+/// The error of a film's changes over the world's own changes.
+fn error_of_changes(row: &Row) -> Result<String> {
+    Ok(ratio(number(row, "change_error")? / number(row, "reference_flicker")?))
 }
 
 /// The folders of walks, with what they show.
 const WALKS: [(&str, &str); 2] = [("rooms", "`rooms`, `corridor`"), ("museum", "`museum`, `exit-sign`")];
 
-/// `unified` beside `stochastic` with a history and captures behind it.
-pub fn walks(folder: &Path) -> Result<String> {
+/// A row for each walk at each roughness, of what some variants' films there have.
+fn of_walks<const N: usize>(
+    folder: &Path,
+    variants: [&str; N],
+    cells: impl Fn([&Row; N]) -> Result<Vec<String>>,
+) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for (name, shown) in WALKS {
         let films = csv(&folder.join(name), "video.csv")?;
-        for roughness in roughness_values(&films) {
-            let [ours, theirs] = [UNIFIED, STOCHASTIC_HISTORY].map(|v| film(&films, &roughness, v));
-            let (ours, theirs) = (ours?, theirs?);
-            let mut row = vec![shown.to_owned(), roughness.to_string()];
-            for field in ["jod", "jod_reflection"] {
-                let (a, b) = (number(ours, field)?, number(theirs, field)?);
-                row.extend([format!("{a:.2}"), format!("{b:.2}"), format!("{:+.2}", a - b)]);
-            }
-            row.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
-            row.extend([ours, theirs].map(|r| number(r, "flip").map_or_else(|e| e, |v| format!("{v:.3}"))));
-            let changes = |r| Ok::<_, String>(ratio(number(r, "change_error")? / number(r, "reference_flicker")?));
-            row.extend([changes(ours)?, changes(theirs)?]);
-            rows.push(row);
+        for roughness in films.iter().map(|film| film["roughness"].as_str()).collect::<BTreeSet<_>>() {
+            let own: Vec<&Row> = variants.iter().map(|v| film(&films, roughness, v)).collect::<Result<_>>()?;
+            let own: [&Row; N] = own.try_into().map_err(|_| "a film for each variant")?;
+            rows.push([vec![shown.to_owned(), roughness.to_owned()], cells(own)?].concat());
         }
     }
+    Ok(rows)
+}
+
+/// Both qualities of two films, each with a difference.
+fn qualities([a, b]: [&Row; 2], difference: impl Fn(f64, f64) -> f64) -> Result<Vec<String>> {
+    let mut cells = Vec::new();
+    for field in ["jod", "jod_reflection"] {
+        let (a, b) = (number(a, field)?, number(b, field)?);
+        cells.extend([format!("{a:.2}"), format!("{b:.2}"), format!("{:+.2}", difference(a, b))]);
+    }
+    Ok(cells)
+}
+
+/// `unified` beside `stochastic` with a history and captures behind it.
+pub fn walks(folder: &Path) -> Result<String> {
+    let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
+        let [ours, theirs] = both;
+        let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
+        cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        for of in both {
+            cells.push(format!("{:.3}", number(of, "flip")?));
+        }
+        cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
+        Ok(cells)
+    })?;
     let head = [
         "walk",
         "ϱ",
@@ -69,23 +86,11 @@ pub fn walks(folder: &Path) -> Result<String> {
 
 /// What a history of `unified` changes in the walks.
 pub fn with_history(folder: &Path) -> Result<String> {
-    let mut rows = Vec::new();
-    for (name, shown) in WALKS {
-        let films = csv(&folder.join(name), "video.csv")?;
-        for roughness in roughness_values(&films) {
-            let both = [UNIFIED, UNIFIED_HISTORY].map(|v| film(&films, &roughness, v));
-            let both = both.into_iter().collect::<Result<Vec<_>>>()?;
-            let mut row = vec![shown.to_owned(), roughness.to_string()];
-            for field in ["jod", "jod_reflection"] {
-                let [without, with] = [number(both[0], field)?, number(both[1], field)?];
-                row.extend([format!("{without:.2}"), format!("{with:.2}"), format!("{:+.2}", with - without)]);
-            }
-            for of in both {
-                row.push(ratio(number(of, "change_error")? / number(of, "reference_flicker")?));
-            }
-            rows.push(row);
-        }
-    }
+    let rows = of_walks(folder, [UNIFIED, UNIFIED_HISTORY], |both| {
+        let [without, with] = both;
+        let changes = [error_of_changes(without)?, error_of_changes(with)?];
+        Ok([qualities(both, |without, with| with - without)?, changes.to_vec()].concat())
+    })?;
     let head = [
         "walk",
         "ϱ",
@@ -103,21 +108,19 @@ pub fn with_history(folder: &Path) -> Result<String> {
 
 /// The table of variants of the screen alone: what it lacks outweighs all else.
 pub fn on_screen(folder: &Path) -> Result<String> {
-    let mut rows = Vec::new();
-    for (name, shown) in WALKS {
-        let records = csv(&folder.join(name), "video.csv")?;
-        for roughness in roughness_values(&records) {
-            let mut row = vec![shown.to_owned(), roughness.to_string()];
-            let films = ON_SCREEN.map(|v| film(&records, &roughness, v));
-            let films = films.into_iter().collect::<Result<Vec<_>>>()?;
-            for field in ["jod", "jod_reflection"] {
-                row.extend(films.iter().map(|r| number(r, field).map_or_else(|e| e, |v| format!("{v:.2}"))));
+    let rows = of_walks(folder, ON_SCREEN, |films| {
+        let mut cells = Vec::new();
+        for field in ["jod", "jod_reflection"] {
+            for of in films {
+                cells.push(format!("{:.2}", number(of, field)?));
             }
-            let time = number(films[2], "time_ms")?;
-            row.extend([films[0], films[1]].map(|r| number(r, "time_ms").map_or_else(|e| e, |v| ratio(v / time))));
-            rows.push(row);
         }
-    }
+        let [ssct, unified, stochastic] = films;
+        for of in [ssct, unified] {
+            cells.push(ratio(number(of, "time_ms")? / number(stochastic, "time_ms")?));
+        }
+        Ok(cells)
+    })?;
     let head = [
         "walk",
         "ϱ",
@@ -242,7 +245,7 @@ pub fn changes(folder: &Path, variant: &str) -> Result<String> {
     let variant = variant.replace('_', " ");
     let rows = csv(folder, "video.csv")?;
     let row = rows.iter().find(|r| r["variant"] == variant).ok_or_else(|| format!("no film of {variant:?}"))?;
-    Ok(ratio(number(row, "change_error")? / number(row, "reference_flicker")?))
+    error_of_changes(row)
 }
 
 /// What a mesh that moves costs: building all of the tree anew, and the small one alone.
@@ -257,39 +260,30 @@ pub fn movers(folder: &Path) -> Result<String> {
     table(&["scene", "what moves", "triangles", "of which move", "the whole tree, ms", "the small tree, ms"], rows)
 }
 
-/// What a history costs on a device, as a fragment shader over the whole image: medians over the views.
+/// What a history costs on a device: medians over the views.
 pub fn history_times(folder: &Path) -> Result<String> {
     let records = json(folder, "times.json")?;
-    let size = |r: &Value| (r["width"].as_u64(), r["height"].as_u64());
-    let ms = |r: &Value| r["total"]["median_ms"].as_f64().ok_or("no time");
-    let mut rows = Vec::new();
-    for of in records.iter().map(size).collect::<BTreeSet<_>>() {
-        for roughness in [0.05, 0.1, 0.3, 0.6] {
-            let here: Vec<_> = records.iter().filter(|r| size(r) == of && r["roughness"] == roughness).collect();
-            let with = |history: &'static str| here.iter().filter(move |r| r["setup"]["history"] == *history).copied();
-            let pass = |r: &Value| {
-                let passes = r["passes"].as_array().ok_or("no passes")?;
-                let own = passes.iter().find(|p| p["name"] == "history").ok_or("no history")?;
-                own["median_ms"].as_f64().ok_or("no time")
-            };
-            let ratios = with("on").map(|r| {
-                let is_pair = |other: &&Value| (&other["scene"], &other["view"]) == (&r["scene"], &r["view"]);
-                Ok::<_, String>(ms(r)? / ms(with("off").find(is_pair).ok_or("no pair")?)?)
-            });
-            let ratios: Vec<f64> = ratios.collect::<Result<_>>()?;
-            let [without, passes] = [
-                with("off").map(ms).collect::<std::result::Result<Vec<_>, _>>()?,
-                with("on").map(pass).collect::<std::result::Result<Vec<_>, _>>()?,
-            ];
-            let (width, height) = (of.0.unwrap_or_default(), of.1.unwrap_or_default());
-            rows.push(vec![
-                format!("{width}×{height}"),
-                roughness.to_string(),
-                format!("{:.2}", median(&without)?),
-                format!("{:.2}", median(&passes)?),
-                ratio(median(&ratios)?),
-            ]);
-        }
+    let size = |r: &Value| format!("{}×{}", r["width"], r["height"]);
+    let total = |r: &Value| r["total"]["median_ms"].as_f64().ok_or_else(|| "no time".to_owned());
+    let pass = |r: &Value| {
+        let own = r["passes"].as_array().into_iter().flatten().find(|p| p["name"] == "history");
+        own.and_then(|p| p["median_ms"].as_f64()).ok_or_else(|| "no history".to_owned())
+    };
+    let key = |r: &Value| (size(r), r["roughness"].to_string(), r["scene"].to_string());
+    let of = |history: &'static str| records.iter().filter(move |r| r["setup"]["history"] == history);
+    let mut found = BTreeMap::<(String, String), [Vec<f64>; 3]>::new();
+    for with in of("on") {
+        let without = of("off").find(|r| key(r) == key(with)).ok_or("a time without its pair")?;
+        let [alone, both] = [total(without)?, total(with)?];
+        let all = found.entry((size(with), with["roughness"].to_string())).or_default();
+        all.iter_mut().zip([alone, pass(with)?, both / alone]).for_each(|(all, one)| all.push(one));
     }
+    let row = |((size, roughness), all): (&(String, String), &[Vec<f64>; 3])| {
+        let [alone, pass, over] = [median(&all[0])?, median(&all[1])?, median(&all[2])?];
+        Ok(vec![size.clone(), roughness.clone(), format!("{alone:.2}"), format!("{pass:.2}"), ratio(over)])
+    };
+    // By their lengths first, so that the smaller size is the first.
+    let mut rows = found.iter().map(row).collect::<Result<Vec<_>>>()?;
+    rows.sort_by_key(|row| (row[0].len(), row[1].clone()));
     table(&["size", "ϱ", "`unified`, ms", "the history's pass, ms", "with it over without"], rows)
 }

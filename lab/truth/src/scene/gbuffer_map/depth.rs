@@ -96,7 +96,7 @@ impl MapDepth {
     pub fn is_reversed(&self) -> Option<bool> {
         match self.kind {
             DepthKind::Clip(ClipDepth::Reversed) => Some(true),
-            DepthKind::Clip(ClipDepth::Standard) | DepthKind::Clip(ClipDepth::MinusOneToOne) => Some(false),
+            DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne) => Some(false),
             DepthKind::ViewZ | DepthKind::Distance => None,
         }
     }
@@ -183,9 +183,7 @@ impl MapDepth {
     fn is_sky(&self, raw: f64) -> bool {
         let beyond = match (self.kind, self.sky_beyond) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
-            (DepthKind::Clip(ClipDepth::Standard) | DepthKind::Clip(ClipDepth::MinusOneToOne), limit) => {
-                raw >= limit.unwrap_or(1.0)
-            }
+            (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (DepthKind::ViewZ | DepthKind::Distance, Some(limit)) => raw.abs() >= limit.abs(),
             // Infinite distances of either sign are sky; finite ones beyond the far plane become sky in `reversed`.
             (DepthKind::ViewZ | DepthKind::Distance, None) => raw.is_infinite(),

@@ -1,0 +1,153 @@
+//! The images of a scene's materials with their levels, and the materials, as programs among triangles read them.
+
+use super::{TEXEL_BYTES, TEXELS, texel_buffer, uploaded};
+use crate::error::Result;
+use crate::gpu::sync::Access;
+use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
+use crate::math::constants::{
+    ALBEDO_SHIFT, MAP_LEVELS, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT,
+};
+use crate::scene::tree::Words;
+use crate::scene::{Encoding, Material, Surface, Texture};
+use ash::vk;
+
+/// The images of a scene's materials.
+pub struct TriangleImages {
+    /// In the order of the scene's images.
+    maps: Vec<Map>,
+    pub(super) buffer: TexelBuffer,
+}
+
+/// An image among the words of all images.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::passes) struct Map {
+    /// The place of the words that say where its levels begin.
+    place: u32,
+    /// Width, and height in the upper half.
+    size: u32,
+    /// `MAP_LEVELS` and `MAP_SRGB`.
+    described: u32,
+}
+
+impl Map {
+    fn new(place: u32, [width, height]: [u32; 2], levels: u32, encoding: Encoding) -> Self {
+        let srgb = if encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
+        Self { place, size: width | height << 16, described: levels | srgb }
+    }
+}
+
+/// The image that stands for one that a material does not have: one white texel, whose place is the first word.
+const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
+
+/// Its words: its one level begins at its one texel.
+const WHITE_WORDS: [u32; 2] = [1, u32::MAX];
+
+/// The materials of a view, as shaders look them up.
+pub struct TriangleTable(pub(in crate::passes) TexelBuffer);
+
+/// Where images and their levels lie among the words of all: first the white texel and the places of all levels, then the texels.
+struct Layout {
+    /// The words before the texels.
+    words: Vec<u32>,
+    maps: Vec<Map>,
+    /// Where the texels end.
+    end: u32,
+}
+
+impl Layout {
+    /// The layout of images, each told by its size, its encoding, and how many texels each of its levels has.
+    fn of(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
+        let images: Vec<_> = images.collect();
+        let mut words = WHITE_WORDS.to_vec();
+        let mut maps = Vec::with_capacity(images.len());
+        let mut end = (words.len() + images.iter().map(|(.., texels)| texels.len()).sum::<usize>()) as u32;
+        for (extent, encoding, texels) in images {
+            maps.push(Map::new(words.len() as u32, extent, texels.len() as u32, encoding));
+            for count in texels {
+                words.push(end);
+                end += count;
+            }
+        }
+        Self { words, maps, end }
+    }
+}
+
+impl TriangleImages {
+    /// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Memory`] without memory.
+    pub fn new(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<Self> {
+        let gpu: Gpu = context.gpu().clone();
+        let levels = |image: &Image| image.levels().min(MAP_LEVELS);
+        let texels = |image: &Image, level: u32| image.level(level).extent().into_iter().product();
+        let laid = images.iter().map(|(image, encoding)| {
+            let texels = (0..levels(image)).map(|level| texels(image, level)).collect();
+            (image.extent(), *encoding, texels)
+        });
+        let Layout { words, maps, end } = Layout::of(laid);
+        let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(end))?;
+        let bytes = bytemuck::cast_slice(&words);
+        let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
+        for ((image, _), map) in images.iter().zip(&maps) {
+            context.once(|frame| {
+                for level in 0..levels(image) {
+                    let first = u64::from(words[(map.place + level) as usize]);
+                    frame.copy_to_buffer("texels", image.level(level), &buffer, TEXEL_BYTES * first)?;
+                }
+                frame.make_ready(image.all(), Access::FragmentSampled);
+                Ok(())
+            })?;
+        }
+        Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
+    }
+
+    /// The words of textures with all their levels, as [`Self::new`] lays images out, and where each is among them. `levels`
+    /// are a texture's from the finest on.
+    pub(in crate::passes) fn words<'a>(
+        textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>,
+    ) -> (Vec<u32>, Vec<Map>) {
+        let textures: Vec<_> = textures.collect();
+        let laid = textures.iter().map(|(texture, levels)| {
+            let texels = levels.iter().map(|level| level.len() as u32).collect();
+            ([texture.width, texture.height], texture.encoding, texels)
+        });
+        let Layout { mut words, maps, .. } = Layout::of(laid);
+        words.extend(textures.iter().flat_map(|(_, levels)| levels.iter().flatten()));
+        (words, maps)
+    }
+
+    /// Images in a buffer of their words.
+    pub(in crate::passes) fn of(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
+        Self { maps, buffer }
+    }
+
+    /// The table of a view's materials.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::new`].
+    pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
+        Ok(TriangleTable(uploaded(context, "materials", &self.rows(materials))?))
+    }
+
+    /// The vectors of a table of materials.
+    pub(in crate::passes) fn rows(&self, materials: &[Material]) -> Vec<Words> {
+        let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
+        let of_material = |m: &Material| {
+            let (albedo, normal, mask) = (map(m.albedo_map), map(m.normal_map), map(m.alpha_mask));
+            let bits = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
+            let bits = bits.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
+            let described = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
+            let bits = described.into_iter().fold(bits, |all, (map, shift)| all | map.described << shift);
+            let deviation = if m.normal_map.is_some() { m.normal_deviation } else { 0.0 };
+            let [r, g, b] = m.albedo.to_array();
+            [
+                [r, g, b, m.emission].map(f32::to_bits),
+                [albedo.place, albedo.size, normal.place, normal.size],
+                [bits, deviation.to_bits(), mask.place, mask.size],
+            ]
+        };
+        materials.iter().flat_map(of_material).collect()
+    }
+}
