@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the hall of examples/bevy with each kind of reflections, in turn: figures.json and a picture of each.
+# Draws the hall of examples/bevy, unlit and lit, with each kind of reflections: figures.json and a picture of each.
 # Usage: scripts/bevy.sh OUT [SIZE [FRAMES]]
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n 3p "$0" >&2; exit 2; }
@@ -11,9 +11,21 @@ cd "$(dirname "$0")/../examples/bevy"
 "${CARGO:-cargo}" build --quiet
 example=${CARGO_TARGET_DIR:-target}/debug/embed-bevy
 separator='['
-for with in ssct traced screen bevy bevy-steps; do
-    line=$("$example" "$out/$with.png" --with "$with" --size "$size" --frames "$frames" --truth "$out/truth.png" | grep '^{')
-    printf '%s%s' "$separator" "$line"
+draw() { # what it is called, arguments
+    local name=$1 line
+    shift
+    line=$("$example" "$out/$name.png" --size "$size" --frames "$frames" "$@" | grep "^{")
+    printf '%s{"picture": "%s", %s' "$separator" "$name" "${line#\{}"
     separator=$',\n'
-done >"$out/figures.json"
+}
+{
+    for with in ssct traced screen bevy bevy-steps; do
+        draw "$with" --with "$with" --truth "$out/truth.png"
+    done
+    # Where a lamp shines on the surfaces, the truth of a mirror is the hall seen through the floor.
+    draw lit-truth --lit --with nothing --mirrored
+    for with in ssct guess screen bevy bevy-steps; do
+        draw "lit-$with" --lit --with "$with" --mirror "$out/lit-truth.png"
+    done
+} >"$out/figures.json"
 printf ']\n' >>"$out/figures.json"

@@ -1,6 +1,6 @@
 // What a ray sees where it meets a triangle: the lit colour of the surface there, made of the triangle's attributes, the
 // images of its material and the scene's lights, as the G-buffer and the lighting pass make it of a pixel, with the images'
-// level by the ray's footprint. Needs captures/captures.glsl for the sky.
+// level by the ray's footprint; or, with SCREEN_COLORS, what the screen shows of it. Needs captures/captures.glsl for the sky.
 
 #ifndef TRIANGLES_COLOR_GLSL
 #define TRIANGLES_COLOR_GLSL
@@ -12,9 +12,7 @@
 #include "scene/shading_normal.glsl"
 #include "triangles/image.glsl"
 #include "triangles/walk.glsl"
-
-// The least cosine at which a footprint on a surface is taken to stretch.
-const float LEAST_FACING = 0.05;
+#include "triangles/screen_color.glsl"
 
 vec3 Between(vec3 weights, vec3 a, vec3 b, vec3 c) {
     return weights.x * a + weights.y * b + weights.z * c;
@@ -87,7 +85,11 @@ vec3 ColorMet(TreeRay ray, Met met, float width) {
     normal = met.side >= 0.0 ? normal : -normal;
     float emission = uintBitsToFloat(colors.w) * albedo.a;
     vec3 lit = LitColor(albedo.rgb, emission, ray.origin + met.t * ray.direction, normal);
-    return is_met && (more.x & MATERIAL_SKY) == 0u ? Sound(lit) : Sky(ray.direction);
+    bool is_surface = is_met && (more.x & MATERIAL_SKY) == 0u;
+    vec3 shown;
+    if (SCREEN_COLORS && is_surface && OnScreen(ray, met, width, shown))
+        lit = shown;
+    return is_surface ? Sound(lit) : Sky(ray.direction);
 }
 
 #endif

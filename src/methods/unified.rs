@@ -77,7 +77,7 @@ use super::setup::{HistoryUse, StageChoice};
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image, Precision};
+use crate::gpu::{Frame, Gpu, Image, Precision, Sampled};
 use crate::math::OracleVersion;
 use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
@@ -87,7 +87,7 @@ use crate::passes::lost::{Listed, LostRays, capture_block};
 use crate::passes::own_rays::{OwnRaysInput, OwnRaysPass};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
-use crate::passes::triangle_scene::AmongTriangles;
+use crate::passes::triangle_scene::{AmongTriangles, TriangleReading};
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
 use crate::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
@@ -114,6 +114,19 @@ pub const INFO: MethodInfo = MethodInfo {
 const FIRST_UP_TO: u32 = 60_000;
 
 choices! {
+    /// What colour a ray sees where it meets a triangle.
+    pub enum HitColor {
+        /// The screen's, where a renderer hands over triangles with colours and lights the screen itself; the triangle's where the
+        /// lights of the scene are known.
+        Auto = "auto",
+        /// The screen's where the screen shows the place, else the triangle's.
+        Screen = "screen",
+        /// The triangle's.
+        Triangles = "triangles",
+    }
+}
+
+choices! {
     /// Who is asked first where a ray ends.
     pub enum First {
         /// The screen, on a device that is a CPU and in a scene with many triangles; the triangles everywhere else.
@@ -131,6 +144,10 @@ parameters! {
         /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among the triangles where
         /// it loses them; or the triangles, and no ray walks over the screen.
         first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
+        /// What colour a ray sees where it meets a triangle: that of the triangle, as its material and the lights of the scene make it;
+        /// or that of the screen wherever the screen shows the place, over the ray's footprint. Where a renderer lights its screen in
+        /// a way that nobody else knows, the screen is right.
+        hit_color: HitColor = Parameter::new(HitColor::Auto).source("this project (docs/unified.md)"),
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
         /// same, and which is faster depends on the device (docs/unified.md).
         trace_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
@@ -152,6 +169,8 @@ pub struct UnifiedMethod {
     beyond: Option<BeyondPass>,
     /// Whether rays walk over the screen before they go beyond it.
     screen: bool,
+    /// Whether what rays meet among triangles has the screen's colours.
+    screen_colors: bool,
     /// Where the image is finished by the passes that know the reflection.
     composite: Option<Image>,
     reflection: Option<Image>,
@@ -214,24 +233,38 @@ impl BeyondPass {
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let UnifiedParams { first, trace_stage, resolve_stage } = making.setup.of();
+        let UnifiedParams { first, hit_color, trace_stage, resolve_stage } = making.setup.of();
         let screen = match (making.triangles, first) {
             (None, _) | (_, First::Screen) => true,
             (Some(_), First::Triangles) => false,
             (Some(triangles), First::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
         };
-        Self::with(gpu, making, screen, [trace_stage, resolve_stage].map(|stage| stage.on(gpu)))
+        let triangles = making.triangles.map(|triangles| TriangleReading {
+            screen_colors: match hit_color {
+                HitColor::Auto => triangles.unlit,
+                HitColor::Screen => true,
+                HitColor::Triangles => false,
+            },
+            ..triangles
+        });
+        let stages = [trace_stage, resolve_stage].map(|stage| stage.on(gpu));
+        Self::with(gpu, making, (screen, triangles), stages)
     }
 
     /// Makes it without a walk over the screen: every ray goes among the triangles.
     pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
-        Self::with(gpu, making, false, [StageChoice::Auto.on(gpu); 2])
+        Self::with(gpu, making, (false, making.triangles), [StageChoice::Auto.on(gpu); 2])
     }
 
-    fn with(gpu: &Gpu, making: &Making, screen: bool, [trace, resolve]: [TileStage; 2]) -> Result<Self> {
+    fn with(
+        gpu: &Gpu,
+        making: &Making,
+        (screen, triangles): (bool, Option<TriangleReading>),
+        [trace, resolve]: [TileStage; 2],
+    ) -> Result<Self> {
         let Setup { extent, projection, .. } = making.setup;
         let (effect, hits) = (making.setup.effect(), making.hits);
-        let followed = making.captures.is_some() || making.triangles.is_some();
+        let followed = making.captures.is_some() || triangles.is_some();
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let tells = effect.history == HistoryUse::On;
@@ -246,14 +279,14 @@ impl UnifiedMethod {
             reflection,
             screen,
             followed,
-            triangles: making.triangles,
-            own_rays: making.triangles.map_or(0, |_| effect.own_rays.on(gpu)),
+            triangles,
+            own_rays: triangles.map_or(0, |_| effect.own_rays.on(gpu)),
             tells,
             trace,
             resolve,
         };
         let image = |name| parts.target(gpu, name, LIT_COLOR);
-        let beyond = match (making.triangles, making.captures) {
+        let beyond = match (triangles, making.captures) {
             (Some(triangles), _) if screen => {
                 let wanted = TriangleWants { composite, reflection, hits, tells, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
@@ -281,6 +314,7 @@ impl UnifiedMethod {
             lost: LostRays::new(gpu, extent, listed)?,
             beyond,
             screen,
+            screen_colors: triangles.is_some_and(|triangles| triangles.screen_colors),
             tells,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
@@ -316,8 +350,7 @@ impl Plan {
 
     /// Tells the frame which passes it does without, and why.
     fn skip(self, frame: &mut Frame) {
-        let left_out: [(bool, &[&str], &str); 5] = [
-            (!self.narrow && !self.wide, &["color"], "no material that is drawn is glossy"),
+        let left_out: [(bool, &[&str], &str); 4] = [
             (self.whole, &["classify"], "every material that is drawn and lit reflects, and in one way"),
             (!self.mirrors, &["trace/mirrors"], "no material that is drawn is a mirror"),
             (!self.narrow, &["trace/narrow", "resolve/narrow"], "no material that is drawn has a narrow lobe"),
@@ -350,7 +383,17 @@ impl Method for UnifiedMethod {
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
         let placed = input.triangles.map(|t| t.block(input.camera, self.beside * width.hypot(height)));
         let placed = placed.unwrap_or_default();
-        let among = input.triangles.map(|triangles| AmongTriangles { triangles, block: &placed, lights: &lights });
+        let among = input.triangles.map(|triangles| AmongTriangles {
+            triangles,
+            block: &placed,
+            lights: &lights,
+            screen_color: Sampled::nearest(if self.screen_colors {
+                gbuffer.color.all()
+            } else {
+                gbuffer.color.level(0)
+            }),
+            screen_depth: Sampled::nearest(gbuffer.depth.all()),
+        });
         let wants_triangle = among.is_some() && gbuffer.triangle.is_none();
         let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
         let followed_in = match (among, input.captures) {
@@ -367,12 +410,16 @@ impl Method for UnifiedMethod {
             frame.skip("pyramid", "no ray walks over the screen");
             self.pyramid.made()
         };
-        if !self.screen {
+        if self.screen_colors {
+            self.color.record(frame, &gbuffer)?;
+        } else if !self.screen {
             frame.skip("color", "no ray looks up a colour on the screen");
         } else if among.is_some() {
             frame.skip("color", "what a ray hits is shaded as the triangle that it is on");
         } else if plan.narrow || plan.wide {
             self.color.record(frame, &gbuffer)?;
+        } else {
+            frame.skip("color", "no material that is drawn is glossy");
         }
         let tiles = if plan.whole {
             self.classify.whole()

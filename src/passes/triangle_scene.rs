@@ -10,7 +10,7 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::ray_structure::{Corners, RayStructure};
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, Frame, FrameContext, Gpu, TexelBuffer};
+use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
 use crate::scene::Camera;
 use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
 use ash::vk;
@@ -117,6 +117,10 @@ pub struct TriangleReading {
     pub lights: u32,
     /// Whether ray queries find what rays meet, and not a walk through the tree.
     pub queries: bool,
+    /// Whether their colours are what a caller says of them, and no light of the scene shines on them.
+    pub unlit: bool,
+    /// Whether what a ray meets has the colour of the screen where the screen shows it.
+    pub screen_colors: bool,
 }
 
 /// What passes bind of a scene's triangles.
@@ -147,12 +151,18 @@ pub struct AmongTriangles<'a> {
     pub block: &'a TriangleBlock,
     /// The lights.
     pub lights: &'a LightBlock,
+    /// The screen's lit colour; with its coarser levels where what rays meet has its colours.
+    pub screen_color: Sampled<'a>,
+    /// The screen's reversed depth.
+    pub screen_depth: Sampled<'a>,
 }
 
 /// A program with its bindings of a scene's triangles filled in from an [`AmongTriangles`], and its other fields.
 macro_rules! with_triangles {
     ($name:ident of $among:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let $crate::passes::triangle_scene::AmongTriangles { triangles, block, lights } = $among;
+        let $crate::passes::triangle_scene::AmongTriangles {
+            triangles, block, lights, screen_color, screen_depth,
+        } = $among;
         $crate::gpu::programs::$name {
             geometry_texels: triangles.geometry,
             geometry: triangles.geometry.buffer(),
@@ -162,6 +172,8 @@ macro_rules! with_triangles {
             images: triangles.images.buffer(),
             triangles: block,
             scene: lights,
+            screen_color,
+            screen_depth,
             $($field: $value,)+
         }
     }};
@@ -170,8 +182,10 @@ macro_rules! with_triangles {
 /// triangles are read, and its other fields.
 macro_rules! with_reading {
     ($constants:ident of $reading:expr, $($field:ident $(: $value:expr)?),* $(,)?) => {{
-        let $crate::passes::triangle_scene::TriangleReading { geometry_texels, image_texels, asks, lights, .. } = $reading;
-        $crate::gpu::programs::$constants { geometry_texels, image_texels, asks, lights, $($field $(: $value)?),* }
+        let $crate::passes::triangle_scene::TriangleReading {
+            geometry_texels, image_texels, asks, lights, screen_colors, ..
+        } = $reading;
+        $crate::gpu::programs::$constants { geometry_texels, image_texels, asks, lights, screen_colors, $($field $(: $value)?),* }
     }};
 }
 
@@ -291,6 +305,8 @@ impl TriangleGeometry {
             asks: self.asks,
             lights,
             queries: false,
+            unlit: false,
+            screen_colors: false,
         }
     }
 

@@ -232,7 +232,7 @@ impl UnifiedGlossPass {
                 let programs = in_either_stage! {
                     TraceNarrowConfirmed => [tiles.target(records)],
                     TraceNarrowConfirmedCompute over tiles => { record_image: records.all() },
-                    among: among,
+                    among: *among,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),
@@ -315,7 +315,7 @@ impl UnifiedGlossPass {
                 let programs = in_either_stage! {
                     TraceWideConfirmed => [place, seen].map(|image| tiles.target(image)),
                     TraceWideConfirmedCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
-                    among: among,
+                    among: *among,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),

@@ -167,7 +167,7 @@ impl UnifiedTracePass {
                         reflection_image: reflection.all(),
                         hits_image: hits.all(),
                     },
-                    among: among,
+                    among: *among,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),

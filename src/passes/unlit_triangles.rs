@@ -58,7 +58,7 @@ impl UnlitTriangles {
 
     /// How the device reads them.
     pub fn reading(&self) -> TriangleReading {
-        self.geometry.reading(&self.images, 0)
+        TriangleReading { unlit: true, ..self.geometry.reading(&self.images, 0) }
     }
 
     /// The buffers that passes bind.

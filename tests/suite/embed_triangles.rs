@@ -8,7 +8,7 @@ use crate::common::gpu;
 use ssct::gpu::FrameContext;
 use ssct::methods::effect::Effect;
 use ssct::methods::setup::BeyondScreen;
-use ssct::methods::unified::{First, UnifiedParams};
+use ssct::methods::unified::{First, HitColor, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
@@ -16,6 +16,8 @@ use ssct_lab::scene::Surface;
 use ssct_lab::stage::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
+/// Size of lit images, whose pixels show textures.
+const EXTENT_LIT: [u32; 2] = [320, 180];
 
 #[test]
 fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
@@ -32,26 +34,34 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let images = GBufferImages::upload(&mut frames, &data).unwrap();
     let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
     let alone = gbuffer::reflect(&gpu, &data, None, &methods::unified::INFO, &Setup::new(EXTENT)).unwrap();
-    for (method, first) in [("unified", "screen"), ("unified", "triangles"), ("traced", "")] {
-        let first_is = if first == "screen" { First::Screen } else { First::Triangles };
+    // Colours of the screen are what the door takes unless it is told otherwise, and the laboratory if it is told so.
+    let (all_colors, screen) = (("hit-color", "triangles"), HitColor::Screen);
+    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], First, HitColor);
+    let cases: [Case; 5] = [
+        ("unified", &[("first", "screen"), all_colors], First::Screen, HitColor::Triangles),
+        ("unified", &[("first", "triangles"), all_colors], First::Triangles, HitColor::Triangles),
+        ("unified", &[("first", "screen")], First::Screen, screen),
+        ("unified", &[("first", "triangles")], First::Triangles, screen),
+        ("traced", &[], First::Triangles, HitColor::Triangles),
+    ];
+    for (method, parameters, first, hit_color) in cases {
         let setup = Setup::new(EXTENT)
             .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
-            .with(|p: &mut UnifiedParams| p.first = first_is);
+            .with(|p: &mut UnifiedParams| (p.first, p.hit_color) = (first, hit_color));
         let method_info = methods::find(method).unwrap();
         let effect = Effect::new(&mut frames, method_info, &setup, Wants::REFLECTION, Some(&shown)).unwrap();
         let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
         let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
         let direct = gbuffer::reflection(&mut frames, &output).unwrap();
 
-        let parameters: &[(&str, &str)] = if first.is_empty() { &[] } else { &[("first", first)] };
         let with = ReflectionsInfo { triangles: Some(&triangles), parameters, ..info(&data, method) };
         let mut reflections = Reflections::new(&context, &with).unwrap();
         let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
         let recorded = engine.frame(&mut reflections, &frame).unwrap();
         let reflection = engine.read(&recorded.reflection.unwrap());
         let differ = bits(&reflection).iter().zip(bits(&direct)).filter(|(a, b)| **a != *b).count();
-        assert_eq!(differ, 0, "{method}, {first} first: rmse {}", rmse(&reflection, &direct));
-        assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {first} first: rays end on triangles");
+        assert_eq!(differ, 0, "{method}, {parameters:?}: rmse {}", rmse(&reflection, &direct));
+        assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {parameters:?}: rays end on triangles");
     }
     // A device of the caller's has no ray queries on.
     let asking = [("tracer", "query")];
@@ -111,5 +121,59 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     refused(&of(MeshTexture { places: &[], ..given }), &textures[..2], "triangle mesh 0 has 0 places on its texture");
     refused(one, &[HitTexture { extent: [0, 4], ..textures[0] }], "texture 0 is 0x4 texels; each side must have 1 to");
     refused(one, &[HitTexture { texels: &[0; 5], ..textures[0] }], "texels of four bytes, and has 5 bytes");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn what_the_screen_shows_of_a_hit_has_the_color_of_the_screen() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let scene = crate::common::built_in("rooms");
+    let stage = Stage::new(&gpu, &scene).unwrap();
+    let context = engine.context();
+    let vertices = vertices_of(&scene);
+    let meshes = meshes_of(&scene, &vertices, false);
+    let black: Vec<_> = meshes.into_iter().map(|mesh| TriangleMesh { color: [0.0; 3], ..mesh }).collect();
+    let mut triangles = Triangles::new(&context, &black).unwrap();
+    upload(&engine, &mut triangles);
+    let mut frames = FrameContext::new(&gpu).unwrap();
+    let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
+    for roughness in [0.0, 0.1, 0.4] {
+        let mut data = view_of_rooms(&gpu, EXTENT_LIT);
+        data.roughness.fill(roughness);
+        let theirs = Theirs::new(&mut engine, &data, NATIVE);
+        let images = GBufferImages::upload(&mut frames, &data).unwrap();
+        // The colours that the lights make of all surfaces.
+        let setup = Setup::new(EXTENT_LIT).with(|p: &mut UnifiedParams| p.first = First::Triangles);
+        let effect =
+            Effect::new(&mut frames, &methods::unified::INFO, &setup, Wants::REFLECTION, Some(&shown)).unwrap();
+        let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
+        let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
+        let lit = gbuffer::reflection(&mut frames, &output).unwrap();
+
+        let mut show = |parameters: &[(&str, &str)]| {
+            let with = ReflectionsInfo { triangles: Some(&triangles), parameters, ..info(&data, "unified") };
+            let mut reflections = Reflections::new(&context, &with).unwrap();
+            let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
+            let recorded = engine.frame(&mut reflections, &frame).unwrap();
+            engine.read(&recorded.reflection.unwrap())
+        };
+        let all_black = show(&[("hit-color", "triangles")]);
+        assert!(all_black.values.chunks(4).all(|rgba| rgba[..3] == [0.0; 3]), "nothing but black triangles is met");
+        for first in ["screen", "triangles"] {
+            let colored = show(&[("first", first)]);
+            let pairs = || colored.values.chunks(4).zip(lit.values.chunks(4));
+            let of_screen = || pairs().filter(|(a, _)| a[..3] != [0.0; 3]);
+            let reflecting = pairs().filter(|(_, b)| b[3] > 0.0).count();
+            let share = of_screen().count() as f64 / reflecting as f64;
+            // Single pixels differ: textures are looked up on the screen and not on the surface, lobes are partly black, and
+            // windows show a sky on the screen that is not handed over.
+            let mut apart: Vec<f32> = of_screen().map(|(a, b)| (a[1] - b[1]).abs() / b[1].max(0.01)).collect();
+            apart.sort_by(f32::total_cmp);
+            let median = apart[apart.len() / 2];
+            println!("roughness {roughness}, {first} first: share {share:.3}, median {median:.4} apart");
+            assert!(share > 0.5 && median < 0.08, "{roughness}, {first}: {share} of the pixels, {median} apart");
+        }
+    }
     gpu.check_validation().unwrap();
 }

@@ -310,7 +310,7 @@ fn a_frame_records_what_its_materials_need() {
     let narrow = ["trace/narrow", "resolve/narrow"];
     let wide = ["trace/wide", "cells", "resolve/wide"];
     for (globals, traced, left_out) in [
-        (of(0.0), &["trace/mirrors"][..], [&["color"][..], &narrow, &wide].concat()),
+        (of(0.0), &["trace/mirrors"][..], [&narrow[..], &wide, &["color"]].concat()),
         (of(0.1), &["color/1", "trace/narrow", "resolve/narrow"], [&["trace/mirrors"][..], &wide].concat()),
         (of(0.3), &["trace/wide", "cells", "resolve/wide"], [&["trace/mirrors"][..], &narrow].concat()),
     ] {

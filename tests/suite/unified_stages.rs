@@ -10,7 +10,7 @@ use ssct::gpu::{FrameContext, Gpu};
 use ssct::math::OracleVersion::{self, V1, V2};
 use ssct::methods::setup::StageChoice::{self, Compute, Fragment};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
-use ssct::methods::unified::UnifiedParams;
+use ssct::methods::unified::{First, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
@@ -174,6 +174,25 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
                 made
             });
             check_validation(&gpu).unwrap_or_else(|e| panic!("{name}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn among_triangles_both_stages_see_the_same_on_the_screen() {
+    let gpu = gpu();
+    let scene = crate::common::built_in("street");
+    for hit_color in [HitColor::Triangles, HitColor::Screen] {
+        for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
+            let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (First::Screen, hit_color);
+            let setup = Setup::new([127, 61]).with(set);
+            check_same(&format!("{hit_color:?}, roughness {roughness:?}"), |stages| {
+                let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, 1));
+                let has_chain = made.1.iter().any(|pass| pass.starts_with("color"));
+                assert_eq!(has_chain, hit_color == HitColor::Screen, "{:?}", made.1);
+                made
+            });
+            check_validation(&gpu).unwrap_or_else(|e| panic!("{hit_color:?}: {e}"));
         }
     }
 }

@@ -16,7 +16,7 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::setup::StageChoice;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
-use ssct::methods::unified::UnifiedParams;
+use ssct::methods::unified::{First, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
@@ -64,6 +64,12 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
             let setup =
                 around(&|p| p.beyond = beyond).with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
             setups.extend([Wants::REFLECTION, Wants::HITS].map(|wants| (setup.clone(), wants)));
+        }
+    }
+    if has_stages {
+        for first in [First::Screen, First::Triangles] {
+            let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (first, HitColor::Screen);
+            setups.push((around(&|p| p.beyond = BeyondScreen::Triangles).with(set), Wants::HITS));
         }
     }
     let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));

@@ -26,9 +26,16 @@ struct Thing {
     colors: Option<[LinearRgba; 2]>,
 }
 
-/// Perceptual roughness of the floor; 0 is a mirror.
-#[derive(Resource)]
-pub struct FloorRoughness(pub f32);
+/// How the hall is made.
+#[derive(Resource, Clone, Copy)]
+pub struct Hall {
+    /// Perceptual roughness of the floor; 0 is a mirror.
+    pub roughness: f32,
+    /// Whether the other surfaces are lit by a lamp, and are as bright as that makes them.
+    pub is_lit: bool,
+    /// Whether it is seen from below, through the floor, so that the picture upside down is what the floor mirrors.
+    pub is_mirrored: bool,
+}
 
 /// The ball that the example moves.
 #[derive(Component)]
@@ -36,6 +43,14 @@ pub struct Moving;
 
 pub fn camera() -> Transform {
     Transform::from_xyz(0.0, 1.8, 5.2).looking_at(Vec3::new(0.0, 0.75, -2.0), Vec3::Y)
+}
+
+/// The camera on the other side of the floor, whose picture is upside down.
+pub fn mirrored_camera() -> Transform {
+    let upside_down = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0));
+    let Transform { translation, rotation, scale } = camera();
+    let turned = upside_down * Mat3::from_quat(rotation) * upside_down;
+    Transform { translation: upside_down * translation, rotation: Quat::from_mat3(&turned), scale }
 }
 
 /// Where the ball is.
@@ -107,19 +122,29 @@ pub fn spawn(
     mut commands: Commands,
     (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
     mut materials: ResMut<Assets<StandardMaterial>>,
-    floor: Res<FloorRoughness>,
+    hall: Res<Hall>,
 ) {
+    if hall.is_lit {
+        let from = Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
+        commands.spawn((DirectionalLight { illuminance: 3000.0, ..default() }, from));
+    }
     let list = things(false);
     let last = list.len() - 1;
     for (number, Thing { mesh, transform, colors }) in list.into_iter().enumerate() {
         let material = match colors {
-            None => {
-                StandardMaterial { base_color: Color::WHITE, metallic: 1.0, perceptual_roughness: floor.0, ..default() }
-            }
+            None if hall.is_mirrored => continue,
+            None => StandardMaterial {
+                base_color: Color::WHITE,
+                metallic: 1.0,
+                perceptual_roughness: hall.roughness,
+                ..default()
+            },
             Some(colors) => StandardMaterial {
                 base_color: Color::WHITE,
                 base_color_texture: Some(images.add(image(colors))),
-                unlit: true,
+                unlit: !hall.is_lit,
+                // What is lit scatters all its light, and looks alike from everywhere.
+                reflectance: 0.0,
                 double_sided: true,
                 cull_mode: None,
                 // Bevy's own reflections do not ask whether a surface is unlit, but leave out what is rough.

@@ -65,6 +65,19 @@ impl Default for SsctReflections {
     }
 }
 
+impl SsctReflections {
+    /// Returns the settings for a world. The screen shows surfaces as they are lit, which its meshes do not know; what is unlit
+    /// has its exact colours as a mesh.
+    fn seeing(&self, world: &WorldMeshes) -> Self {
+        let mut settings = self.clone();
+        let is_chosen = settings.parameters.iter().any(|(name, _)| name.replace('_', "-") == "hit-color");
+        if settings.world && settings.method == "unified" && !world.is_lit && !is_chosen {
+            settings.parameters.push(("hit-color".into(), "triangles".into()));
+        }
+        settings
+    }
+}
+
 /// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`]. All opaque
 /// materials are deferred from then on, and every camera gets the prepasses that show them.
 #[derive(Default)]

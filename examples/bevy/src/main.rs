@@ -3,12 +3,16 @@
 //!
 //! ```sh
 //! cargo run -- out.png [OPTION…]
-//! #   --with ssct|screen|traced|history|off|bevy|bevy-steps|nothing   who reflects; off is the plugin without the component
+//! #   --with ssct|guess|screen|traced|history|off|bevy|bevy-steps|nothing   who reflects: guess takes no colour from the
+//! #                                                        screen; off is the plugin without the component
 //! #   --roughness 0.2                                      perceptual roughness of the floor; the figures are of mirrors
 //! #   --size 640x360, --frames 12                          the picture, and frames before it is taken
 //! #   --moved                                              the ball moves before the last frames
 //! #   --images FOLDER                                      what goes in and comes out of the last frame, as 32-bit floats
 //! #   --truth FILE.png                                     the truth
+//! #   --lit                                                a lamp shines on the surfaces
+//! #   --mirrored                                           the hall through the floor: the truth of what is lit
+//! #   --mirror FILE.png                                    such a picture, as the truth for the figures
 //! #   --sky even|colorful|none                             the environment map, and the light that it has from where
 //! ```
 //!
@@ -43,7 +47,8 @@ struct Options {
     truth: Option<PathBuf>,
     /// `None` is no environment map.
     sky: Option<hall::Sky>,
-    roughness: f32,
+    hall: hall::Hall,
+    mirror: Option<PathBuf>,
 }
 
 /// The picture as it came back, in halves.
@@ -56,7 +61,10 @@ fn main() -> Result<()> {
     let camera = set_up(&mut app, &options)?;
     let took = run(&mut app, camera, &options)?;
     let [width, height] = options.size;
-    let shown = colors(&app.world().resource::<Shown>().0);
+    let mut shown = colors(&app.world().resource::<Shown>().0);
+    if options.hall.is_mirrored {
+        shown = shown.chunks_exact(width as usize).rev().flatten().copied().collect();
+    }
     write(&options.output, options.size, &shown)?;
 
     let world_from_view = hall::camera().to_matrix();
@@ -66,7 +74,12 @@ fn main() -> Result<()> {
     let sky = options.sky.unwrap_or(hall::Sky::Even);
     let size = [width as usize, height as usize];
     let triangles = hall::triangles(options.has_moved);
-    let truth = truth::picture(&triangles, |direction| sky.color(direction), size, clip_from_view, world_from_view);
+    let mut truth = truth::picture(&triangles, |direction| sky.color(direction), size, clip_from_view, world_from_view);
+    if let Some(file) = &options.mirror {
+        for ((color, _), mirrored) in truth.iter_mut().zip(read(file)?) {
+            *color = mirrored;
+        }
+    }
     if let Some(file) = &options.truth {
         write(file, options.size, &truth.iter().map(|(color, _)| *color).collect::<Vec<_>>())?;
     }
@@ -97,7 +110,8 @@ fn options() -> Result<Options> {
         images: None,
         truth: None,
         sky: Some(hall::Sky::Even),
-        roughness: 0.0,
+        hall: hall::Hall { roughness: 0.0, is_lit: false, is_mirrored: false },
+        mirror: None,
     };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -108,7 +122,10 @@ fn options() -> Result<Options> {
             "--frames" => options.frames = value()?.parse()?,
             "--images" => options.images = Some(value()?.into()),
             "--truth" => options.truth = Some(value()?.into()),
-            "--roughness" => options.roughness = value()?.parse()?,
+            "--roughness" => options.hall.roughness = value()?.parse()?,
+            "--lit" => options.hall.is_lit = true,
+            "--mirrored" => options.hall.is_mirrored = true,
+            "--mirror" => options.mirror = Some(value()?.into()),
             "--moved" => options.has_moved = true,
             "--sky" => options.sky = sky(&value()?)?,
             name if name.starts_with("--") => return Err(format!("there is no option {name}").into()),
@@ -141,12 +158,12 @@ fn app(options: &Options) -> Result<App> {
     };
     let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
     app.add_plugins((DefaultPlugins.set(window).set(render), RenderDiagnosticsPlugin));
-    if matches!(options.with.as_str(), "ssct" | "screen" | "traced" | "history" | "off") {
+    if matches!(options.with.as_str(), "ssct" | "guess" | "screen" | "traced" | "history" | "off") {
         app.add_plugins(SsctPlugin);
     }
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     app.insert_resource(GlobalAmbientLight::NONE);
-    app.insert_resource(hall::FloorRoughness(options.roughness));
+    app.insert_resource(options.hall);
     app.init_resource::<Shown>();
     app.add_systems(Startup, hall::spawn);
     Ok(app)
@@ -167,7 +184,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         Camera { clear_color: Color::from(hall::SKY).into(), ..default() },
         RenderTarget::Image(target.clone().into()),
         (Tonemapping::None, DebandDither::Disabled, Hdr, Msaa::Off),
-        hall::camera(),
+        if options.hall.is_mirrored { hall::mirrored_camera() } else { hall::camera() },
     );
     let camera = world.spawn(camera).id();
     let own = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
@@ -178,6 +195,9 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
     }
     match options.with.as_str() {
         "ssct" => entity.insert(ours),
+        "guess" => {
+            entity.insert(SsctReflections { parameters: vec![("hit-color".into(), "triangles".into())], ..ours })
+        }
         // Bevy's reflections do not fade out at the borders of the screen either.
         "screen" => {
             entity.insert(SsctReflections { world: false, parameters: vec![("fade".into(), "off".into())], ..ours })
@@ -238,6 +258,17 @@ fn write(file: &PathBuf, [width, height]: [u32; 2], colors: &[Vec3]) -> Result<(
     let bytes = colors.iter().flat_map(byte).collect();
     let picture = image::RgbImage::from_raw(width, height, bytes).ok_or("the picture did not come back")?;
     Ok(picture.save(file)?)
+}
+
+/// The linear colours of a picture.
+fn read(file: &PathBuf) -> Result<Vec<Vec3>> {
+    let picture = image::open(file)?.to_rgb8();
+    let linear = |pixel: &image::Rgb<u8>| {
+        let [r, g, b] = pixel.0;
+        let color = LinearRgba::from(Srgba::rgb_u8(r, g, b));
+        Vec3::new(color.red, color.green, color.blue)
+    };
+    Ok(picture.pixels().map(linear).collect())
 }
 
 /// How a picture differs from the truth.

@@ -34,6 +34,8 @@ pub struct WorldMeshes {
     pub changes: u64,
     pub meshes: Arc<Vec<WorldMesh>>,
     pub images: Arc<Vec<WorldImage>>,
+    /// Whether lights shine on any of them, so that its colour here is a guess.
+    pub is_lit: bool,
 }
 
 /// How bright surfaces that lights shine on are in reflections, as a factor on their base colour: no light is computed for what
@@ -95,7 +97,8 @@ pub fn gather(
         }
     }
     let changes = world.changes + 1;
-    *world = WorldMeshes { changes, meshes: Arc::new(taken.meshes), images: Arc::new(taken.images) };
+    let Taken { meshes, images, is_lit, .. } = taken;
+    *world = WorldMeshes { changes, meshes: Arc::new(meshes), images: Arc::new(images), is_lit };
 }
 
 /// Hands the meshes to the render world.
@@ -110,6 +113,7 @@ struct Taken {
     light: LinearRgba,
     meshes: Vec<WorldMesh>,
     images: Vec<WorldImage>,
+    is_lit: bool,
     /// Which of `images` an asset is; `None` for one in a format that no ray can look up.
     places: HashMap<AssetId<Image>, Option<usize>>,
 }
@@ -132,6 +136,7 @@ impl Taken {
         let base = material.base_color.to_linear() * if material.unlit { 1.0 } else { 1.0 - material.metallic };
         let light = if material.unlit { LinearRgba::WHITE } else { self.light };
         let emitted = if material.unlit { LinearRgba::BLACK } else { material.emissive };
+        self.is_lit |= !material.unlit && material.metallic < 1.0;
         let texture = material.base_color_texture.as_ref().and_then(|image| self.image(image.id(), images));
         let texture = texture.and_then(|place| Some((place, places_on(mesh, material)?)));
         let channel = |base: f32, light: f32, emitted: f32| (base * light + emitted).max(0.0);

@@ -87,3 +87,14 @@ fn mirrors_show_the_environment_map_the_way_round_that_bevy_does() {
         assert!(number(&line, "sky_rmse") < 0.01, "{with}: {line}");
     }
 }
+
+#[test]
+fn what_is_lit_is_in_the_mirror_as_the_screen_shows_it() {
+    let folder = folder("lit");
+    example(&folder, &["mirrored.png", "--lit", "--with", "nothing", "--mirrored"]);
+    let [shown, guessed] = ["ssct", "guess"].map(|with| {
+        let line = example(&folder, &["out.png", "--lit", "--with", with, "--mirror", "mirrored.png"]);
+        [number(&line, "rmse"), number(&line, "right")]
+    });
+    assert!(shown[0] < 0.8 * guessed[0] && shown[1] > guessed[1] + 0.3, "{shown:?}, {guessed:?}");
+}

@@ -28,28 +28,30 @@ pub fn hit_colors(folder: &Path) -> Result<String> {
     table(&head, ["rooms", "street", "atrium"].iter().map(row).collect::<Result<_>>()?)
 }
 
-/// Who reflects, as the example calls it, and how the page does.
-const WITH: [(&str, &str); 5] = [
+/// Who reflects, as the records call it, and how the page does.
+const WITH: [(&str, &str); 6] = [
     ("ssct", "`unified`, with the world's meshes"),
+    ("guess", "the same with `hit-color` `triangles`"),
     ("traced", "`traced`"),
     ("screen", "`unified`, of the screen alone"),
     ("bevy", "Bevy's, mirrors on"),
     ("bevy-steps", "Bevy's, 100 steps"),
 ];
 
-fn run<'a>(records: &'a [Value], with: &str) -> Result<&'a Value> {
-    records.iter().find(|r| r["with"] == with).ok_or_else(|| format!("nothing of {with}"))
+fn run<'a>(records: &'a [Value], picture: &str) -> Result<&'a Value> {
+    records.iter().find(|r| r["picture"] == picture).ok_or_else(|| format!("nothing of {picture}"))
 }
 
 fn figure(record: &Value, name: &str) -> Result<f64> {
     record[name].as_f64().ok_or_else(|| format!("no {name}"))
 }
 
-/// Errors, right hits and times of the mirror in Bevy.
-pub fn bevy(folder: &Path) -> Result<String> {
+/// Errors, right hits and times of the mirror in Bevy, where surfaces are lit or not.
+pub fn bevy(folder: &Path, is_lit: bool) -> Result<String> {
     let records = json(folder, "figures.json")?;
+    let of = |with: &str| run(&records, &format!("{}{with}", if is_lit { "lit-" } else { "" }));
     let row = |(with, name): &(&str, &str)| -> Result<Vec<String>> {
-        let record = run(&records, with)?;
+        let record = of(with)?;
         Ok(vec![
             name.to_string(),
             format!("{:.3}", figure(record, "rmse")?),
@@ -57,7 +59,8 @@ pub fn bevy(folder: &Path) -> Result<String> {
             format!("{:.1}", figure(record, "least_ms")?),
         ])
     };
-    table(&["reflections", "error", "right", "ms"], WITH.iter().map(row).collect::<Result<_>>()?)
+    let measured = WITH.iter().filter(|(with, _)| of(with).is_ok());
+    table(&["reflections", "error", "right", "ms"], measured.map(row).collect::<Result<_>>()?)
 }
 
 /// A figure of one of them.

@@ -97,6 +97,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("tracer", "tree"),
         ("own-rays", "16"),
         ("first", "triangles"),
+        ("hit-color", "screen"),
         ("trace-stage", "compute"),
         ("resolve-stage", "compute"),
     ];

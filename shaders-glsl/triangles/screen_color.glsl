@@ -1,0 +1,96 @@
+// The lit colour of what a ray meets among the triangles, taken from the screen where the screen shows the place that the ray
+// meets. A renderer that lights its screen in its own way, and says of its triangles no more than their colour, then sees in
+// its reflections what it sees on the screen.
+
+#ifndef TRIANGLES_SCREEN_COLOR_GLSL
+#define TRIANGLES_SCREEN_COLOR_GLSL
+
+#include "captures/captures.glsl"
+#include "triangles/walk.glsl"
+
+layout(constant_id = 25) const bool SCREEN_COLORS = false; // colours come from the screen where it shows what is met
+
+layout(binding = 14) uniform sampler2D screen_color; // lit colour, linear, with its coarser levels; alpha is 0 where sky is
+layout(binding = 15) uniform sampler2D screen_depth; // reversed; 0 is sky
+
+// The least cosine at which a footprint on a surface is taken to stretch.
+const float LEAST_FACING = 0.05;
+
+// By how much a surface that the screen shows may lie off the plane of what is met, since it may be curved: in texels, as wide
+// as they are where it stands. Along an edge, the pixels of the next surface lie farther off but for the nearest of them.
+const float SAME_SURFACE = 0.1;
+
+// The functions here have their sums precise, so that both stages of a shader see the same colour.
+
+vec3 ToViewInOrder(vec3 world) {
+    mat3 axes = mat3(captures.view_to_world);
+    return vec3(DotInOrder(axes[0], world), DotInOrder(axes[1], world), DotInOrder(axes[2], world));
+}
+
+// Where on the screen a point of view space is seen, in continuous pixel coordinates.
+vec2 PositionOf(vec3 view) {
+    precise vec2 off_axis = ORTHOGRAPHIC ? view.xy : view.xy / view.z;
+    precise vec2 centred = off_axis / unified.pixel_to_view + unified.shift;
+    precise vec2 doubled = vec2(float(unified.size.x) + centred.x, float(unified.size.y) - centred.y);
+    return 0.5 * doubled;
+}
+
+// Looks up what a ray meets over a footprint that measures `width` metres across the ray there: between the four texels around
+// its place, in the level of the colours whose texels are nearest to the footprint in size. A texel counts if the pixel in its
+// middle lies in the plane of the triangle, and if no sky is part of it. False if no texel counts, or if the screen shows the
+// other side of the triangle.
+bool OnScreen(TreeRay ray, Met met, float width, out vec3 color) {
+    color = vec3(0.0);
+    int corner = triangles.corners + 3 * int(Attribute(met.id & ~ASKS_MATERIAL, 2).w);
+    vec3 a = uintBitsToFloat(Geometry(corner).xyz);
+    precise vec3 along_b = uintBitsToFloat(Geometry(corner + 1).xyz) - a;
+    precise vec3 along_c = uintBitsToFloat(Geometry(corner + 2).xyz) - a;
+    vec3 flat_normal = CrossInOrder(along_b, along_c);
+    precise vec3 place = ray.origin + met.t * ray.direction - triangles.eye;
+    vec3 view = ToViewInOrder(place);
+    vec3 normal = ToViewInOrder(flat_normal * inversesqrt(max(DotInOrder(flat_normal, flat_normal), 1e-38)));
+    vec3 sight = Sight(view);
+    float facing = DotInOrder(normal, sight) * inversesqrt(max(DotInOrder(sight, sight), 1e-38));
+    vec2 position = PositionOf(view);
+    bool inside = view.z > 0.0 && all(greaterThanEqual(position, vec2(0.0))) && all(lessThan(position, vec2(unified.size)));
+    if (!inside || facing * DotInOrder(flat_normal, ray.direction) <= 0.0)
+        return false;
+
+    // A footprint that stretches along the surface as the ray slants shrinks on the screen as the sight does.
+    float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : view.z);
+    float stretch = max(abs(facing), LEAST_FACING) / max(abs(met.side), LEAST_FACING);
+    float pixels = max(width / pixel * sqrt(stretch), 1.0);
+    int level = int(min(log2(pixels) + 0.5, float(textureQueryLevels(screen_color) - 1)));
+    // Some drivers take textureSize of one thread's level for all threads around it.
+    ivec2 texels = max(unified.size >> level, ivec2(1));
+    vec2 to_texels = vec2(texels) / vec2(unified.size);
+    precise vec2 from_middle = position * to_texels - 0.5;
+    vec2 low = floor(from_middle), part = from_middle - low;
+    // A pixel's point may also lie beside its surface, as in begin.glsl.
+    float beside = triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : sqrt(DotInOrder(view, view)));
+    float off = (SAME_SURFACE * pixel * exp2(float(level)) + beside) / max(abs(facing), LEAST_FACING);
+    precise vec3 sum = vec3(0.0);
+    precise float counted = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
+        ivec2 at = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
+        float depth = texelFetch(screen_depth, at, 0).r;
+        vec2 middle = vec2(at) + 0.5;
+        // Along the pixel's own ray, from the plane of the triangle to the surface that the pixel shows.
+        vec3 seen = ViewPoint(middle, depth) * captures.view_unit;
+        vec3 along = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : ViewRay(middle);
+        precise vec3 apart = seen - view;
+        float between = DotInOrder(normal, apart) / DotInOrder(normal, along);
+        vec4 shown = texelFetch(screen_color, texel, level);
+        vec2 weight = vec2(next.x == 0 ? 1.0 - part.x : part.x, next.y == 0 ? 1.0 - part.y : part.y);
+        bool counts = depth > 0.0 && abs(between) < off && shown.a > 0.999;
+        float share = counts ? weight.x * weight.y : 0.0;
+        sum += counts ? share * shown.rgb : vec3(0.0);
+        counted += share;
+    }
+    color = sum / max(counted, 1e-6);
+    return counted > 0.0;
+}
+
+#endif
