@@ -71,6 +71,11 @@ struct Averaged {
 #define LEAST_SHARE 0.05
 // What is reflected is as far away as it was, within this share.
 #define SAME_DISTANCE 0.2
+// How a mirror is curved is asked of pixels so far away on each side, which count if the way between them is what they say within this
+// share; and if the way becomes shorter by at least half of each pixel, in the mean of both axes.
+#define BESIDE 2
+#define UNEVEN 0.25
+#define LEAST_TURN 0.25
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
 #define AGREED 4.0
@@ -211,6 +216,45 @@ vec2 Position(vec3 seen) {
     return PositionBy(history.view_to_clip_before, seen);
 }
 
+// From a pixel of the frame before to where the plane that touches the surface there would have mirrored what is sought. False where
+// the pixel shows another surface.
+bool WayFrom(ivec2 at, Sought sought, out vec2 way) {
+    Guide guide = GuideAt(at);
+    vec2 middle = vec2(at) + 0.5;
+    vec3 there = Unproject(history.clip_to_view_before, middle, guide.depth);
+    float squared = max(dot(guide.normal, guide.normal), 1e-30), facing = dot(guide.normal, sought.normal);
+    float off_plane = abs(dot(there - sought.surface, sought.normal));
+    way = Position(sought.end - 2.0 * dot(sought.end - there, guide.normal) / squared * guide.normal) - middle;
+    return IsOn(at) && guide.age > 0.0 && facing * abs(facing) > SAME_NORMAL * SAME_NORMAL * squared
+        && off_plane < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
+}
+
+// Where a mirror showed what is sought, curved or not: where its own plane leads to itself. `way` leads from `on_surface` to where a
+// plane mirror there would have shown it. How that way changes from pixel to pixel says how the mirror is curved, and a step of Newton's
+// method ends where there is no way left. It is `way` itself where the pixels around say nothing of that, as where a map turns the normals.
+vec2 InMirror(vec2 on_surface, vec2 way, Sought sought) {
+    ivec2 at = ivec2(floor(on_surface));
+    vec2 from_middle = on_surface - vec2(at) - 0.5;
+    mat2 change; // of the way, for each pixel
+    vec2 likely[2];
+    bool same = true;
+    for (int i = 0; i < 2; ++i) {
+        ivec2 beside = i == 0 ? ivec2(BESIDE, 0) : ivec2(0, BESIDE);
+        vec2 before, behind;
+        bool shows_before = WayFrom(at - beside, sought, before), shows_behind = WayFrom(at + beside, sought, behind);
+        same = same && shows_before && shows_behind;
+        change[i] = (behind - before) / float(2 * BESIDE);
+        likely[i] = 0.5 * (before + behind);
+    }
+    // Where the way changes evenly, both pairs say what it is here.
+    vec2 more = change * from_middle;
+    float off = max(distance(likely[0] + more, way), distance(likely[1] + more, way));
+    float turns = change[0].x * change[1].y - change[0].y * change[1].x;
+    vec2 solved = vec2(change[1].x * way.y - change[1].y * way.x, change[0].y * way.x - change[0].x * way.y) / max(turns, LEAST_TURN);
+    bool is_even = same && off < UNEVEN * max(length(way), 1.0) && turns > LEAST_TURN;
+    return on_surface + (is_even ? solved : way);
+}
+
 // The mover that a triangle is of; -1 for what stands still.
 int MoverOf(uint triangle) {
     int mover = -1;
@@ -348,10 +392,11 @@ Averaged Average(ivec2 pixel) {
     // What a plane mirror shows stands behind it.
     float before_plane = dot(sought.end - sought.surface, sought.normal);
     vec2 in_mirror = Position(sought.end - 2.0 * before_plane * sought.normal);
-    // On the surface itself, where nothing is known of what it reflects, or the mirror is too curved for that.
+    // On the surface itself, where nothing is known of what it reflects, or nothing else agrees.
     vec2 on_surface = Position(sought.surface);
-    bool is_flat = may_differ && AgreesAt(in_mirror, sought) >= AgreesAt(on_surface, sought);
-    Found found = At(is_flat ? in_mirror : on_surface, sought);
+    vec2 mirrored = may_differ ? InMirror(on_surface, in_mirror - on_surface, sought) : in_mirror;
+    bool is_mirrored = may_differ && AgreesAt(mirrored, sought) >= AgreesAt(on_surface, sought);
+    Found found = At(is_mirrored ? mirrored : on_surface, sought);
 
     uint print = Alone(alone);
     uvec4 kept = imageLoad(guide_before, inside);

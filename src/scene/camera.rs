@@ -343,6 +343,20 @@ impl Camera {
         Self { world_to_view, lens, aspect, near_plane: None, projection: Some(projection) }
     }
 
+    /// Returns the camera with its image shifted by so many pixels of an image of that size, x to the right and y down, as
+    /// renderers shift each frame by part of a pixel that average frames into a smooth picture.
+    #[must_use]
+    pub fn jittered(self, [right, down]: [f32; 2], extent: [u32; 2]) -> Self {
+        let clip = self.view_to_clip_reversed();
+        let (kind, scale) = (self.kind(), [clip.x_axis.x, clip.y_axis.y]);
+        let (depth, shift) = match kind {
+            ProjectionKind::Perspective => ([clip.z_axis.z, clip.w_axis.z], clip.z_axis),
+            ProjectionKind::Orthographic => ([clip.w_axis.z, clip.z_axis.z], clip.w_axis),
+        };
+        let shift = [shift.x + 2.0 * right / extent[0] as f32, shift.y - 2.0 * down / extent[1] as f32];
+        Self { projection: Some(Projection { kind, scale, shift, depth }), ..self }
+    }
+
     /// The kind of its projection.
     pub fn kind(&self) -> ProjectionKind {
         self.projection.map_or(self.lens.kind(), |projection| projection.kind)

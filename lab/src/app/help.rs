@@ -63,6 +63,8 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "moving",
             "step",
             "step_frames",
+            "held",
+            "jitter",
             "faces",
             "captures",
             "capture_side",

@@ -160,13 +160,13 @@ pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
 }
 
 /// Refuses names that no mesh has, with those that there are.
-pub fn moving(scene: &Scene, moving: &[String]) -> Result<()> {
+pub fn moving(scene: &Scene, flag: &str, moving: &[String]) -> Result<()> {
     let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     match moving.iter().find(|name| !names.contains(&name.as_str())) {
         Some(name) => Err(Error::Usage(format!(
-            "--moving {name}: scene {} has no mesh of this name; it has: {}",
+            "{flag} {name}: scene {} has no mesh of this name; it has: {}",
             scene.name,
             names.join(", ")
         ))),

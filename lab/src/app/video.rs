@@ -53,6 +53,14 @@ pub struct VideoOptions {
     /// Frames after which they rest; by default they never do
     #[arg(long, value_name = "N", requires = "moving")]
     pub step_frames: Option<u32>,
+    /// Meshes that the camera carries along, by name, as a hand does that is held before it
+    #[arg(long, value_name = "MESH", value_delimiter = ',')]
+    pub held: Vec<String>,
+    /// Shifts each frame by another part of a pixel
+    ///
+    /// Renderers do so that average frames into a smooth picture. The world's film is shifted alike.
+    #[arg(long)]
+    pub jitter: bool,
     /// Rays a pixel of the world reference
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
     pub rays: u32,
@@ -81,7 +89,8 @@ impl StudyOptions for VideoOptions {
             Way::Walk(view) | Way::Turn(view) | Way::Stop(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
         };
         let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
-        resolve::moving(&scene, &self.moving)?;
+        resolve::moving(&scene, "--moving", &self.moving)?;
+        resolve::moving(&scene, "--held", &self.held)?;
         let play =
             self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
         Ok(VideoStudy {
@@ -97,6 +106,8 @@ impl StudyOptions for VideoOptions {
             moving: self.moving.clone(),
             step_m: self.step.unwrap_or(Vec3::ZERO),
             step_frames: self.step_frames,
+            held: self.held.clone(),
+            jitter: self.jitter,
         })
     }
 }

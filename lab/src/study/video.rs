@@ -57,6 +57,10 @@ pub struct VideoStudy {
     pub step_m: Vec3,
     /// Frames after which they rest; `None` if they never do.
     pub step_frames: Option<u32>,
+    /// The meshes that the camera carries along, by name, as a hand does that is held before it.
+    pub held: Vec<String>,
+    /// Whether each frame is shifted by another part of a pixel, as renderers do that average frames into a smooth picture.
+    pub jitter: bool,
 }
 
 /// One size with one set of factors.
@@ -98,6 +102,12 @@ columns! {
         /// Frames after which they rest; null if they never do.
         #[serde(default)]
         pub step_frames: Option<u32>,
+        /// The meshes that the camera carries along.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        pub held: Vec<String>,
+        /// Whether each frame is shifted by another part of a pixel.
+        #[serde(default)]
+        pub jitter: bool,
         /// Frames in a second.
         pub frames_per_second: f32,
         /// Rays a pixel of the world reference.
@@ -215,7 +225,8 @@ impl Study for VideoStudy {
         let Self { way, moving, frames, frames_per_second, rays, play, .. } = self;
         let step = (self.step_m.to_array(), self.step_frames);
         let played = play.as_ref().map(|motion| &motion.name);
-        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played]);
+        let carried = (&self.held, self.jitter);
+        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played, carried]);
         let cell = |extent: [u32; 2], globals: Globals| {
             let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();
             Planned {
@@ -295,7 +306,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     let start = spec.study.way.start();
     let materials = spec.globals.materials(&spec.study.scene, &start);
     let mut stage = Stage::new(spec.gpu, &spec.study.scene)?;
-    let first = start.camera(&spec.study.scene, spec.extent);
+    let first = spec.study.camera(0, spec.extent);
     let mut all = spec
         .study
         .variants
@@ -317,11 +328,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
             moved.meshes.clone_from(&spec.study.scene.meshes);
             moved.place_meshes(&placed);
         }
-        let camera = spec
-            .study
-            .way
-            .view(frame, spec.study.frames, spec.study.frames_per_second)
-            .camera(&spec.study.scene, spec.extent);
+        let camera = spec.study.camera(frame, spec.extent);
         let mut made = Vec::new();
         // They begin in turn, since the first of a frame may find colder caches.
         let count = all.len();
@@ -476,6 +483,8 @@ fn record(spec: &VideoSpec, start: &View, of: &Variant, mut filmed: Filmed, worl
         moving: spec.study.moving.clone(),
         step_m: spec.study.step_m.to_array(),
         step_frames: spec.study.step_frames,
+        held: spec.study.held.clone(),
+        jitter: spec.study.jitter,
         frames_per_second: spec.study.frames_per_second,
         rays: spec.study.rays,
         time_ms: Stats::of(&times).median_ms,

@@ -1,15 +1,89 @@
-//! Places the things that move before the camera of a film.
+//! Places the camera of a film, and the things that move before it.
 
 use super::VideoStudy;
-use crate::scene::Placement;
+use crate::scene::{Camera, Placement};
+
+/// Frames after which the parts of a pixel repeat by which frames are shifted.
+const JITTERED: u32 = 8;
 
 impl VideoStudy {
+    /// The camera of a frame, for a size in pixels.
+    pub(super) fn camera(&self, frame: u32, extent: [u32; 2]) -> Camera {
+        let camera = self.unshifted(frame, extent);
+        if self.jitter { camera.jittered(shift(frame), extent) } else { camera }
+    }
+
+    fn unshifted(&self, frame: u32, extent: [u32; 2]) -> Camera {
+        self.way.view(frame, self.frames, self.frames_per_second).camera(&self.scene, extent)
+    }
+
     /// Where meshes are placed in a frame.
     pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
         let played = self.play.iter().flat_map(|motion| motion.at(time_s));
         let steps = self.step_frames.map_or(frame, |last| frame.min(last));
         let moved = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
-        played.chain(moved).collect()
+        let [first, now] = [0, frame].map(|n| self.unshifted(n, [1, 1]));
+        let carried = carried(&first, &now);
+        played.chain(moved).chain(self.held.iter().map(|name| (name.as_str(), carried))).collect()
+    }
+}
+
+/// Where a camera carries a thing, from where it was before the first camera.
+fn carried(first: &Camera, now: &Camera) -> Placement {
+    let along = now.world_to_view.as_dmat4().inverse() * first.world_to_view.as_dmat4();
+    let (_, turn, offset) = along.to_scale_rotation_translation();
+    Placement { turn: turn.as_quat().normalize(), size: 1.0, offset: offset.as_vec3() }
+}
+
+/// By how much of a pixel a frame is shifted, x to the right and y down.
+fn shift(frame: u32) -> [f32; 2] {
+    // The first of the sequence is 0.
+    [2, 3].map(|base| radical_inverse(frame % JITTERED + 1, base) - 0.5)
+}
+
+/// The digits of a number to a base, in the other order behind the point: the sequence of Halton (1960), in one dimension.
+fn radical_inverse(mut number: u32, base: u32) -> f32 {
+    let (mut sum, mut digit) = (0.0, 1.0);
+    while number > 0 {
+        digit /= base as f32;
+        sum += digit * (number % base) as f32;
+        number /= base;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Lens;
+    use glam::Vec3;
+
+    #[test]
+    fn what_is_held_stays_where_it_is_in_the_picture() {
+        let cameras = [(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO), (Vec3::new(-2.0, 1.0, 0.5), Vec3::new(0.0, 4.0, 1.0))];
+        let [first, now] = cameras.map(|(eye, at)| Camera::new(eye, at, Lens::default(), 1.5));
+        let placed = carried(&first, &now);
+        assert!(placed.is_sound());
+        for point in [Vec3::new(0.5, 1.0, 1.0), Vec3::new(-3.0, 0.2, 9.0)] {
+            let there = placed.matrix().as_mat4().transform_point3(point);
+            let [before, after] = [(first, point), (now, there)].map(|(c, p)| c.world_to_view.transform_point3(p));
+            assert!(before.distance(after) < 1e-5, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn shifted_frames_cover_a_pixel() {
+        let shifts: Vec<[f32; 2]> = (0..JITTERED).map(shift).collect();
+        for axis in [0, 1] {
+            let mean: f32 = shifts.iter().map(|shift| shift[axis]).sum::<f32>() / JITTERED as f32;
+            assert!(mean.abs() < 0.1 && shifts.iter().all(|shift| shift[axis].abs() < 0.5), "{shifts:?}");
+        }
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);
+        let point = Vec3::new(0.3, -0.2, 4.0);
+        let [plain, shifted] = [camera, camera.jittered([0.25, -0.5], [200, 100])]
+            .map(|camera| camera.view_to_clip_reversed().project_point3(point));
+        let moved = (shifted - plain) * Vec3::new(100.0, -50.0, 1.0);
+        assert!(moved.distance(Vec3::new(0.25, -0.5, 0.0)) < 1e-3, "{moved}");
     }
 }
