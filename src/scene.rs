@@ -10,6 +10,7 @@ pub mod motion;
 pub mod path;
 pub mod placement;
 pub mod planes;
+pub mod projection;
 pub mod proxies;
 pub mod sky;
 pub mod texture;
@@ -18,12 +19,13 @@ pub mod tree;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec3};
 
-pub use camera::{Camera, Lens, Opening, Projection, ProjectionKind, View};
+pub use camera::{Camera, Lens, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
 pub use motion::Motion;
 pub use path::CameraPath;
 pub use placement::Placement;
+pub use projection::{Opening, Projection, ProjectionKind};
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 

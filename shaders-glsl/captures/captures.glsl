@@ -20,7 +20,7 @@ layout(std140, binding = 16) uniform CaptureBlock {
 
 layout(binding = 17) uniform sampler2DArray environment; // the faces of a cube map in world axes
 
-// In this order (the twin's).
+// Both in this order (the twin's), and the same in both stages of a shader.
 vec3 ToWorld(vec3 view) {
     mat3 m = mat3(captures.view_to_world);
     precise vec3 world = m[0] * view.x + m[1] * view.y + m[2] * view.z;
@@ -28,7 +28,9 @@ vec3 ToWorld(vec3 view) {
 }
 
 vec3 ToView(vec3 world) {
-    return world * mat3(captures.view_to_world);
+    mat3 m = transpose(mat3(captures.view_to_world));
+    precise vec3 view = m[0] * world.x + m[1] * world.y + m[2] * world.z;
+    return view;
 }
 
 // What is seen of the sky along a direction in world axes. The sky is smooth across the edges of its faces, and is looked

@@ -71,11 +71,11 @@ struct Averaged {
 #define LEAST_SHARE 0.05
 // What is reflected is as far away as it was, within this share.
 #define SAME_DISTANCE 0.2
-// How a mirror is curved is asked of pixels so far away on each side, which count if the way between them is what they say within this
-// share; and if the way becomes shorter by at least half of each pixel, in the mean of both axes.
+// How a mirror is curved is asked of the pixels so far away along each axis. They count if the way at the place between them is, within
+// this share, what they say of it, and if the product of how much of each pixel the way becomes shorter by along both axes is above that.
 #define BESIDE 2
 #define UNEVEN 0.25
-#define LEAST_TURN 0.25
+#define LEAST_SHORTENING 0.25
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
 #define AGREED 4.0
@@ -150,14 +150,19 @@ bool IsOn(ivec2 at) {
     return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(history.resolution)));
 }
 
-// How much of what a pixel of the frame before showed is what is sought.
-float Agrees(ivec2 at, Guide guide, Sought sought) {
-    vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.depth);
+// Whether a pixel of the frame before, whose point is `there`, showed the surface that is sought.
+bool ShowsSurface(ivec2 at, Guide guide, vec3 there, Sought sought) {
     float off = abs(dot(there - sought.surface, sought.normal));
     bool same_plane = off < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
     float facing = dot(guide.normal, sought.normal), squared = dot(guide.normal, guide.normal);
     bool same_normal = facing * abs(facing) > SAME_NORMAL * SAME_NORMAL * squared;
-    float agrees = guide.age > 0.0 && same_plane && same_normal && IsOn(at) ? 1.0 : 0.0;
+    return guide.age > 0.0 && same_plane && same_normal && IsOn(at);
+}
+
+// How much of what a pixel of the frame before showed is what is sought.
+float Agrees(ivec2 at, Guide guide, Sought sought) {
+    vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.depth);
+    float agrees = ShowsSurface(at, guide, there, sought) ? 1.0 : 0.0;
     // How far its lobe points past what is sought, and how far away what it reflects was.
     vec3 to = sought.end - there;
     vec3 chord = to * inversesqrt(dot(to, to)) - MirrorDirection(Sight(there), guide.normal);
@@ -216,26 +221,29 @@ vec2 Position(vec3 seen) {
     return PositionBy(history.view_to_clip_before, seen);
 }
 
+// Where a plane mirror with a point and a normal, of any length, shows what is sought.
+vec2 InPlane(vec3 point, vec3 normal, Sought sought) {
+    float before_plane = dot(sought.end - point, normal) / max(dot(normal, normal), 1e-30);
+    return Position(sought.end - 2.0 * before_plane * normal);
+}
+
 // From a pixel of the frame before to where the plane that touches the surface there would have mirrored what is sought. False where
-// the pixel shows another surface.
+// the pixel showed another surface.
 bool WayFrom(ivec2 at, Sought sought, out vec2 way) {
     Guide guide = GuideAt(at);
     vec2 middle = vec2(at) + 0.5;
     vec3 there = Unproject(history.clip_to_view_before, middle, guide.depth);
-    float squared = max(dot(guide.normal, guide.normal), 1e-30), facing = dot(guide.normal, sought.normal);
-    float off_plane = abs(dot(there - sought.surface, sought.normal));
-    way = Position(sought.end - 2.0 * dot(sought.end - there, guide.normal) / squared * guide.normal) - middle;
-    return IsOn(at) && guide.age > 0.0 && facing * abs(facing) > SAME_NORMAL * SAME_NORMAL * squared
-        && off_plane < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
+    way = InPlane(there, guide.normal, sought) - middle;
+    return ShowsSurface(at, guide, there, sought);
 }
 
-// Where a mirror showed what is sought, curved or not: where its own plane leads to itself. `way` leads from `on_surface` to where a
-// plane mirror there would have shown it. How that way changes from pixel to pixel says how the mirror is curved, and a step of Newton's
-// method ends where there is no way left. It is `way` itself where the pixels around say nothing of that, as where a map turns the normals.
-vec2 InMirror(vec2 on_surface, vec2 way, Sought sought) {
+// Where a mirror showed what is sought, curved or not: at the place whose own plane leads back to it. From `on_surface`, the plane
+// there leads to `in_plane`. How this way changes from pixel to pixel says how the mirror is curved, and one step of Newton's method
+// ends where no way is left. Where the pixels around tell of no such change, as where a map turns the normals, it is `in_plane`.
+vec2 InMirror(vec2 on_surface, vec2 in_plane, Sought sought) {
+    vec2 way = in_plane - on_surface;
     ivec2 at = ivec2(floor(on_surface));
-    vec2 from_middle = on_surface - vec2(at) - 0.5;
-    mat2 change; // of the way, for each pixel
+    mat2 change; // of the way, for each pixel along x and along y
     vec2 likely[2];
     bool same = true;
     for (int i = 0; i < 2; ++i) {
@@ -247,12 +255,12 @@ vec2 InMirror(vec2 on_surface, vec2 way, Sought sought) {
         likely[i] = 0.5 * (before + behind);
     }
     // Where the way changes evenly, both pairs say what it is here.
-    vec2 more = change * from_middle;
+    vec2 more = change * (on_surface - vec2(at) - 0.5);
     float off = max(distance(likely[0] + more, way), distance(likely[1] + more, way));
-    float turns = change[0].x * change[1].y - change[0].y * change[1].x;
-    vec2 solved = vec2(change[1].x * way.y - change[1].y * way.x, change[0].y * way.x - change[0].x * way.y) / max(turns, LEAST_TURN);
-    bool is_even = same && off < UNEVEN * max(length(way), 1.0) && turns > LEAST_TURN;
-    return on_surface + (is_even ? solved : way);
+    float shortens = determinant(change);
+    bool is_even = same && off < UNEVEN * max(length(way), 1.0) && shortens > LEAST_SHORTENING;
+    vec2 solved = vec2(change[1].x * way.y - change[1].y * way.x, change[0].y * way.x - change[0].x * way.y);
+    return is_even ? on_surface + solved / shortens : in_plane;
 }
 
 // The mover that a triangle is of; -1 for what stands still.
@@ -389,14 +397,13 @@ Averaged Average(ivec2 pixel) {
     // Where nothing moves, what is reflected is what it was.
     bool may_differ = known && (history.rests == 0 || history.may_move != 0);
     sought.inverse = may_differ ? 1.0 / (eye_before + distance(sought.surface, sought.end)) : 0.0;
-    // What a plane mirror shows stands behind it.
-    float before_plane = dot(sought.end - sought.surface, sought.normal);
-    vec2 in_mirror = Position(sought.end - 2.0 * before_plane * sought.normal);
-    // On the surface itself, where nothing is known of what it reflects, or nothing else agrees.
-    vec2 on_surface = Position(sought.surface);
-    vec2 mirrored = may_differ ? InMirror(on_surface, in_mirror - on_surface, sought) : in_mirror;
-    bool is_mirrored = may_differ && AgreesAt(mirrored, sought) >= AgreesAt(on_surface, sought);
-    Found found = At(is_mirrored ? mirrored : on_surface, sought);
+    // On the surface itself, where nothing is known of what it reflects, or the mirror agrees less.
+    vec2 place = Position(sought.surface);
+    if (may_differ) {
+        vec2 in_mirror = InMirror(place, InPlane(sought.surface, sought.normal, sought), sought);
+        place = AgreesAt(in_mirror, sought) >= AgreesAt(place, sought) ? in_mirror : place;
+    }
+    Found found = At(place, sought);
 
     uint print = Alone(alone);
     uvec4 kept = imageLoad(guide_before, inside);

@@ -20,12 +20,7 @@ const float LEAST_FACING = 0.05;
 // as they are where it stands. Along an edge, the pixels of the next surface lie farther off but for the nearest of them.
 const float SAME_SURFACE = 0.1;
 
-// The functions here have their sums precise, so that both stages of a shader see the same colour.
-
-vec3 ToViewInOrder(vec3 world) {
-    mat3 axes = mat3(captures.view_to_world);
-    return vec3(DotInOrder(axes[0], world), DotInOrder(axes[1], world), DotInOrder(axes[2], world));
-}
+// Sums are precise, so that both stages of a shader see the same colour.
 
 // Where on the screen a point of view space is seen, in continuous pixel coordinates.
 vec2 PositionOf(vec3 view) {
@@ -47,8 +42,8 @@ bool OnScreen(TreeRay ray, Met met, float width, out vec3 color) {
     precise vec3 along_c = uintBitsToFloat(Geometry(corner + 2).xyz) - a;
     vec3 flat_normal = CrossInOrder(along_b, along_c);
     precise vec3 place = ray.origin + met.t * ray.direction - triangles.eye;
-    vec3 view = ToViewInOrder(place);
-    vec3 normal = ToViewInOrder(flat_normal * inversesqrt(max(DotInOrder(flat_normal, flat_normal), 1e-38)));
+    vec3 view = ToView(place);
+    vec3 normal = ToView(flat_normal * inversesqrt(max(DotInOrder(flat_normal, flat_normal), 1e-38)));
     vec3 sight = Sight(view);
     float facing = DotInOrder(normal, sight) * inversesqrt(max(DotInOrder(sight, sight), 1e-38));
     vec2 position = PositionOf(view);

@@ -3,7 +3,8 @@
 use crate::conventions::ClipY;
 use crate::error::{Error, Result};
 use crate::scene::Camera;
-use crate::scene::camera::{ReadProjection, is_rotation};
+use crate::scene::camera::is_rotation;
+use crate::scene::projection::ReadProjection;
 use glam::{Mat3, Mat4, Vec4};
 
 /// The camera of a frame, in the caller's conventions, which are read off its matrices: handedness, whether y is up,

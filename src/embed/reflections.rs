@@ -348,9 +348,9 @@ impl Reflections {
             )));
         }
         let taken = input.camera.take()?;
-        self.setup
-            .projection
-            .check(&taken.camera)
+        taken
+            .camera
+            .check_kind(self.setup.projection)
             .map_err(|e| Error::Usage(format!("{e}: see ReflectionsInfo.projection")))?;
         Ok(taken)
     }

@@ -404,7 +404,7 @@ impl Effect {
     /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none; and for a camera of
     /// another projection than the setup's.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        self.projection.check(input.camera)?;
+        input.camera.check_kind(self.projection)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
         if let (Some(Captured { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
             let scene = input.scene()?;

@@ -73,6 +73,8 @@
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
 //! plain twins in `reference::unified`.
 
+mod beyond;
+
 use super::setup::{HistoryUse, StageChoice};
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
@@ -89,10 +91,11 @@ use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
 use crate::passes::triangle_scene::{AmongTriangles, TriangleReading};
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
-use crate::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
+use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
-use crate::passes::{Canvas, GBuffer, Hits, LIT_COLOR, Reflection, Reflectors};
+use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
 use crate::scene::Camera;
+use beyond::{BeyondInput, BeyondPass};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -135,6 +138,17 @@ choices! {
         Screen = "screen",
         /// The triangles.
         Triangles = "triangles",
+    }
+}
+
+impl HitColor {
+    /// Whether the colour is the screen's, among triangles of whose colours so much is known.
+    fn is_of_screen(self, triangles: TriangleReading) -> bool {
+        match self {
+            Self::Auto => triangles.unlit,
+            Self::Screen => true,
+            Self::Triangles => false,
+        }
     }
 }
 
@@ -181,55 +195,6 @@ pub struct UnifiedMethod {
     beside: f32,
 }
 
-/// What follows the rays on the list.
-enum BeyondPass {
-    Captures(FollowPass),
-    Triangles(TriangleTracePass),
-}
-
-/// What the rays on the list are followed in, in a frame.
-enum BeyondInput<'a> {
-    Captures(FollowInput<'a>),
-    Triangles(TriangleInput<'a>),
-}
-
-impl BeyondPass {
-    fn mirrors(
-        &self,
-        frame: &mut Frame,
-        input: &BeyondInput,
-        (gbuffer, canvas, hits): (&GBuffer, Canvas, Option<Hits>),
-    ) -> Result<()> {
-        match (self, input) {
-            (Self::Captures(pass), BeyondInput::Captures(input)) => {
-                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
-            }
-            (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
-                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
-        let images = [&between.records, &between.ends];
-        match (self, input) {
-            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, images),
-            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_narrow(frame, *input, images),
-            _ => Ok(()),
-        }
-    }
-
-    fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
-        let images = [&between.place, &between.seen, &between.ends];
-        match (self, input) {
-            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
-            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),
-            _ => Ok(()),
-        }
-    }
-}
-
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
@@ -239,14 +204,9 @@ impl UnifiedMethod {
             (Some(_), First::Triangles) => false,
             (Some(triangles), First::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
         };
-        let triangles = making.triangles.map(|triangles| TriangleReading {
-            screen_colors: match hit_color {
-                HitColor::Auto => triangles.unlit,
-                HitColor::Screen => true,
-                HitColor::Triangles => false,
-            },
-            ..triangles
-        });
+        let triangles = making
+            .triangles
+            .map(|triangles| TriangleReading { screen_colors: hit_color.is_of_screen(triangles), ..triangles });
         let stages = [trace_stage, resolve_stage].map(|stage| stage.on(gpu));
         Self::with(gpu, making, (screen, triangles), stages)
     }

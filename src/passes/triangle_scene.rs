@@ -102,7 +102,8 @@ impl Places {
     }
 }
 
-/// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
+/// What programs among the triangles of a scene are compiled for: which buffers of them the device reads as texels, and which as
+/// storage blocks, what is known of them, and whose colours what a ray meets has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
     /// Triangles of the scene.

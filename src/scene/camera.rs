@@ -1,73 +1,10 @@
 //! Lenses, views and cameras.
 
 use super::MaterialChange;
+use super::projection::{Opening, Projection, ProjectionKind};
 use crate::error::Error;
 use glam::camera::lh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
-
-/// The kind of a camera's projection. It decides how depth, rays of sight and footprints are computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum ProjectionKind {
-    /// All rays of sight leave from the eye: w is the view-space z, and depth is linear in 1 / z.
-    #[default]
-    Perspective,
-    /// All rays of sight are parallel: w is 1, and depth is linear in z.
-    Orthographic,
-}
-
-impl ProjectionKind {
-    /// Whether rays of sight are parallel.
-    pub fn is_orthographic(self) -> bool {
-        self == Self::Orthographic
-    }
-
-    /// # Errors
-    /// [`Error::Usage`] for a camera of the other kind.
-    pub fn check(self, camera: &Camera) -> crate::error::Result<()> {
-        if camera.kind() == self {
-            return Ok(());
-        }
-        let said = |kind| if kind == Self::Perspective { "a perspective" } else { "orthographic" };
-        let message =
-            format!("the camera is {}, and the passes were made for one that is {}", said(camera.kind()), said(self));
-        Err(Error::Usage(message))
-    }
-
-    /// Reversed depth between a near and a far plane as a function of z: the first number plus the second over z, or times
-    /// z if rays are parallel. Only a perspective has a far plane at infinity.
-    pub fn reversed_depth(self, near: f64, far: f64) -> [f64; 2] {
-        match self {
-            Self::Perspective if far.is_infinite() => [0.0, near],
-            Self::Perspective => [-near / (far - near), near * far / (far - near)],
-            Self::Orthographic => [far / (far - near), -1.0 / (far - near)],
-        }
-    }
-
-    /// The depth of a view-space z, by the two numbers of [`Self::reversed_depth`].
-    pub fn depth_at(self, [a, b]: [f64; 2], z: f64) -> f64 {
-        match self {
-            Self::Perspective => a + b / z,
-            Self::Orthographic => a + b * z,
-        }
-    }
-
-    /// The view-space z of a depth, by the two numbers of [`Self::reversed_depth`].
-    pub fn z_at(self, [a, b]: [f64; 2], depth: f64) -> f64 {
-        match self {
-            Self::Perspective => b / (depth - a),
-            Self::Orthographic => (depth - a) / b,
-        }
-    }
-}
-
-/// How much a lens sees from the lower to the upper side of the image.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Opening {
-    /// A perspective with a vertical field of view in radians, 0 < fov < π.
-    Angle(f32),
-    /// An orthographic projection of so many metres, > 0, at any distance.
-    Height(f32),
-}
 
 /// The parameters of a projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,137 +101,6 @@ pub struct Camera {
     pub projection: Option<Projection>,
 }
 
-/// A projection by its numbers: the elements of the matrix with reversed depth that are neither 0 nor 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Projection {
-    /// Its kind.
-    pub kind: ProjectionKind,
-    /// M_00 and M_11, both above 0: y is up in clip space.
-    pub scale: [f32; 2],
-    /// How far the image is shifted against the axis of the view, in units of ndc: M_02 and M_12 of a perspective, M_03 and
-    /// M_13 of an orthographic projection.
-    pub shift: [f32; 2],
-    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23, and the other way round if rays are parallel.
-    pub depth: [f32; 2],
-}
-
-impl Projection {
-    /// The matrix, with reversed depth or with standard depth, which is one minus that.
-    fn matrix(self, reversed: bool) -> Mat4 {
-        let Self { kind, scale: [x, y], shift: [u, v], depth: [a, b] } = self;
-        let [a, b] = if reversed { [a, b] } else { [1.0 - a, -b] };
-        let [z, w] = match kind {
-            ProjectionKind::Perspective => [[u, v, a, 1.0], [0.0, 0.0, b, 0.0]],
-            ProjectionKind::Orthographic => [[0.0, 0.0, b, 0.0], [u, v, a, 1.0]],
-        };
-        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z, w])
-    }
-
-    /// The distances of the near and the far plane; the far one is infinite for a perspective without one.
-    pub fn planes(&self) -> [f32; 2] {
-        let [a, b] = self.depth;
-        match self.kind {
-            ProjectionKind::Perspective => [b / (1.0 - a), if a < 0.0 { -b / a } else { f32::INFINITY }],
-            // A near plane at the eye may be rounded to just behind it.
-            ProjectionKind::Orthographic => [((1.0 - a) / b).max(0.0), -a / b],
-        }
-    }
-
-    /// How much it sees.
-    pub fn opening(&self) -> Opening {
-        match self.kind {
-            ProjectionKind::Perspective => Opening::Angle(2.0 * (1.0 / self.scale[1]).atan()),
-            ProjectionKind::Orthographic => Opening::Height(2.0 / self.scale[1]),
-        }
-    }
-}
-
-/// What can be read off the projection matrix of any renderer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReadProjection {
-    /// The projection in the conventions of this crate.
-    pub projection: Projection,
-    /// For each axis, 1 if the renderer's view space and ours have it in the same direction, −1 if in opposite ones.
-    pub turn: Vec3,
-    /// Whether the matrix gives reversed depth.
-    pub is_reversed: bool,
-    /// The distance of the near plane, in the unit of length of the matrix.
-    pub near: f32,
-    /// The distance of the far plane; infinite for a projection without one.
-    pub far: f32,
-}
-
-impl ReadProjection {
-    /// Reads a matrix that is multiplied by column vectors, with depth from 0 to 1; `y_is_up` says whether the top of
-    /// the image is at y = w.
-    ///
-    /// # Errors
-    /// Why the matrix cannot be used, as the rest of a sentence that begins with its name.
-    pub fn new(clip: &Mat4, y_is_up: bool) -> Result<Self, &'static str> {
-        if !clip.is_finite() {
-            return Err("has numbers that are not finite");
-        }
-        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
-        let kind = match clip.row(3).abs().to_array() {
-            [0.0, 0.0, 1.0, 0.0] => ProjectionKind::Perspective,
-            [0.0, 0.0, 0.0, 1.0] if w.w > 0.0 => ProjectionKind::Orthographic,
-            _ => {
-                return Err(
-                    "is neither a perspective projection, whose last row is 0, 0, ±1, 0, nor an orthographic one, \
-                            whose last row is 0, 0, 0, 1",
-                );
-            }
-        };
-        // The image is shifted by z or by 1, whichever w is.
-        let (shifts, unshifted) = if kind.is_orthographic() { (w, z) } else { (z, w) };
-        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && unshifted.x == 0.0 && unshifted.y == 0.0;
-        if !is_plain || x.x == 0.0 || y.y == 0.0 {
-            return Err("has a rotation, a skew or a translation, or a view of no width");
-        }
-        let (forward, is_reversed) = match kind {
-            ProjectionKind::Perspective => (z.w, w.z > 0.0),
-            ProjectionKind::Orthographic => forward_of_orthographic(z.z, w.z)?,
-        };
-        let up = if y_is_up { 1.0 } else { -1.0 };
-        let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
-        // Depth is a + b / z or a + b z, with z along the view.
-        let [a, b] = if kind.is_orthographic() { [w.z, z.z * forward] } else { [z.z * forward, w.z] };
-        let depth = if is_reversed { [a, b] } else { [1.0 - a, -b] };
-        let side = if kind.is_orthographic() { 1.0 } else { forward };
-        let shift = [shifts.x * side, up * shifts.y * side];
-        let projection = Projection { kind, scale: [x.x.abs(), y.y.abs()], shift, depth };
-        let [near, far] = projection.planes();
-        if kind == ProjectionKind::Perspective {
-            if !(depth[1] > 0.0 && near > 0.0) {
-                return Err("has no near plane in front of the eye");
-            }
-            if depth[0] > 0.0 {
-                return Err("has its far plane behind the eye");
-            }
-        }
-        Ok(Self { projection, turn, is_reversed, near, far })
-    }
-}
-
-/// The direction along z in which an orthographic matrix looks, and whether its depth is reversed, from depth's slope and
-/// depth at z = 0. Nothing else tells a right-handed view with standard depth from a left-handed one with reversed depth: the
-/// eye stands before the near plane, where depth is beyond that of the near plane.
-fn forward_of_orthographic(slope: f32, at_eye: f32) -> Result<(f32, bool), &'static str> {
-    if slope == 0.0 {
-        return Err("gives every point the same depth");
-    }
-    if at_eye >= 1.0 {
-        Ok((-slope.signum(), true))
-    } else if at_eye <= 0.0 {
-        Ok((slope.signum(), false))
-    } else {
-        Err(
-            "is orthographic and has its near plane behind the eye, where near and far cannot be told apart: move the eye \
-             back to the near plane",
-        )
-    }
-}
-
 /// How far the numbers of a rotation may be from those of an exact one.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
@@ -343,18 +149,44 @@ impl Camera {
         Self { world_to_view, lens, aspect, near_plane: None, projection: Some(projection) }
     }
 
-    /// Returns the camera with its image shifted by so many pixels of an image of that size, x to the right and y down, as
-    /// renderers shift each frame by part of a pixel that average frames into a smooth picture.
+    /// Returns the camera with its image shifted by so many pixels of an image of that size, x to the right and y down.
+    /// Renderers shift each frame by part of a pixel where they average frames into a smooth picture. A shift of 0 leaves the
+    /// camera as it is, to the bit.
     #[must_use]
     pub fn jittered(self, [right, down]: [f32; 2], extent: [u32; 2]) -> Self {
-        let clip = self.view_to_clip_reversed();
-        let (kind, scale) = (self.kind(), [clip.x_axis.x, clip.y_axis.y]);
-        let (depth, shift) = match kind {
-            ProjectionKind::Perspective => ([clip.z_axis.z, clip.w_axis.z], clip.z_axis),
-            ProjectionKind::Orthographic => ([clip.w_axis.z, clip.z_axis.z], clip.w_axis),
-        };
-        let shift = [shift.x + 2.0 * right / extent[0] as f32, shift.y - 2.0 * down / extent[1] as f32];
-        Self { projection: Some(Projection { kind, scale, shift, depth }), ..self }
+        if [right, down] == [0.0; 2] {
+            return self;
+        }
+        let numbers = self.numbers();
+        let [x, y] = numbers.shift;
+        let shift = [x + 2.0 * right / extent[0] as f32, y - 2.0 * down / extent[1] as f32];
+        Self { projection: Some(Projection { shift, ..numbers }), ..self }
+    }
+
+    /// The numbers of its projection, without the [`Camera::near_plane`].
+    pub fn numbers(&self) -> Projection {
+        match (self.projection, self.lens.opening) {
+            (Some(projection), _) => projection,
+            (None, Opening::Height(height)) => self.orthographic(height),
+            (None, Opening::Angle(fov)) => {
+                let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
+                let (scale, depth) = ([usual.x_axis.x, usual.y_axis.y], [usual.z_axis.z, usual.w_axis.z]);
+                Projection { kind: ProjectionKind::Perspective, scale, shift: [0.0; 2], depth }
+            }
+        }
+    }
+
+    /// Refuses a camera for passes that were made for the other kind of projection.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with both kinds.
+    pub fn check_kind(&self, made_for: ProjectionKind) -> crate::error::Result<()> {
+        if self.kind() == made_for {
+            return Ok(());
+        }
+        let said = |kind| if kind == ProjectionKind::Perspective { "a perspective" } else { "orthographic" };
+        let (is, made_for) = (said(self.kind()), said(made_for));
+        Err(Error::Usage(format!("the camera is {is}, and the passes were made for one that is {made_for}")))
     }
 
     /// The kind of its projection.

@@ -7,7 +7,6 @@ use glam::{Mat3, Mat4, Vec3};
 use half::f16;
 use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, PassTime, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::scene::{Projection, ProjectionKind};
 use ssct::{
     CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, HitTexture, ImageInput,
     ImageUse, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
@@ -274,12 +273,7 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
     image::render(&mut stage, &shot, false).unwrap();
     let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
-    let clip = camera.view_to_clip_reversed();
-    let [a, b] = [clip.z_axis.z, clip.w_axis.z];
-    let scale = [clip.x_axis.x, clip.y_axis.y];
-    let kind = ProjectionKind::Perspective;
-    let projection = Projection { kind, scale, shift: [0.0; 2], depth: [a, b] };
-    data.camera = Camera::of_projection(data.camera.world_to_view, projection);
+    data.camera = Camera::of_projection(data.camera.world_to_view, camera.numbers());
     // The example's images know no surface that shows the sky.
     data.surface.fill(Surface::Lit);
     data

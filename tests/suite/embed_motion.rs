@@ -8,7 +8,7 @@ use ssct::gpu::{Image, Pixels};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
 use ssct::methods::unified::{First, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants, find};
-use ssct::scene::{Aabb, Camera, Projection, ProjectionKind};
+use ssct::scene::{Aabb, Camera};
 use ssct::{FrameInput, ImageInput, MotionInput, Reflections, ReflectionsInfo};
 use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::scene::{GBufferData, Scene, View};
@@ -50,10 +50,7 @@ fn painted_rooms() -> Scene {
 
 /// The camera by its matrix alone, as the door knows it.
 fn by_matrix(camera: &Camera) -> Camera {
-    let clip = camera.view_to_clip_reversed();
-    let (scale, depth) = ([clip.x_axis.x, clip.y_axis.y], [clip.z_axis.z, clip.w_axis.z]);
-    let projection = Projection { kind: ProjectionKind::Perspective, scale, shift: [0.0; 2], depth };
-    Camera::of_projection(camera.world_to_view, projection)
+    Camera::of_projection(camera.world_to_view, camera.numbers())
 }
 
 /// The laboratory's film of a mesh of the rooms that moves by `step` in some frames and then rests.
@@ -228,23 +225,12 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
     let materials = Globals { roughness: Some(0.1), ..Globals::default() }.materials(&scene, &view);
     let still = by_matrix(&view.camera(&scene, EXTENT));
     let shifts = [Vec2::ZERO, Vec2::new(3.0, -2.0), Vec2::new(-2.0, 1.0), Vec2::new(1.0, 3.0)];
-    let shifted = |pixels: Vec2| {
-        let mut camera = still;
-        let clip = camera.view_to_clip_reversed();
-        let (scale, depth) = ([clip.x_axis.x, clip.y_axis.y], [clip.z_axis.z, clip.w_axis.z]);
-        let shift = [2.0 * pixels.x / EXTENT[0] as f32, -2.0 * pixels.y / EXTENT[1] as f32];
-        camera = Camera::of_projection(
-            camera.world_to_view,
-            Projection { kind: ProjectionKind::Perspective, scale, shift, depth },
-        );
-        camera
-    };
     let mut shot =
         Shot::new(&mut stage, find("unified").unwrap(), &Setup::new(EXTENT), Wants::IMAGE, still, materials).unwrap();
     let frames: Vec<GBufferData> = shifts
         .iter()
         .map(|shift| {
-            shot.camera = shifted(*shift);
+            shot.camera = still.jittered(shift.to_array(), EXTENT);
             stage.draw(&shot).unwrap();
             gbuffer::read(&mut stage.context, &shot).unwrap()
         })

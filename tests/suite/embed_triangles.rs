@@ -5,19 +5,47 @@ use crate::common::engine::{
     view_of_rooms,
 };
 use crate::common::gpu;
-use ssct::gpu::FrameContext;
+use ssct::gpu::{FrameContext, Pixels};
 use ssct::methods::effect::Effect;
 use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{First, HitColor, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::Surface;
+use ssct_lab::scene::{GBufferData, Surface};
 use ssct_lab::stage::{Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [97, 61];
 /// Size of lit images, whose pixels show textures.
 const EXTENT_LIT: [u32; 2] = [320, 180];
+
+/// The reflection that a method makes of a G-buffer beside the scene itself.
+fn in_the_laboratory(
+    frames: &mut FrameContext,
+    method: &str,
+    setup: &Setup,
+    (images, data, shown): (&GBufferImages, &GBufferData, SceneInput),
+) -> Pixels {
+    let method = methods::find(method).unwrap();
+    let effect = Effect::new(frames, method, setup, Wants::REFLECTION, Some(&shown)).unwrap();
+    let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
+    let output = gbuffer::at_rest(frames, &effect, &input).unwrap();
+    gbuffer::reflection(frames, &output).unwrap()
+}
+
+/// The reflection that a method makes of a G-buffer through the door, beside triangles of the caller.
+fn through_the_door(
+    engine: &mut Engine,
+    (theirs, data): (&Theirs, &GBufferData),
+    triangles: &Triangles,
+    (method, parameters): (&str, &[(&str, &str)]),
+) -> Pixels {
+    let with = ReflectionsInfo { triangles: Some(triangles), parameters, ..info(data, method) };
+    let mut reflections = Reflections::new(&engine.context(), &with).unwrap();
+    let frame = FrameInput { triangles: Some(triangles), ..theirs.input() };
+    let recorded = engine.frame(&mut reflections, &frame).unwrap();
+    engine.read(&recorded.reflection.unwrap())
+}
 
 #[test]
 fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
@@ -48,17 +76,8 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
         let setup = Setup::new(EXTENT)
             .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
             .with(|p: &mut UnifiedParams| (p.first, p.hit_color) = (first, hit_color));
-        let method_info = methods::find(method).unwrap();
-        let effect = Effect::new(&mut frames, method_info, &setup, Wants::REFLECTION, Some(&shown)).unwrap();
-        let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
-        let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
-        let direct = gbuffer::reflection(&mut frames, &output).unwrap();
-
-        let with = ReflectionsInfo { triangles: Some(&triangles), parameters, ..info(&data, method) };
-        let mut reflections = Reflections::new(&context, &with).unwrap();
-        let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
-        let recorded = engine.frame(&mut reflections, &frame).unwrap();
-        let reflection = engine.read(&recorded.reflection.unwrap());
+        let direct = in_the_laboratory(&mut frames, method, &setup, (&images, &data, shown));
+        let reflection = through_the_door(&mut engine, (&theirs, &data), &triangles, (method, parameters));
         let differ = bits(&reflection).iter().zip(bits(&direct)).filter(|(a, b)| **a != *b).count();
         assert_eq!(differ, 0, "{method}, {parameters:?}: rmse {}", rmse(&reflection, &direct));
         assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {parameters:?}: rays end on triangles");
@@ -89,22 +108,13 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     let mut frames = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut frames, &data).unwrap();
     let shown = SceneInput { data: stage.scene(), materials: &scene.materials };
-    let setup = Setup::new(EXTENT);
-    let effect = Effect::new(&mut frames, methods::find("traced").unwrap(), &setup, Wants::REFLECTION, Some(&shown));
-    let effect = effect.unwrap();
-    let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
-    let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
-    let direct = gbuffer::reflection(&mut frames, &output).unwrap();
+    let direct = in_the_laboratory(&mut frames, "traced", &Setup::new(EXTENT), (&images, &data, shown));
 
     let [textured, plain] = [true, false].map(|are_textured| {
         let meshes = meshes_of(&scene, &vertices, are_textured);
         let mut triangles = Triangles::with_textures(&context, &meshes, &textures).unwrap();
         upload(&engine, &mut triangles);
-        let with = ReflectionsInfo { triangles: Some(&triangles), ..info(&data, "traced") };
-        let mut reflections = Reflections::new(&context, &with).unwrap();
-        let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
-        let recorded = engine.frame(&mut reflections, &frame).unwrap();
-        rmse(&engine.read(&recorded.reflection.unwrap()), &direct)
+        rmse(&through_the_door(&mut engine, (&theirs, &data), &triangles, ("traced", &[])), &direct)
     });
     // The levels of the scene's textures are made by the device, whose bytes may be rounded otherwise.
     assert!(textured < 0.004 && plain > 10.0 * textured, "textured {textured}, plain {plain}");
@@ -145,18 +155,9 @@ fn what_the_screen_shows_of_a_hit_has_the_color_of_the_screen() {
         let images = GBufferImages::upload(&mut frames, &data).unwrap();
         // The colours that the lights make of all surfaces.
         let setup = Setup::new(EXTENT_LIT).with(|p: &mut UnifiedParams| p.first = First::Triangles);
-        let effect =
-            Effect::new(&mut frames, &methods::unified::INFO, &setup, Wants::REFLECTION, Some(&shown)).unwrap();
-        let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
-        let output = gbuffer::at_rest(&mut frames, &effect, &input).unwrap();
-        let lit = gbuffer::reflection(&mut frames, &output).unwrap();
-
+        let lit = in_the_laboratory(&mut frames, "unified", &setup, (&images, &data, shown));
         let mut show = |parameters: &[(&str, &str)]| {
-            let with = ReflectionsInfo { triangles: Some(&triangles), parameters, ..info(&data, "unified") };
-            let mut reflections = Reflections::new(&context, &with).unwrap();
-            let frame = FrameInput { triangles: Some(&triangles), ..theirs.input() };
-            let recorded = engine.frame(&mut reflections, &frame).unwrap();
-            engine.read(&recorded.reflection.unwrap())
+            through_the_door(&mut engine, (&theirs, &data), &triangles, ("unified", parameters))
         };
         let all_black = show(&[("hit-color", "triangles")]);
         assert!(all_black.values.chunks(4).all(|rgba| rgba[..3] == [0.0; 3]), "nothing but black triangles is met");

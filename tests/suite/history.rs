@@ -141,8 +141,8 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     assert!(of_rolled < 1.1 * of_alone, "{of_rolled} against {of_alone}");
 }
 
-/// The ball of the rooms made so large, and sunk so deep, that a part of it a step wide is all that stands out of the floor
-/// before the camera: a mirror that is curved a little. Returns its middle and radius, too.
+/// Places the ball of the rooms twenty times as large before the camera, and so deep in the floor that a hill 3.4 m wide stands out
+/// of it: a mirror that is curved a little. Returns its middle and radius, too.
 fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
     const SIZE: f32 = 20.0;
     const HEIGHT_M: f32 = 0.3;

@@ -72,7 +72,7 @@ impl StudyOptions for AgeOptions {
             let message = "age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
             return Err(Error::Usage(message.into()));
         }
-        resolve::moving(&scene, "--moving", &self.moving)?;
+        resolve::meshes(&scene, "--moving", &self.moving)?;
         let study = AgeStudy {
             scene,
             view,

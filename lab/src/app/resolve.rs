@@ -160,11 +160,11 @@ pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
 }
 
 /// Refuses names that no mesh has, with those that there are.
-pub fn moving(scene: &Scene, flag: &str, moving: &[String]) -> Result<()> {
+pub fn meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    match moving.iter().find(|name| !names.contains(&name.as_str())) {
+    match wanted.iter().find(|name| !names.contains(&name.as_str())) {
         Some(name) => Err(Error::Usage(format!(
             "{flag} {name}: scene {} has no mesh of this name; it has: {}",
             scene.name,

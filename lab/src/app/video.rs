@@ -89,10 +89,15 @@ impl StudyOptions for VideoOptions {
             Way::Walk(view) | Way::Turn(view) | Way::Stop(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
         };
         let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
-        resolve::moving(&scene, "--moving", &self.moving)?;
-        resolve::moving(&scene, "--held", &self.held)?;
+        resolve::meshes(&scene, "--moving", &self.moving)?;
+        resolve::meshes(&scene, "--held", &self.held)?;
         let play =
             self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
+        let played: Vec<&str> = play.iter().flat_map(|motion| motion.at(0.0)).map(|(name, _)| name).collect();
+        let moves = |name: &String| self.moving.contains(name) || played.contains(&name.as_str());
+        if let Some(name) = self.held.iter().find(|name| moves(name)) {
+            return Err(Error::Usage(format!("--held {name}: it moves by itself, by --moving or --play")));
+        }
         Ok(VideoStudy {
             play,
             scene,

@@ -31,7 +31,7 @@ pub fn hit_colors(folder: &Path) -> Result<String> {
 /// Who reflects, as the records call it, and how the page does.
 const WITH: [(&str, &str); 6] = [
     ("ssct", "`unified`, with the world's meshes"),
-    ("guess", "the same with `hit-color` `triangles`"),
+    ("guess", "`unified`, with the meshes' own colours alone"),
     ("traced", "`traced`"),
     ("screen", "`unified`, of the screen alone"),
     ("bevy", "Bevy's, mirrors on"),

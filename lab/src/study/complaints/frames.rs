@@ -10,7 +10,7 @@ use crate::reference::surface::World;
 use crate::reference::world::{RAY_START_M, WorldReference};
 use crate::reference::world_hits::world_hits;
 use crate::scene::bvh::WorldRay;
-use crate::scene::{Camera, GBufferData, Projection, Scene, View};
+use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::stage::gbuffer::{read, reflection};
 use crate::stage::{Shot, Stage};
 use crate::study::error::Variant;
@@ -43,7 +43,7 @@ pub struct Frame {
     pub view: View,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// How far the projection shifts the image, in pixels.
+    /// How far the projection shifts the image, in pixels to the right and up.
     pub jitter_px: [f32; 2],
     /// Meshes that have moved, by name: how far, in metres.
     pub moved: Vec<(&'static str, Vec3)>,
@@ -56,18 +56,8 @@ impl Frame {
     }
 
     fn camera(&self, scene: &Scene) -> Camera {
-        let mut camera = self.view.camera(scene, self.extent);
-        if self.jitter_px != [0.0; 2] {
-            let matrix = camera.view_to_clip_reversed();
-            let shift = [0, 1].map(|axis| 2.0 * self.jitter_px[axis] / self.extent[axis] as f32);
-            camera.projection = Some(Projection {
-                kind: camera.kind(),
-                scale: [matrix.x_axis.x, matrix.y_axis.y],
-                shift,
-                depth: [matrix.z_axis.z, matrix.w_axis.z],
-            });
-        }
-        camera
+        let [right, up] = self.jitter_px;
+        self.view.camera(scene, self.extent).jittered([right, -up], self.extent)
     }
 }
 

@@ -8,9 +8,9 @@
 //! `fovYRadians` or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane`
 //! (metres) repeat the projection exactly; if a file lacks them, the projection is taken from its matrix.
 
-use super::camera::ReadProjection;
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE};
+use super::projection::ReadProjection;
 use super::{Camera, GBufferData, Lens, Opening, Projection, ProjectionKind, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;

@@ -1,0 +1,149 @@
+//! What is kept of a film, and how a page shows it.
+
+use crate::study::columns::{Column, columns, figure, part, series, time};
+use crate::study::engine::Row;
+use crate::study::exhibit::{Chart, Clip, ClipGroup, Drawing, Line, Table};
+use crate::study::names::{cell_name, roughness};
+use crate::study::record::{Head, Provenance};
+use serde_json::Value;
+
+columns! {
+    /// A frame of a film.
+    #[derive(Copy)]
+    pub struct VideoFrame {
+        /// Milliseconds of the method.
+        pub effect_ms: f64 = time(""),
+        /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
+        pub rmse: f64 = figure(""),
+        /// Mean FLIP of the display image of the reflection colour.
+        pub flip: f64 = figure(""),
+    }
+}
+
+columns! {
+    /// The film of a variant beside the world's.
+    pub struct VideoRecord {
+        /// What it is of; the view is where the camera begins.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// How the camera moves.
+        pub way: String = figure("way"),
+        /// The motion that is played.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub play: Option<String>,
+        /// The meshes that move besides.
+        pub moving: Vec<String>,
+        /// By how much from one frame to the next, in metres.
+        pub step_m: [f32; 3],
+        /// Frames after which they rest; null if they never do.
+        #[serde(default)]
+        pub step_frames: Option<u32>,
+        /// The meshes that the camera carries along.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        pub held: Vec<String>,
+        /// Whether each frame is shifted by another part of a pixel.
+        #[serde(default)]
+        pub jitter: bool,
+        /// Frames in a second.
+        pub frames_per_second: f32,
+        /// Rays a pixel of the world reference.
+        pub rays: u32,
+        /// Median of the method's time over the frames.
+        pub time_ms: f64 = time("ms").digits(1),
+        /// Mean over the frames of [`VideoFrame::rmse`].
+        pub rmse: f64 = figure("RMSE"),
+        /// Mean over the frames of [`VideoFrame::flip`].
+        pub flip: f64 = figure("FLIP"),
+        /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before.
+        pub flicker: f64 = figure(""),
+        /// The world reference's own.
+        pub reference_flicker: f64 = figure(""),
+        /// Mean absolute difference of the variant's change and the reference's.
+        pub change_error: f64 = figure(""),
+        /// Quality of the finished images beside the world's, in JOD.
+        pub jod: f64 = figure("JOD").digits(2),
+        /// Quality of the reflection colour alone beside the world's, in JOD.
+        pub jod_reflection: f64 = figure("JOD of reflections").digits(2),
+        /// Mean over the frames of the world reference's standard error.
+        pub standard_error: f64 = figure("standard error"),
+        /// Every frame in order.
+        pub frames: Vec<VideoFrame> = series(),
+    }
+}
+
+impl VideoRecord {
+    /// A change over the world's own; `None` where the world stands still.
+    fn over_reference(&self, change: f64) -> Option<f64> {
+        (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
+    }
+
+    /// The films of one place, way, size and roughness are beside each other.
+    fn group(&self) -> String {
+        let Head { scene, view, width, height, .. } = &self.head;
+        format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
+    }
+
+    /// The file of an animated picture of its measurement.
+    pub(super) fn clip_file(&self, name: &str) -> String {
+        let Head { scene, view, width, height, .. } = &self.head;
+        let stem = cell_name(scene, &format!("{view}-{}", self.way), [*width, *height], self.head.roughness);
+        let word = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        let name = name.chars().map(word).collect::<String>().replace("---", "-");
+        format!("{CLIPS}/{stem}-{name}.webp")
+    }
+}
+
+/// Folder of the animated pictures.
+const CLIPS: &str = "clips";
+
+/// Name of the world among the films.
+pub(super) const WORLD: &str = "world";
+
+const ABOUT: &str = "Each film is held against that of the world, frame by frame: FLIP and RMSE of the reflection colour as \
+    means over the frames; the mean absolute change of a pixel from where its surface was a frame before, over that of the \
+    world, and how far the change is off the world's, in the same unit; and the quality of the whole film in \
+    just-objectionable differences (JOD), by ColorVideoVDP: 10 is the world, and of two films that are 1 apart 75 % of \
+    people prefer the better.";
+
+impl Row for VideoRecord {
+    const KIND: &'static str = "video";
+    const TITLE: &'static str = "Films";
+    const FOLDERS: &'static [&'static str] = &[CLIPS];
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
+        let more = [
+            Column::derived("flicker over the world's", 2, |r: &Self| r.over_reference(r.flicker)),
+            Column::derived("error of changes over it", 2, |r: &Self| r.over_reference(r.change_error)),
+        ];
+        vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
+    }
+
+    /// FLIP from frame to frame.
+    fn charts(rows: &[Self]) -> Vec<Chart> {
+        let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
+        let line = |r: &Self| {
+            let points = r.frames.iter().enumerate().map(|(n, f)| (n as f64, f.flip));
+            Line { name: r.head.line_name(&heads, &r.head.variant()), points: points.collect() }
+        };
+        let axes = ["frame", "FLIP of the reflection colour"].map(str::to_owned);
+        vec![Chart::new("video", "FLIP from frame to frame", Drawing::Lines(axes, rows.iter().map(line).collect()))]
+    }
+
+    fn clips(rows: &[Self]) -> Vec<ClipGroup> {
+        let mut groups: Vec<ClipGroup> = Vec::new();
+        for r in rows {
+            if groups.last().is_none_or(|group| group.title != r.group()) {
+                let world = Clip { file: r.clip_file(WORLD), name: "the world".to_owned(), caption: String::new() };
+                groups.push(ClipGroup { title: r.group(), clips: vec![world] });
+            }
+            let caption = format!("{:.2} JOD, {:.1} ms", r.jod, r.time_ms);
+            let clip = Clip { file: r.clip_file(&r.head.variant()), name: r.head.variant(), caption };
+            groups.iter_mut().rev().take(1).for_each(|group| group.clips.push(clip.clone()));
+        }
+        groups
+    }
+}

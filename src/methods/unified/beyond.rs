@@ -1,0 +1,60 @@
+//! What follows the rays that the screen lost: captures, or the triangles of the scene.
+
+use crate::error::Result;
+use crate::gpu::Frame;
+use crate::passes::follow::{FollowInput, FollowPass};
+use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass};
+use crate::passes::unified_gloss::BetweenPasses;
+use crate::passes::{Canvas, GBuffer, Hits};
+
+/// What follows the rays on the list.
+pub(super) enum BeyondPass {
+    Captures(FollowPass),
+    Triangles(TriangleTracePass),
+}
+
+/// What the rays on the list are followed in, in a frame.
+pub(super) enum BeyondInput<'a> {
+    Captures(FollowInput<'a>),
+    Triangles(TriangleInput<'a>),
+}
+
+impl BeyondPass {
+    /// Finishes the pixels of mirrors whose rays are on the list.
+    pub(super) fn mirrors(
+        &self,
+        frame: &mut Frame,
+        input: &BeyondInput,
+        (gbuffer, canvas, hits): (&GBuffer, Canvas, Option<Hits>),
+    ) -> Result<()> {
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => {
+                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
+            }
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
+                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes into the records what the rays of narrow lobes see.
+    pub(super) fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
+        let images = [&between.records, &between.ends];
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, images),
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_narrow(frame, *input, images),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes what the rays of cells with wide lobes see.
+    pub(super) fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
+        let images = [&between.place, &between.seen, &between.ends];
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),
+            _ => Ok(()),
+        }
+    }
+}
