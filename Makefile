@@ -70,7 +70,7 @@ test-bevy: build
 test-drivers: setup
 	CARGO="$(CARGO)" scripts/test-drivers.sh
 
-# The README's two commands in a bare Debian, which debootstrap makes in a folder; as root: 40 minutes.
+# The README's two commands in a bare Debian, which debootstrap makes in a folder; as root: half an hour.
 test-debian-12 test-debian-13: test-debian-%:
 	scripts/test-debian.sh $*
 

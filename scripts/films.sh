@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The films behind "Films" in docs/findings.md: a walk through two scenes at four roughness values, and what a history leaves
-# behind when the camera turns suddenly and when something moves while it rests.
+# The films behind "Films" in docs/findings.md: a walk through two scenes at four roughness values; what a history leaves
+# behind when the camera turns suddenly and when something moves while it rests; and 64 frames after something stopped.
 #
 #   scripts/films.sh OUT
 #
-# The environment may set SIZE, FRAMES, RAYS and ROUGHNESS. Interrupted, the same command goes on where it was.
+# The environment may set SIZE, FRAMES, RAYS and ROUGHNESS of all but the last. Interrupted, the same command goes on where it was.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -23,13 +23,26 @@ rest=(
     --variant "stochastic --fallback captures" --variant "stochastic --fallback captures --history on"
 )
 
+small=(
+    --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"
+)
+
 film() { # folder, flags...
     local folder=$out/$1
     shift
-    "$ssct" video --frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}" "$@" -o "$folder" --resume
+    "$ssct" video "$@" -o "$folder" --resume
 }
+full=(--frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}")
 
-film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${walk[@]}"
-film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${walk[@]}"
-film turn --way turn --scene rooms --view corridor --roughness 0.1 "${rest[@]}"
-film moving --way rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${rest[@]}"
+film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${full[@]}" "${walk[@]}"
+film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${full[@]}" "${walk[@]}"
+film turn --way turn --scene rooms --view corridor --roughness 0.1 "${full[@]}" "${rest[@]}"
+rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
+film moving "${rolls[@]}" --scene rooms --view corridor --roughness 0.1 "${full[@]}" "${rest[@]}"
+
+# What moves stops in frame 32.
+stop() { film "$@" --scene rooms --view corridor --roughness 0.1 --frames 97 --size 160x90 --rays 16 "${small[@]}"; }
+stop stop --way stop
+stop thing-stops "${rolls[@]}" --step-frames 32
+stop held --way stop --held ball
+stop jitter --way stop --jitter

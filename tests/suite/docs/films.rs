@@ -3,7 +3,7 @@
 use super::figures::{Result, Row, csv, json, mean, median, number, ratio, table};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The variants of films, as their tables call them: `unified` with the world's triangles behind the screen, `stochastic` with
 /// captures behind it, and what each shows of the screen alone.
@@ -54,19 +54,21 @@ fn qualities([a, b]: [&Row; 2], difference: impl Fn(f64, f64) -> f64) -> Result<
     Ok(cells)
 }
 
-/// `unified` beside `stochastic` with a history and captures behind it.
-pub fn walks(folder: &Path) -> Result<String> {
+/// `unified` beside `stochastic` with a history and captures behind it, with the times where they are worth something.
+pub fn walks(folder: &Path, timed: bool) -> Result<String> {
     let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
         let [ours, theirs] = both;
         let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
-        cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        if timed {
+            cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        }
         for of in both {
             cells.push(format!("{:.3}", number(of, "flip")?));
         }
         cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
         Ok(cells)
     })?;
-    let head = [
+    let mut head = vec![
         "walk",
         "ϱ",
         "JOD, `unified`",
@@ -75,12 +77,14 @@ pub fn walks(folder: &Path) -> Result<String> {
         "JOD of reflections, `unified`",
         "`stochastic`",
         "difference",
-        "time, `unified` over `stochastic`",
         "FLIP, `unified`",
         "`stochastic`",
         "error of changes, `unified`",
         "`stochastic`",
     ];
+    if timed {
+        head.insert(head.len() - 4, "time, `unified` over `stochastic`");
+    }
     table(&head, rows)
 }
 
@@ -158,8 +162,43 @@ pub fn ghosts(folder: &Path) -> Result<String> {
     table(&["frames", "`unified`", "with a history", "`stochastic`", "with a history"], rows)
 }
 
-/// Films without a history and with one, by their folders. Two were also made with the history that looked where the surface
-/// was.
+/// Films in which something stops in frame [`STOPPED`], by their folders, with what stops.
+const STOPS: [(&str, &str); 4] = [
+    ("stop", "the camera"),
+    ("thing-stops", "a ball"),
+    ("held", "the camera, with a ball in hand"),
+    ("jitter", "the camera, with jitter"),
+];
+const STOPPED: usize = 32;
+/// Frames after the stop that the table shows.
+const AFTER: [usize; 6] = [0, 1, 2, 4, 8, 16];
+/// Frames at the end of a film of which the mean is taken: jitter repeats after so many.
+const AT_END: usize = 8;
+
+/// FLIP after a stop, frame by frame.
+pub fn stops(folder: &Path) -> Result<String> {
+    let methods = [
+        (UNIFIED, "`unified`"),
+        (UNIFIED_HISTORY, "`unified`, history"),
+        (STOCHASTIC_HISTORY, "`stochastic`, history"),
+    ];
+    let mut rows = Vec::new();
+    for (name, shown) in STOPS {
+        for (variant, method) in methods {
+            let flips = flips(&folder.join(name), variant)?;
+            let after = |n: usize| flips.get(STOPPED + n).copied().ok_or_else(|| format!("{name} ends before {n}"));
+            let end = mean(&flips[flips.len().saturating_sub(AT_END)..])?;
+            let shown_after = AFTER.iter().map(|n| Ok(format!("{:.4}", after(*n)?))).collect::<Result<Vec<_>>>()?;
+            let ends = vec![format!("{end:.4}"), ratio(after(4)? / end)];
+            let names = vec![shown.to_owned(), method.to_owned()];
+            rows.push([names, shown_after, ends].concat());
+        }
+    }
+    let head = ["what stops", "method", "0", "1", "2", "4", "8", "16", "the end", "4 over the end"];
+    table(&head, rows)
+}
+
+/// Films without a history and with one, by their folders.
 const HISTORIES: [(&str, &str); 4] = [
     ("ball", "a ball moves, the camera rests"),
     ("turn", "a turn of 45° in six frames, and a rest"),
@@ -168,9 +207,12 @@ const HISTORIES: [(&str, &str); 4] = [
 ];
 
 /// The error of changes of each film over the world's own changes, FLIP, and the changes themselves over the world's, of `unified`
-/// without a history and with one.
-pub fn histories(folder: &Path) -> Result<String> {
-    let films = |name: &str| -> Result<[Row; 2]> {
+/// without a history and with one. The second folder has two of the films by the history that looked where the surface was.
+pub fn histories(folders: &[PathBuf]) -> Result<String> {
+    let [folder, earlier] = folders else {
+        return Err("films of now are of one folder, earlier ones of another".to_owned());
+    };
+    let films = |folder: &Path, name: &str| -> Result<[Row; 2]> {
         let rows = csv(&folder.join(name), "video.csv")?;
         let of = |variant: &str| {
             let found = rows.iter().find(|r| r["variant"] == variant);
@@ -181,10 +223,10 @@ pub fn histories(folder: &Path) -> Result<String> {
     let over = |row: &Row, field: &str| Ok::<_, String>(number(row, field)? / number(row, "reference_flicker")?);
     let mut rows = Vec::new();
     for (name, shown) in HISTORIES {
-        let [none, now] = films(name)?;
+        let [none, now] = films(folder, name)?;
         let before = format!("{name}-before");
-        let before = if folder.join(&before).exists() {
-            ratio(over(&films(&before)?[1], "change_error")?)
+        let before = if earlier.join(&before).exists() {
+            ratio(over(&films(earlier, &before)?[1], "change_error")?)
         } else {
             "–".to_owned()
         };
@@ -212,32 +254,6 @@ fn flips(folder: &Path, variant: &str) -> Result<Vec<f64>> {
     let of = |row: &Row| number(row, if row.contains_key("frame_flip") { "frame_flip" } else { "flip" });
     let found: Vec<f64> = rows.iter().filter(|r| r["variant"] == variant).map(of).collect::<Result<_>>()?;
     if found.is_empty() { Err(format!("no film of {variant:?}")) } else { Ok(found) }
-}
-
-/// FLIP of a frame, by its number or `end`.
-pub fn flip(folder: &Path, variant: &str, frame: &str) -> Result<String> {
-    Ok(format!("{:.4}", at(&flips(folder, variant)?, frame)?))
-}
-
-/// FLIP of a frame over that of the last.
-pub fn flip_over_end(folder: &Path, variant: &str, frame: &str) -> Result<String> {
-    let all = flips(folder, variant)?;
-    Ok(ratio(at(&all, frame)? / at(&all, "end")?))
-}
-
-/// The least and the greatest FLIP from a frame on.
-pub fn flip_from(folder: &Path, variant: &str, first: &str) -> Result<String> {
-    let first: usize = first.parse().map_err(|_| format!("{first:?} is no frame"))?;
-    let all = flips(folder, variant)?;
-    let later = all.get(first..).filter(|later| !later.is_empty()).ok_or_else(|| format!("no frame {first}"))?;
-    let [least, greatest] = [f64::min, f64::max].map(|of| later.iter().copied().reduce(of).unwrap_or_default());
-    Ok(format!("{least:.4} to {greatest:.4}"))
-}
-
-fn at(all: &[f64], frame: &str) -> Result<f64> {
-    let frame = if frame == "end" { Ok(all.len() - 1) } else { frame.parse() };
-    let frame: usize = frame.map_err(|_| "a frame is a number or `end`".to_owned())?;
-    all.get(frame).copied().ok_or_else(|| format!("no frame {frame}"))
 }
 
 /// The error of changes of a variant's film over the world's own changes.
