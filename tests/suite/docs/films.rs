@@ -256,12 +256,22 @@ fn flips(folder: &Path, variant: &str) -> Result<Vec<f64>> {
     if found.is_empty() { Err(format!("no film of {variant:?}")) } else { Ok(found) }
 }
 
-/// The error of changes of a variant's film over the world's own changes.
-pub fn changes(folder: &Path, variant: &str) -> Result<String> {
+/// A variant's film, of those of one roughness.
+fn only(folder: &Path, variant: &str) -> Result<Row> {
     let variant = variant.replace('_', " ");
     let rows = csv(folder, "video.csv")?;
-    let row = rows.iter().find(|r| r["variant"] == variant).ok_or_else(|| format!("no film of {variant:?}"))?;
-    error_of_changes(row)
+    rows.into_iter().find(|r| r["variant"] == variant).ok_or_else(|| format!("no film of {variant:?}"))
+}
+
+/// The error of changes of a variant's film over the world's own changes.
+pub fn changes(folder: &Path, variant: &str) -> Result<String> {
+    error_of_changes(&only(folder, variant)?)
+}
+
+/// JOD of a variant's film, of its finished images and of its reflections.
+pub fn jods(folder: &Path, variant: &str) -> Result<String> {
+    let film = only(folder, variant)?;
+    Ok(format!("{:.2} and {:.2}", number(&film, "jod")?, number(&film, "jod_reflection")?))
 }
 
 /// What a mesh that moves costs: building all of the tree anew, and the small one alone.

@@ -91,6 +91,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["films-stops"] => films::stops(first)?,
         ["films-with-history"] => films::with_history(first)?,
         ["histories"] => films::histories(folders)?,
+        ["jods", variant] => films::jods(first, variant)?,
         ["changes", variant] => films::changes(first, variant)?,
         ["movers"] => films::movers(first)?,
         ["history-times"] => films::history_times(first)?,
