@@ -4,7 +4,8 @@
 #
 #   scripts/films.sh OUT
 #
-# The environment may set SIZE, FRAMES, RAYS and ROUGHNESS of all but the last. Interrupted, the same command goes on where it was.
+# The environment may set ROUGHNESS of the walks, and SIZE, FRAMES and RAYS of all films but those of stops. Interrupted, the same
+# command goes on where it was.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -23,7 +24,7 @@ rest=(
     --variant "stochastic --fallback captures" --variant "stochastic --fallback captures --history on"
 )
 
-small=(
+stops=(
     --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"
 )
 
@@ -32,17 +33,22 @@ film() { # folder, flags...
     shift
     "$ssct" video "$@" -o "$folder" --resume
 }
-full=(--frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}")
 
-film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${full[@]}" "${walk[@]}"
-film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${full[@]}" "${walk[@]}"
-film turn --way turn --scene rooms --view corridor --roughness 0.1 "${full[@]}" "${rest[@]}"
+in_rooms=(--scene rooms --view corridor)
+at=(--frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}")
+film rooms --way walk "${in_rooms[@]}" --roughness "$roughness" "${at[@]}" "${walk[@]}"
+film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${at[@]}" "${walk[@]}"
+film turn --way turn "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
-film moving "${rolls[@]}" --scene rooms --view corridor --roughness 0.1 "${full[@]}" "${rest[@]}"
+film moving "${rolls[@]}" "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 
-# What moves stops in frame 32.
-stop() { film "$@" --scene rooms --view corridor --roughness 0.1 --frames 97 --size 160x90 --rays 16 "${small[@]}"; }
-stop stop --way stop
-stop thing-stops "${rolls[@]}" --step-frames 32
-stop held --way stop --held ball
-stop jitter --way stop --jitter
+# By itself, `unified` gives pixels rays of their own on a GPU alone.
+film own-rays --way walk "${in_rooms[@]}" --roughness 0.3 "${at[@]}" \
+    --variant "unified --own-rays 8" --variant "unified --own-rays 8 --history on"
+
+# Everything stands still from frame 32 on: a third of a film of 97 frames.
+at=(--frames 97 --size 160x90 --rays 16)
+film stop --way stop "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
+film thing-stops "${rolls[@]}" --step-frames 32 "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
+film held --way stop --held ball "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
+film jitter --way stop --jitter "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"

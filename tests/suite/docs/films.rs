@@ -1,6 +1,6 @@
 //! The tables of films: quality and time of `unified` beside `stochastic` with a history, and what a history leaves behind.
 
-use super::figures::{Result, Row, csv, json, mean, median, number, ratio, table};
+use super::figures::{Result, Row, csv, json, mean, median, median_and_range, number, ratio, table};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -59,13 +59,13 @@ pub fn walks(folder: &Path, timed: bool) -> Result<String> {
     let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
         let [ours, theirs] = both;
         let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
-        if timed {
-            cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
-        }
         for of in both {
             cells.push(format!("{:.3}", number(of, "flip")?));
         }
         cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
+        if timed {
+            cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        }
         Ok(cells)
     })?;
     let mut head = vec![
@@ -83,7 +83,7 @@ pub fn walks(folder: &Path, timed: bool) -> Result<String> {
         "`stochastic`",
     ];
     if timed {
-        head.insert(head.len() - 4, "time, `unified` over `stochastic`");
+        head.push("time, `unified` over `stochastic`");
     }
     table(&head, rows)
 }
@@ -312,4 +312,23 @@ pub fn history_times(folder: &Path) -> Result<String> {
     let mut rows = found.iter().map(row).collect::<Result<Vec<_>>>()?;
     rows.sort_by_key(|row| (row[0].len(), row[1].clone()));
     table(&["size", "ϱ", "`unified`, ms", "the history's pass, ms", "with it over without"], rows)
+}
+
+/// So many samples at the beginning of a run have other directions of rays each, and from this one on all have those of before.
+const TURNING: usize = 12;
+const SETTLED: usize = 20;
+
+/// The time of the history's pass with loops in place of branches, over that with branches, in pairs of runs: of the first samples,
+/// in which the directions of rays turn, or of those in which nothing changes any more.
+pub fn history_loops(folder: &Path, turning: bool) -> Result<String> {
+    let rows = csv(folder, "samples.csv")?;
+    let pass = |program: &str, run: &str| {
+        let of = rows.iter().filter(|r| r["program"] == program && r["run"] == run);
+        let all = of.map(|r| number(r, "history_ms")).collect::<Result<Vec<_>>>()?;
+        let part = if turning { all.get(..TURNING) } else { all.get(SETTLED..) };
+        median(part.ok_or("a run of too few samples")?)
+    };
+    let runs: BTreeSet<&str> = rows.iter().map(|r| r["run"].as_str()).collect();
+    let over = |run: &&str| Ok(pass("loops", run)? / pass("branches", run)?);
+    median_and_range(&runs.iter().map(over).collect::<Result<Vec<_>>>()?)
 }

@@ -94,6 +94,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["jods", variant] => films::jods(first, variant)?,
         ["changes", variant] => films::changes(first, variant)?,
         ["movers"] => films::movers(first)?,
+        ["history-loops", "turning"] => films::history_loops(first, true)?,
+        ["history-loops", "settled"] => films::history_loops(first, false)?,
         ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,
