@@ -32,13 +32,20 @@ struct Answer {
     float distance; // from the start to the place
 };
 
-// The nearest capture to a point relative to the eye of those that are not left out; -1 if there is none.
-int Nearest(vec3 point, int left_out) {
+// A bit for each capture.
+uint AllCaptures() {
+    return (1u << uint(captures.count)) - 1u;
+}
+
+// The nearest capture to a point relative to the eye of those that have a bit in `among`; -1 if none has. No loop counts up to a
+// number of a uniform block: see triangles/walk.glsl.
+int Nearest(vec3 point, uint among) {
     int nearest = -1;
     float least = NEVER;
-    for (int k = 0; k < captures.count; ++k) {
+    for (; among != 0u; among &= among - 1u) {
+        int k = findLSB(among);
         precise vec3 o = point - captures.places[k].xyz;
-        float squared = (left_out >> k & 1) == 0 ? Dot(o, o) : NEVER;
+        float squared = Dot(o, o);
         nearest = squared < least ? k : nearest;
         least = min(squared, least);
     }
@@ -46,11 +53,11 @@ int Nearest(vec3 point, int left_out) {
 }
 
 // The nearest one of them that sees the point; -1 if none does.
-int NearestThatSees(vec3 point, int left_out) {
-    int k = Nearest(point, left_out);
+int NearestThatSees(vec3 point, uint among) {
+    int k = Nearest(point, among);
     while (k >= 0 && !Sees(k, point - captures.places[k].xyz)) {
-        left_out |= 1 << k;
-        k = Nearest(point, left_out);
+        among &= ~(1u << k);
+        k = Nearest(point, among);
     }
     return k;
 }
@@ -63,7 +70,7 @@ bool IsOutside(vec3 point) {
 Answer FollowRay(LostRay ray) {
     Answer answer = Answer(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
-    int left_out = 0;
+    uint among = AllCaptures();
     bool exhausted = false;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
@@ -71,7 +78,7 @@ Answer FollowRay(LostRay ray) {
             answer.code = PATH_SKY;
             break;
         }
-        int k = NearestThatSees(point, left_out);
+        int k = NearestThatSees(point, among);
         if (k < 0)
             break;
         vec3 place = captures.places[k].xyz;
@@ -81,7 +88,7 @@ Answer FollowRay(LostRay ray) {
         precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
         bool has_moved = distance > least;
         bool has_ended = followed.how == FOLLOW_HIT || followed.how == FOLLOW_SKY;
-        left_out = has_moved ? 1 << k : left_out | 1 << k;
+        among = (has_moved ? AllCaptures() : among) & ~(1u << k);
         point = has_moved || has_ended ? there : point;
         answer.code = followed.how == FOLLOW_HIT ? PATH_CAPTURE + k
                     : followed.how == FOLLOW_SKY ? PATH_SKY
@@ -90,7 +97,7 @@ Answer FollowRay(LostRay ray) {
     answer.code = exhausted ? PATH_UNFINISHED : answer.code;
     answer.place = point;
     answer.distance = Dot(point - ray.start, ray.direction);
-    answer.capture = answer.code >= PATH_CAPTURE ? answer.code - PATH_CAPTURE : max(Nearest(point, 0), 0);
+    answer.capture = answer.code >= PATH_CAPTURE ? answer.code - PATH_CAPTURE : max(Nearest(point, AllCaptures()), 0);
     return answer;
 }
 

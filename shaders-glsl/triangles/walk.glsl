@@ -112,8 +112,11 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
 // The nearest triangle that the ray meets after `after`.
 Met WalkTree(TreeRay ray) {
     Met best = NOTHING;
+    // The root of what moves lies at the bottom of the stack. There is no branch that asks the uniform block alone: lavapipe 22.3
+    // makes such a program anew, with the value in it, at each dispatch.
     uvec2 stack[TREE_DEPTH];
-    int height = 0;
+    stack[0] = uvec2(uint(triangles.moving), 0x80000000u);
+    int height = triangles.moving > 0 ? 1 : 0;
     // A direction along a plane of an axis is tested as if it were a little beside it, which no box notices.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     vec3 inverse = 1.0 / direction;
@@ -121,8 +124,6 @@ Met WalkTree(TreeRay ray) {
     uint octant = (back.x ? 0u : 0x04040404u) | (back.y ? 0u : 0x02020202u) | (back.z ? 0u : 0x01010101u);
     // A group of nodes: the first child's number, and the bits of those that are still to be looked at.
     uvec2 group = uvec2(0u, triangles.nodes > 0 ? 0x80000000u : 0u);
-    if (triangles.moving > 0)
-        stack[height++] = uvec2(uint(triangles.moving), 0x80000000u);
     while (true) {
         uvec2 leaves = uvec2(0u);
         if ((group.y & 0xff000000u) != 0u) {

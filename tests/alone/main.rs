@@ -14,6 +14,7 @@ mod embedder;
 mod faults;
 mod fuzz_corpus;
 mod packaged;
+mod programs;
 mod soak;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

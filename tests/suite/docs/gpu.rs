@@ -97,3 +97,11 @@ pub fn stages_on(folder: &Path) -> Result<String> {
         told.chunks_exact(2).map(row).collect::<Result<_>>()?,
     )
 }
+
+/// Milliseconds of the effect in the programs of `programs-again`, with the code kept on the disk (`yes`) or not, at a width.
+pub fn programs_again(folder: &Path, [program, kept, width]: [&str; 3]) -> Result<String> {
+    let rows = csv(folder, "times.csv")?;
+    let of = rows.iter().filter(|r| r["program"] == program && r["kept_on_disk"] == kept && r["width"] == width);
+    let ms = median(&of.map(|r| number(r, "effect_ms")).collect::<Result<Vec<_>>>()?)?;
+    Ok(if ms < 1.0 { format!("{ms:.2}") } else { format!("{ms:.1}") })
+}

@@ -96,6 +96,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["movers"] => films::movers(first)?,
         ["history-loops", "turning"] => films::history_loops(first, true)?,
         ["history-loops", "settled"] => films::history_loops(first, false)?,
+        ["programs-again", program, kept, width] => gpu::programs_again(first, [program, kept, width])?,
         ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,

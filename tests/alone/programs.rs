@@ -1,0 +1,88 @@
+//! A frame makes no programs: whatever it takes has been made before, by frames of another camera too. Some drivers make a
+//! program again with values of its uniform blocks in it, at each dispatch or for each value, which takes hundreds of times as
+//! long as the dispatch itself. Drivers that are CPUs keep their programs in the memory of the process, where this is seen.
+
+use crate::alone;
+use crate::common::{built_in, own_gpu};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::methods::setup::{BeyondScreen, HistoryUse, OwnRays, StageChoice};
+use ssct::methods::unified::{self, First, UnifiedParams};
+use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup, Wants};
+use ssct_lab::scene::Capture;
+use ssct_lab::stage::{Globals, Shot, Stage};
+
+const EXTENT: [u32; 2] = [33, 18];
+
+/// Bytes of the process that can be executed and are of no file: what compilers made while it ran.
+fn made_bytes() -> u64 {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let length = |range: &str| {
+        let (from, to) = range.split_once('-')?;
+        Some(u64::from_str_radix(to, 16).ok()? - u64::from_str_radix(from, 16).ok()?)
+    };
+    let of_line = |line: &str| {
+        let mut words = line.split_ascii_whitespace();
+        let (range, rights) = (words.next()?, words.next()?);
+        // Then come the offset, the device, the number of the file, and its name where there is one.
+        (rights.contains('x') && words.nth(3).is_none()).then(|| length(range)).flatten()
+    };
+    maps.lines().filter_map(of_line).sum()
+}
+
+/// Frames that go on while a driver may still make programs: with a history its first frames differ.
+const WARM: usize = 6;
+const MEASURED: usize = 4;
+
+#[test]
+fn frames_make_no_programs() {
+    let _alone = alone();
+    let gpu = own_gpu();
+    let mut scene = built_in("rooms");
+    let view = scene.view("corridor").unwrap().clone();
+    let places = [view.eye + 0.2 * Vec3::Y, view.eye - Vec3::new(0.3, 0.0, 0.2), view.eye + 0.3 * Vec3::X];
+    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+
+    let plain = Setup::new(EXTENT);
+    let unified =
+        |name, change: fn(&mut EffectParams)| (format!("unified, {name}"), &unified::INFO, plain.clone().with(change));
+    let screen = plain.clone().with(|p: &mut UnifiedParams| p.first = First::Screen);
+    let mut all: Vec<(String, &MethodInfo, Setup)> =
+        METHODS.iter().map(|method| (method.name.to_owned(), method, plain.clone())).collect();
+    all.push(("unified, the screen first".into(), &unified::INFO, screen));
+    all.push(unified("on the screen", |p| p.beyond = BeyondScreen::None));
+    all.push(unified("captures", |p| p.beyond = BeyondScreen::Captures));
+    all.push(unified("own rays", |p| p.own_rays = OwnRays::Four));
+    all.push(unified("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)));
+    all.push(unified("a history in compute", |p| {
+        (p.history, p.history_frames, p.history_stage) = (HistoryUse::On, 3, StageChoice::Compute);
+    }));
+    all.push(unified("two bounces", |p| p.bounces = 2));
+    let mut made_again = Vec::new();
+    for (name, method, setup) in all {
+        for roughness in [0.0, 0.1, 0.4] {
+            let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, &view);
+            let camera = |frame: usize| {
+                let mut moved = view.clone();
+                moved.eye += 0.001 * frame as f32 * Vec3::X;
+                moved.camera(&scene, EXTENT)
+            };
+            let mut shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, camera(0), materials).unwrap();
+            let mut run = |frames: std::ops::Range<usize>| {
+                for frame in frames {
+                    shot.camera = camera(frame);
+                    stage.run(&shot, Mode::Plain).unwrap();
+                }
+                made_bytes()
+            };
+            let before = run(0..WARM);
+            let after = run(WARM..WARM + MEASURED);
+            if after != before {
+                made_again.push(format!("{name} at {roughness}: {} bytes", after as i64 - before as i64));
+            }
+        }
+    }
+    assert!(!gpu.info().is_cpu() || made_bytes() > 0, "programs are seen");
+    assert!(made_again.is_empty(), "made in each of {MEASURED} frames:\n{}", made_again.join("\n"));
+}
