@@ -29,10 +29,12 @@ layout(std140, binding = 0) uniform HistoryBlock {
     vec2 resolution;          // pixels
     float unit;               // metres to one unit of a distance
     float frames;             // that are averaged at most while the camera moves
+    float most;               // that are averaged at most now
     float deviations;         // standard deviations around the mean within which the history is kept
     int begins;               // 1: there is no frame before
     int has_ends;             // 1: `ends_image` is known
-    int rests;                // 1: the frame before had this camera; 2: so had as many as are averaged
+    int rests;                // 1: the frame before had this camera, or the same with its image shifted; 2: so had as many as are
+                              // averaged, none of them shifted
     int repeats;              // 1: and the same directions of rays
     int mover_count;
     int may_move;             // 1: something may have moved since the frame before
@@ -80,8 +82,6 @@ struct Averaged {
 // and where nothing moves.
 #define AGREED 4.0
 #define AT_REST 8.0
-// Frames that are averaged at most at rest.
-#define MOST_AT_REST 128.0
 // What is seen so many pixels from where a thing at rest would be seen stands still, and so much of the way farther, since
 // 16-bit floats round motion by a quarter of that.
 #define STILL 0.05
@@ -416,7 +416,7 @@ Averaged Average(ivec2 pixel) {
     vec4 reach = most * sqrt(max(block.squares / max(block.count, 1.0) - mean * mean, vec4(0.0)));
     // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
-    age = min(age + 1.0, history.rests != 0 ? MOST_AT_REST : history.frames);
+    age = min(age + 1.0, history.most);
     // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
     bool is_whole = history.rests > 1 && history.may_move == 0 && !is_new && found.age > history.frames - 0.5;
     vec4 mixed = FromLinear(mix(before, now, is_whole ? 0.0 : 1.0 / age));

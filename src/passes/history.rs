@@ -8,13 +8,16 @@ use crate::gpu::shader::{HistoryBlock, MoverData};
 use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
-use crate::scene::{Camera, ProjectionKind};
+use crate::scene::{Camera, Projection, ProjectionKind};
 use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
 use std::cell::{Cell, OnceCell, RefCell};
 
 /// Format of what guides the search: `Guide` of `shaders-glsl/common/history.glsl`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
+
+/// Frames that are averaged at most at rest.
+const MOST_AT_REST: f32 = 128.0;
 
 /// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
@@ -77,7 +80,7 @@ struct Past {
     turns: Turns,
     /// What this frame says, until it is recorded.
     movers: Vec<Mover>,
-    rests: bool,
+    change: Change,
     repeats: bool,
     before: Option<Camera>,
 }
@@ -103,14 +106,39 @@ pub struct Turns {
 
 impl Turns {
     /// The frame after this one: whether the camera moved since, and whether the last thing that moved has come to rest.
-    fn next(self, moved: bool, has_stopped: bool, averaged: u32) -> Self {
+    fn next(self, change: Change, has_stopped: bool, averaged: u32) -> Self {
         let Self { drawn, rested, left } = self;
         let most = averaged.saturating_sub(1);
-        let left = if moved || has_stopped { most } else { left };
-        match (moved, left) {
-            (true, _) => Self { drawn: drawn.wrapping_add(1), rested: 0, left },
-            (false, 0) => self,
-            (false, _) => Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left: left - 1 },
+        let left = if change != Change::None || has_stopped { most } else { left };
+        let turned = Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left };
+        match (change, left) {
+            (Change::Moves, _) => Self { rested: 0, ..turned },
+            (_, 0) => self,
+            // No frame of a jittered camera is as the one before, so that there is no end to what other directions bring.
+            (Change::Shifts, _) => turned,
+            (Change::None, _) => Self { left: left - 1, ..turned },
+        }
+    }
+}
+
+/// How a camera differs from that of the frame before.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Change {
+    None,
+    /// By the shift of its projection alone, as cameras do that are jittered.
+    Shifts,
+    #[default]
+    Moves,
+}
+
+impl Change {
+    fn between(before: &Camera, now: &Camera) -> Self {
+        let unshifted = |camera: &Camera| Projection { shift: [0.0; 2], ..camera.numbers() };
+        let is_seen_alike = before.world_to_view == now.world_to_view && before.near_plane == now.near_plane;
+        match before == now {
+            true => Self::None,
+            false if is_seen_alike && unshifted(before) == unshifted(now) => Self::Shifts,
+            false => Self::Moves,
         }
     }
 }
@@ -167,13 +195,14 @@ impl HistoryPass {
         let mut past = self.past.borrow_mut();
         past.movers = movers(&past.standing, &standing);
         past.before = past.camera.replace(*camera);
-        past.rests = past.before == Some(*camera);
+        let change = past.before.map(|before| Change::between(&before, camera));
+        past.change = change.unwrap_or(Change::Moves);
         let moves = may_move || !past.movers.is_empty();
-        let turns = match past.before {
+        let turns = match change {
             None => Turns { left: self.averaged.saturating_sub(1), ..Turns::default() },
-            Some(_) => past.turns.next(!past.rests, past.moved && !moves, self.averaged),
+            Some(change) => past.turns.next(change, past.moved && !moves, self.averaged),
         };
-        past.repeats = past.rests && turns == past.turns;
+        past.repeats = change == Some(Change::None) && turns == past.turns;
         (past.turns, past.moved, past.standing) = (turns, moves, standing);
         turns
     }
@@ -257,7 +286,12 @@ impl HistoryPass {
     }
 
     fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2], motion: Option<SurfaceMotion>) -> HistoryBlock {
-        let earlier = past.before.as_ref().unwrap_or(camera);
+        let before = past.before.as_ref().unwrap_or(camera);
+        // What a pixel of a jittered camera at rest shows is that pixel's, wherever in it the surface was seen: its history is
+        // not moved by parts of a pixel, which would blur it.
+        let earlier = if past.change == Change::Shifts { camera } else { before };
+        let rests = past.change != Change::Moves;
+        let settles = past.change == Change::None;
         let array = |m: DMat4| m.as_mat4().to_cols_array_2d();
         let [clip, clip_before] = [camera, earlier].map(|c| c.view_to_clip_reversed().as_dmat4());
         let [world, world_before] = [camera, earlier].map(|c| c.world_to_view.as_dmat4());
@@ -272,15 +306,17 @@ impl HistoryPass {
             frames: self.averaged as f32,
             deviations: self.deviations,
             begins: i32::from(past.before.is_none()),
-            rests: i32::from(past.rests) + i32::from(past.rests && past.turns.rested >= self.averaged),
+            most: if settles { MOST_AT_REST } else { self.averaged as f32 },
+            rests: i32::from(rests) + i32::from(settles && past.turns.rested >= self.averaged),
             repeats: i32::from(past.repeats),
             may_move: i32::from(motion.is_some() || !past.movers.is_empty()),
             view_to_clip: array(clip),
             ..HistoryBlock::default()
         };
         if let Some(SurfaceMotion { scale, shifted, .. }) = motion {
-            let shift = if shifted { Vec2::ZERO } else { shift(earlier, extent) - shift(camera, extent) };
-            (block.motion_scale, block.motion_shift) = (scale, shift.to_array());
+            let shifts = |of: &Camera| shift(of, extent) - shift(camera, extent);
+            let held = if shifted { shifts(before) } else { Vec2::ZERO };
+            (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - held).to_array());
         }
         for (data, mover) in block.movers.iter_mut().zip(&past.movers) {
             let [first, end] = mover.triangles;
@@ -338,17 +374,21 @@ mod tests {
     fn rays_turn_once_through_their_directions_after_each_stop() {
         let averaged = 4;
         let begun = Turns { left: averaged - 1, ..Turns::default() };
-        let rest = |turns: Turns| turns.next(false, false, averaged);
+        let rest = |turns: Turns| turns.next(Change::None, false, averaged);
         let rested: Vec<u32> =
             std::iter::successors(Some(begun), |t| Some(rest(*t))).take(7).map(|t| t.rested).collect();
         assert_eq!(rested, [0, 1, 2, 3, 3, 3, 3]);
         let settled = (0..6).fold(begun, |turns, _| rest(turns));
         // A thing that rests again has been seen in other directions than now.
-        let stopped = settled.next(false, true, averaged);
+        let stopped = settled.next(Change::None, true, averaged);
         assert_eq!((stopped.rested, stopped.drawn), (4, settled.drawn + 1));
-        let moved = settled.next(true, false, averaged);
+        let moved = settled.next(Change::Moves, false, averaged);
         assert_eq!((moved.rested, moved.drawn), (0, settled.drawn + 1));
         assert_eq!(rest(moved).rested, 1);
+        // A jittered camera has no end of them, unless one frame is all that is averaged.
+        let jittered = (0..6).fold(settled, |turns, _| turns.next(Change::Shifts, false, averaged));
+        assert_eq!((jittered.rested, jittered.drawn), (settled.rested + 6, settled.drawn + 6));
+        assert_eq!(Turns::default().next(Change::Shifts, false, 1), Turns::default());
     }
 
     #[test]

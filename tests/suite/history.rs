@@ -21,6 +21,14 @@ fn with_history() -> Setup {
 struct Moment {
     view: View,
     ball: Placement,
+    /// By how many pixels the image is shifted, to the right and down.
+    shift: [f32; 2],
+}
+
+impl Moment {
+    fn of(view: &View) -> Self {
+        Self { view: view.clone(), ball: Placement::HERE, shift: [0.0; 2] }
+    }
 }
 
 /// The reflections that `unified` makes of the rooms, frame by frame.
@@ -28,7 +36,7 @@ fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
     let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, &moments[0].view);
-    let camera = |moment: &Moment| moment.view.camera(scene, EXTENT);
+    let camera = |moment: &Moment| moment.view.camera(scene, EXTENT).jittered(moment.shift, EXTENT);
     let first = camera(&moments[0]);
     let mut shot = Shot::new(&mut stage, find("unified").unwrap(), setup, Wants::REFLECTION, first, materials).unwrap();
     let mut made = Vec::new();
@@ -56,13 +64,13 @@ fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
         let aside = right * (0.02 * n.min(moving) as f32);
         View { eye: view.eye + aside, look_at: view.look_at + aside, ..view.clone() }
     };
-    (0..=moving + resting).map(|n| Moment { view: place(n), ball: Placement::HERE }).collect()
+    (0..=moving + resting).map(|n| Moment::of(&place(n))).collect()
 }
 
 /// A camera at rest, before which the ball rolls after some frames.
 fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
     let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
-    (0..=resting + rolling).map(|n| Moment { view: view.clone(), ball: ball(n).into() }).collect()
+    (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::of(view) }).collect()
 }
 
 fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -108,6 +116,36 @@ fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
     }
 }
 
+/// The mean of images, as renderers make it of a jittered camera's.
+fn mean(images: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
+    let sum = |n: usize, c: usize| images.iter().map(|image| image[n][c]).sum::<f32>();
+    (0..images[0].len()).map(|n| [0, 1, 2].map(|c| sum(n, c) / images.len() as f32)).collect()
+}
+
+#[test]
+fn a_jittered_camera_at_rest_is_at_rest() {
+    let (scene, view) = rooms();
+    let phases = [[0.0, -0.17], [-0.25, 0.17], [0.25, -0.39], [-0.38, -0.06], [0.13, 0.28]];
+    let jittered = |n: usize| Moment { shift: phases[n % phases.len()], ..Moment::of(&view) };
+    for (roughness, most) in [(0.1, 0.6), (0.4, 0.7)] {
+        // Each phase by itself at rest, over more directions.
+        let long = with_history().with(|p: &mut EffectParams| p.history_frames = 5 * AVERAGED);
+        let at_rest = |n: usize| {
+            let moments: Vec<_> = (0..5 * AVERAGED).map(|_| jittered(n)).collect();
+            film(&scene, roughness, &long, &moments).pop().unwrap()
+        };
+        let truth = mean(&(0..phases.len()).map(at_rest).collect::<Vec<_>>());
+        let moments: Vec<_> = (0..4 * phases.len()).map(jittered).collect();
+        let over_phases = |setup: &Setup| {
+            let frames = film(&scene, roughness, setup, &moments);
+            rmse(&truth, &mean(&frames[3 * phases.len()..]))
+        };
+        let [with, without] = [with_history(), Setup::new(EXTENT)].map(|setup| over_phases(&setup));
+        println!("roughness {roughness}: {with:.4} with a history, {without:.4} without");
+        assert!(with < most * without, "roughness {roughness}: {with} with a history, {without} without");
+    }
+}
+
 #[test]
 fn a_thing_that_moves_changes_no_pixel_that_does_not_see_it() {
     let (scene, view) = rooms();
@@ -130,7 +168,7 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     let rolled = film(&scene, 0.1, &with_history(), &moments);
     // Frames that never saw the ball elsewhere.
     let still: Vec<Moment> =
-        (0..AVERAGED).map(|_| Moment { view: view.clone(), ball: moments.last().unwrap().ball }).collect();
+        (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::of(&view) }).collect();
     let there = film(&scene, 0.1, &with_history(), &still);
     let alone = film(&scene, 0.1, &Setup::new(EXTENT), &still[..1]);
     let begun = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
@@ -162,7 +200,8 @@ fn a_curved_mirror_finds_what_it_showed() {
     let moment = |n: u32| {
         let aside = right * (0.05 * n.min(8) as f32 - 0.4);
         let look_at = middle.with_y(middle.y + radius) + aside;
-        Moment { view: View { eye: view.eye + aside, look_at, ..view.clone() }, ball: placed }
+        let view = View { eye: view.eye + aside, look_at, ..view.clone() };
+        Moment { ball: placed, ..Moment::of(&view) }
     };
     let moments: Vec<Moment> = (0..8 + 3 * AVERAGED).map(moment).collect();
     let camera = moments[8].view.camera(&scene, EXTENT);
