@@ -78,6 +78,8 @@ struct Averaged {
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
+// A history may lag by so much of a lobe's width: one standard deviation, 1 / sqrt(alpha + 1), is 1.
+#define MOST_LAG 0.5
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
 #define AGREED 4.0
@@ -159,17 +161,17 @@ bool ShowsSurface(ivec2 at, Guide guide, vec3 there, Sought sought) {
     return guide.age > 0.0 && same_plane && same_normal && IsOn(at);
 }
 
-// How much of what a pixel of the frame before showed is what is sought.
-float Agrees(ivec2 at, Guide guide, Sought sought) {
+// How much of what a pixel of the frame before showed is what is sought. `beside` is how far its lobe pointed past that.
+float Agrees(ivec2 at, Guide guide, Sought sought, out vec3 beside) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.depth);
     float agrees = ShowsSurface(at, guide, there, sought) ? 1.0 : 0.0;
-    // How far its lobe points past what is sought, and how far away what it reflects was.
     vec3 to = sought.end - there;
-    vec3 chord = to * inversesqrt(dot(to, to)) - MirrorDirection(Sight(there), guide.normal);
-    float beside = 0.5 * sought.power * dot(chord, chord);
+    beside = to * inversesqrt(dot(to, to)) - MirrorDirection(Sight(there), guide.normal);
+    float outside = 0.5 * sought.power * dot(beside, beside);
+    // How far away what it reflected was.
     float nearer = (guide.inverse / max(sought.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
     nearer *= nearer;
-    float known = 1.0 / ((1.0 + beside + beside * beside) * (1.0 + nearer * nearer));
+    float known = 1.0 / ((1.0 + outside + outside * outside) * (1.0 + nearer * nearer));
     return sought.inverse > 0.0 ? agrees * known : agrees;
 }
 
@@ -179,34 +181,40 @@ Guide GuideAt(ivec2 at) {
 
 float AgreesAt(vec2 position, Sought sought) {
     ivec2 at = ivec2(floor(position));
-    return Agrees(at, GuideAt(at), sought);
+    vec3 beside;
+    return Agrees(at, GuideAt(at), sought, beside);
 }
 
-// A history that was found. `agreement` is the part of it that agrees, 0 for none.
+// A history that was found.
 struct Found {
     vec4 color; // Linear
     float age;
-    float agreement;
+    float agreement; // the part of it that agrees; 0 for none
+    vec3 beside;     // how far it pointed past what is sought
 };
+
+const Found NOTHING = Found(vec4(0.0), 0.0, 0.0, vec3(0.0));
 
 // What the frame before showed of what is sought, around a position in pixels.
 Found At(vec2 position, Sought sought) {
     position -= 0.5;
     vec2 first = floor(position), part = position - first;
-    Found found = Found(vec4(0.0), 0.0, 0.0);
+    Found found = NOTHING;
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 at = ivec2(first) + next;
         vec2 near = mix(1.0 - part, part, vec2(next));
         Guide guide = GuideAt(at);
-        float weight = near.x * near.y * Agrees(at, guide, sought);
+        vec3 beside;
+        float weight = near.x * near.y * Agrees(at, guide, sought, beside);
         vec4 color = imageLoad(color_before, clamp(at, ivec2(0), ivec2(history.resolution) - 1));
         found.color += weight * Linear(color);
         found.age += weight * guide.age;
         found.agreement += weight;
+        found.beside += weight * beside;
     }
     float whole = found.agreement;
-    return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole) : Found(vec4(0.0), 0.0, 0.0);
+    return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole, found.beside / whole) : NOTHING;
 }
 
 // Where a projection shows a point, in pixels; outside if it is behind the eye.
@@ -411,6 +419,9 @@ Averaged Average(ivec2 pixel) {
     // What changed by itself is not what it was.
     bool is_new = history.begins != 0 || (history.repeats != 0 && history.may_move == 0);
     float age = is_new ? 0.0 : found.age * found.agreement;
+    // A history that points past what is sought does so in each of its frames, so that what it shows lags by as many times as much.
+    float lag = sqrt(sought.power * dot(found.beside, found.beside));
+    age = may_differ ? min(age, MOST_LAG / max(lag, 1e-6)) : age;
     vec4 mean = block.sum / max(block.count, 1.0);
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
     vec4 reach = most * sqrt(max(block.squares / max(block.count, 1.0) - mean * mean, vec4(0.0)));
