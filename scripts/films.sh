@@ -51,4 +51,6 @@ at=(--frames 97 --size 160x90 --rays 16)
 film stop --way stop "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
 film thing-stops "${rolls[@]}" --step-frames 32 "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
 film held --way stop --held ball "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
+near=(--scene rooms --eye 1.84,0.03,-2.37 --look-at 2.0,-0.1,3.0)
+film near-held --way stop --held ball "${near[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
 film jitter --way stop --jitter "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"

@@ -225,7 +225,7 @@ fn a_curved_mirror_finds_what_it_showed() {
         let truth = settled.last().unwrap();
         let [alone, averaged] = [alone, averaged].map(|frames| masked_rmse(truth, &frames[8], &mask));
         println!("roughness {roughness}: {alone:.4} alone, {averaged:.4} with a history");
-        // If the mirror counted as plane, the history would be 1.3 and 1.4 times as far off as one frame, at 0.1 and 0.3.
-        assert!(averaged < 1.15 * alone, "{averaged} with a history, {alone} without");
+        // If the mirror counted as plane, the history would be 1.24 times as far off as one frame at 0.3.
+        assert!(averaged < alone, "{averaged} with a history, {alone} without");
     }
 }

@@ -48,7 +48,7 @@ fn at_rest_every_frame_is_the_still_image() {
 #[test]
 fn a_walk_is_kept_as_records_clips_and_a_page() {
     let folder = Folder::new();
-    let how = ["--way", "walk", "--frames", "4", "--variant", "ssct", "--variant", "stochastic --history on"];
+    let how = ["--way", "walk", "--frames", "4", "--variant", "stochastic", "--variant", "stochastic --history on"];
     let records = films(&folder, &[&how[..], &["-o", "out"]].concat());
     for record in &records {
         assert!(number(record, "reference_flicker") > 0.0 && number(record, "flicker") > 0.0, "{record}");
@@ -61,7 +61,7 @@ fn a_walk_is_kept_as_records_clips_and_a_page() {
     assert!(averaged < plain, "{averaged}, {plain}");
     let page = folder.text("out/index.html");
     let stem = "rooms-corridor-walk-96x54-r0.1";
-    for name in ["world", "ssct", "stochastic-history-on"] {
+    for name in ["world", "stochastic", "stochastic-history-on"] {
         let file = format!("clips/{stem}-{name}.webp");
         assert!(page.contains(&format!("src=\"{file}\"")), "{file}");
         let bytes = std::fs::read(folder.path(&format!("out/{file}"))).unwrap();
