@@ -54,8 +54,8 @@ fn qualities([a, b]: [&Row; 2], difference: impl Fn(f64, f64) -> f64) -> Result<
     Ok(cells)
 }
 
-/// `unified` beside `stochastic` with a history and captures behind it, with the times where they are worth something.
-pub fn walks(folder: &Path, timed: bool) -> Result<String> {
+/// `unified` beside `stochastic` with a history and captures behind it.
+pub fn walks(folder: &Path) -> Result<String> {
     let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
         let [ours, theirs] = both;
         let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
@@ -63,12 +63,10 @@ pub fn walks(folder: &Path, timed: bool) -> Result<String> {
             cells.push(format!("{:.3}", number(of, "flip")?));
         }
         cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
-        if timed {
-            cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
-        }
+        cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
         Ok(cells)
     })?;
-    let mut head = vec![
+    let head = [
         "walk",
         "ϱ",
         "JOD, `unified`",
@@ -81,10 +79,8 @@ pub fn walks(folder: &Path, timed: bool) -> Result<String> {
         "`stochastic`",
         "error of changes, `unified`",
         "`stochastic`",
+        "time, `unified` over `stochastic`",
     ];
-    if timed {
-        head.push("time, `unified` over `stochastic`");
-    }
     table(&head, rows)
 }
 
@@ -163,10 +159,11 @@ pub fn ghosts(folder: &Path) -> Result<String> {
 }
 
 /// Films in which something stops in frame [`STOPPED`], by their folders, with what stops.
-const STOPS: [(&str, &str); 4] = [
+const STOPS: [(&str, &str); 5] = [
     ("stop", "the camera"),
     ("thing-stops", "a ball"),
     ("held", "the camera, with a ball in hand"),
+    ("near-held", "the camera, with a near ball in hand"),
     ("jitter", "the camera, with jitter"),
 ];
 const STOPPED: usize = 32;
@@ -189,7 +186,9 @@ pub fn stops(folder: &Path) -> Result<String> {
             let after = |n: usize| flips.get(STOPPED + n).copied().ok_or_else(|| format!("{name} ends before {n}"));
             let end = mean(&flips[flips.len().saturating_sub(AT_END)..])?;
             let shown_after = AFTER.iter().map(|n| Ok(format!("{:.4}", after(*n)?))).collect::<Result<Vec<_>>>()?;
-            let ends = vec![format!("{end:.4}"), ratio(after(4)? / end)];
+            // Frames of a jittered film compare with those of their phase.
+            let phase = (STOPPED + 4..flips.len()).step_by(AT_END).last().and_then(|n| flips.get(n)).unwrap_or(&end);
+            let ends = vec![format!("{end:.4}"), ratio(after(4)? / phase)];
             let names = vec![shown.to_owned(), method.to_owned()];
             rows.push([names, shown_after, ends].concat());
         }
@@ -331,4 +330,15 @@ pub fn history_loops(folder: &Path, turning: bool) -> Result<String> {
     let runs: BTreeSet<&str> = rows.iter().map(|r| r["run"].as_str()).collect();
     let over = |run: &&str| Ok(pass("loops", run)? / pass("branches", run)?);
     median_and_range(&runs.iter().map(over).collect::<Result<Vec<_>>>()?)
+}
+
+/// FLIP of a film at a roughness by the bounds of the lag, in order, `none` for no bound.
+pub fn history_lag(folder: &Path, film: &str, roughness: &str, bounds: &[&str]) -> Result<String> {
+    let rows = csv(folder, "films.csv")?;
+    let flip = |bound: &&str| {
+        let is = |r: &&Row| r["film"] == film && r["roughness"] == roughness && r["bound"] == **bound;
+        let row = rows.iter().find(is).ok_or_else(|| format!("{film} at {roughness} has no bound {bound}"))?;
+        Ok(format!("{:.4}", number(row, "flip")?))
+    };
+    Ok(bounds.iter().map(flip).collect::<Result<Vec<_>>>()?.join(" to "))
 }
