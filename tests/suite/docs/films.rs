@@ -187,7 +187,8 @@ pub fn stops(folder: &Path) -> Result<String> {
             let end = mean(&flips[flips.len().saturating_sub(AT_END)..])?;
             let shown_after = AFTER.iter().map(|n| Ok(format!("{:.4}", after(*n)?))).collect::<Result<Vec<_>>>()?;
             // Frames of a jittered film compare with those of their phase.
-            let phase = (STOPPED + 4..flips.len()).step_by(AT_END).last().and_then(|n| flips.get(n)).unwrap_or(&end);
+            let phase =
+                (STOPPED + 4..flips.len()).step_by(AT_END).next_back().and_then(|n| flips.get(n)).unwrap_or(&end);
             let ends = vec![format!("{end:.4}"), ratio(after(4)? / phase)];
             let names = vec![shown.to_owned(), method.to_owned()];
             rows.push([names, shown_after, ends].concat());
