@@ -37,8 +37,8 @@ uint AllCaptures() {
     return (1u << uint(captures.count)) - 1u;
 }
 
-// The nearest capture to a point relative to the eye of those that have a bit in `among`; -1 if none has. No loop counts up to a
-// number of a uniform block: see triangles/walk.glsl.
+// The nearest capture to a point relative to the eye of those that have a bit in `among`; -1 if none has. The loop does not end at a
+// number of a uniform block, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
 int Nearest(vec3 point, uint among) {
     int nearest = -1;
     float least = NEVER;

@@ -78,7 +78,7 @@ struct Averaged {
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
-// A history may lag by so much of a lobe's width: one standard deviation, 1 / sqrt(alpha + 1), is 1.
+// A history may lag behind what is reflected by so many standard deviations of the lobe, which are 1 / sqrt(alpha + 1) each.
 #define MOST_LAG 0.5
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
@@ -419,7 +419,7 @@ Averaged Average(ivec2 pixel) {
     // What changed by itself is not what it was.
     bool is_new = history.begins != 0 || (history.repeats != 0 && history.may_move == 0);
     float age = is_new ? 0.0 : found.age * found.agreement;
-    // A history that points past what is sought does so in each of its frames, so that what it shows lags by as many times as much.
+    // If each frame points past what is sought by so much, an average of n frames lags by n times as much.
     float lag = sqrt(sought.power * dot(found.beside, found.beside));
     age = may_differ ? min(age, MOST_LAG / max(lag, 1e-6)) : age;
     vec4 mean = block.sum / max(block.count, 1.0);

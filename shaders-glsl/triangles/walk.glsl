@@ -112,8 +112,7 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
 // The nearest triangle that the ray meets after `after`.
 Met WalkTree(TreeRay ray) {
     Met best = NOTHING;
-    // The root of what moves lies at the bottom of the stack. There is no branch that asks the uniform block alone: lavapipe 22.3
-    // makes such a program anew, with the value in it, at each dispatch.
+    // No branch depends on a uniform block alone, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
     uvec2 stack[TREE_DEPTH];
     stack[0] = uvec2(uint(triangles.moving), 0x80000000u);
     int height = triangles.moving > 0 ? 1 : 0;

@@ -1,6 +1,6 @@
-//! A frame makes no programs: whatever it takes has been made before, by frames of another camera too. Some drivers make a
-//! program again with values of its uniform blocks in it, at each dispatch or for each value, which takes hundreds of times as
-//! long as the dispatch itself. Drivers that are CPUs keep their programs in the memory of the process, where this is seen.
+//! No frame makes programs but the first ones, even if the camera moves. Some drivers make a program again with values of its
+//! uniform blocks in it, at each dispatch or for each value, which takes hundreds of times as long as the dispatch itself
+//! (docs/devices.md). Drivers that are CPUs keep their programs in the memory of the process, where this is seen.
 
 use crate::alone;
 use crate::common::{built_in, own_gpu};
@@ -30,7 +30,7 @@ fn made_bytes() -> u64 {
     maps.lines().filter_map(of_line).sum()
 }
 
-/// Frames that go on while a driver may still make programs: with a history its first frames differ.
+/// Frames before those that are watched. A driver makes programs in them, and with a history the first of them differ.
 const WARM: usize = 6;
 const MEASURED: usize = 4;
 
@@ -84,5 +84,5 @@ fn frames_make_no_programs() {
         }
     }
     assert!(!gpu.info().is_cpu() || made_bytes() > 0, "programs are seen");
-    assert!(made_again.is_empty(), "made in each of {MEASURED} frames:\n{}", made_again.join("\n"));
+    assert!(made_again.is_empty(), "programs made in {MEASURED} frames:\n{}", made_again.join("\n"));
 }

@@ -186,10 +186,9 @@ pub fn stops(folder: &Path) -> Result<String> {
             let after = |n: usize| flips.get(STOPPED + n).copied().ok_or_else(|| format!("{name} ends before {n}"));
             let end = mean(&flips[flips.len().saturating_sub(AT_END)..])?;
             let shown_after = AFTER.iter().map(|n| Ok(format!("{:.4}", after(*n)?))).collect::<Result<Vec<_>>>()?;
-            // Frames of a jittered film compare with those of their phase.
-            let phase =
-                (STOPPED + 4..flips.len()).step_by(AT_END).next_back().and_then(|n| flips.get(n)).unwrap_or(&end);
-            let ends = vec![format!("{end:.4}"), ratio(after(4)? / phase)];
+            // A frame of a jittered film compares with the last one that is shifted alike.
+            let alike = flips.iter().skip(STOPPED + 4).step_by(AT_END).next_back().ok_or("a film without an end")?;
+            let ends = vec![format!("{end:.4}"), ratio(after(4)? / alike)];
             let names = vec![shown.to_owned(), method.to_owned()];
             rows.push([names, shown_after, ends].concat());
         }
@@ -333,13 +332,31 @@ pub fn history_loops(folder: &Path, turning: bool) -> Result<String> {
     median_and_range(&runs.iter().map(over).collect::<Result<Vec<_>>>()?)
 }
 
-/// FLIP of a film at a roughness by the bounds of the lag, in order, `none` for no bound.
-pub fn history_lag(folder: &Path, film: &str, roughness: &str, bounds: &[&str]) -> Result<String> {
+/// Bounds of the lag of a history, by their names in the record and in the table.
+const BOUNDS: [(&str, &str); 5] =
+    [("no-history", "no history"), ("none", "no bound"), ("1", "1"), ("0.5", "0.5"), ("0.25", "0.25")];
+
+/// FLIP of films, and the error of changes over the world's own changes, by the bound of the lag of a history.
+pub fn history_lag(folder: &Path) -> Result<String> {
     let rows = csv(folder, "films.csv")?;
-    let flip = |bound: &&str| {
-        let is = |r: &&Row| r["film"] == film && r["roughness"] == roughness && r["bound"] == **bound;
-        let row = rows.iter().find(is).ok_or_else(|| format!("{film} at {roughness} has no bound {bound}"))?;
-        Ok(format!("{:.4}", number(row, "flip")?))
+    let shown = rows.iter().filter(|row| row["bound"] == BOUNDS[0].0).map(|film| -> Result<Vec<String>> {
+        let mut cells = vec![film["film"].clone(), film["roughness"].clone()];
+        for (field, digits) in [("flip", 4), ("change_error_over_world", 2)] {
+            for (bound, _) in BOUNDS {
+                let is = |r: &&Row| ["film", "roughness"].iter().all(|f| r[*f] == film[*f]) && r["bound"] == bound;
+                let row = rows.iter().find(is).ok_or_else(|| format!("a film has no bound {bound}"))?;
+                cells.push(format!("{:.digits$}", number(row, field)?));
+            }
+        }
+        Ok(cells)
+    });
+    let heads = |what: &'static str| {
+        BOUNDS
+            .iter()
+            .enumerate()
+            .map(move |(n, (_, bound))| if n == 0 { format!("{what}: {bound}") } else { (*bound).to_owned() })
     };
-    Ok(bounds.iter().map(flip).collect::<Result<Vec<_>>>()?.join(" to "))
+    let head: Vec<String> =
+        ["film", "ϱ"].map(str::to_owned).into_iter().chain(heads("FLIP")).chain(heads("change")).collect();
+    table(&head.iter().map(String::as_str).collect::<Vec<_>>(), shown.collect::<Result<_>>()?)
 }

@@ -95,7 +95,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["movers"] => films::movers(first)?,
         ["history-loops", "turning"] => films::history_loops(first, true)?,
         ["history-loops", "settled"] => films::history_loops(first, false)?,
-        ["history-lag", film, roughness, ref bounds @ ..] => films::history_lag(first, film, roughness, bounds)?,
+        ["history-lag"] => films::history_lag(first)?,
         ["programs-again", program, kept, width] => gpu::programs_again(first, [program, kept, width])?,
         ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
