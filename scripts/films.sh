@@ -43,8 +43,12 @@ rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
 film moving "${rolls[@]}" "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 
 # By itself, `unified` gives pixels rays of their own on a GPU alone.
-film own-rays --way walk "${in_rooms[@]}" --roughness 0.3 "${at[@]}" \
-    --variant "unified --own-rays 8" --variant "unified --own-rays 8 --history on"
+own=(--variant "stochastic --fallback captures --history on")
+for rays in 4 8; do
+    own+=(--variant "unified --own-rays $rays" --variant "unified --own-rays $rays --history on")
+done
+film own-rays/rooms --way walk "${in_rooms[@]}" --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
+film own-rays/museum --way walk --scene museum --view exit-sign --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
 
 # Everything stands still from frame 32 on: a third of a film of 97 frames.
 at=(--frames 97 --size 160x90 --rays 16)

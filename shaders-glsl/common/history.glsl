@@ -78,8 +78,10 @@ struct Averaged {
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
-// A history may lag behind what is reflected by so many standard deviations of the lobe, which are 1 / sqrt(alpha + 1) each.
-#define MOST_LAG 0.5
+// A history may lag behind what is reflected by so much: its mean, in standard deviations of the lobe, which are 1 / sqrt(alpha + 1)
+// each, and the mean of its square.
+#define MOST_LAG 0.35
+#define MOST_SQUARE 0.5
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
 #define AGREED 4.0
@@ -93,27 +95,46 @@ struct Averaged {
 // The screen shows a reflected point where it shows something at its depth, within this share.
 #define SHOWN 0.05
 
+// Steps of a guide's ages to a frame, and of the root of a mean square from 0 to MOST_SQUARE.
+#define AGE_STEPS 4.0
+#define SQUARE_STEPS 63.0
+
+// How far the frames that were averaged point past what is reflected, in standard deviations of the lobe.
+struct Lag {
+    vec3 mean;
+    float square; // its mean
+};
+
 // What is kept of a pixel.
 struct Guide {
     float depth;
     vec3 normal;   // view space, of any length
     float age;     // frames averaged; 0 for no history
     float inverse; // 1 / the way from the eye over the surface to what is reflected; 0 where that is not known
+    vec2 lag;      // the mean of Lag along the two Tangents of the mirrored direction
+    float square;  // that of Lag
 };
 
+// The mean lag takes the last byte of the depth, which 16 bits of its fraction tell well enough, and that of the number which tells
+// reflections apart.
 uvec4 Pack(Guide g, uint alone) {
-    return uvec4(floatBitsToUint(g.depth), packSnorm2x16(Octahedral(g.normal)), packHalf2x16(vec2(g.age, g.inverse)), alone);
+    uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
+    uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
+    uint more = packHalf2x16(vec2(0.0, g.inverse)) | square << 10 | age;
+    return uvec4((depth & ~255u) | (lag & 255u), packSnorm2x16(Octahedral(g.normal)), more, alone | (lag >> 8));
 }
 
 Guide Unpack(uvec4 words) {
-    vec2 more = unpackHalf2x16(words.z);
-    return Guide(uintBitsToFloat(words.x), AlongOctahedral(unpackSnorm2x16(words.y)), more.x, more.y);
+    vec2 lag = MOST_LAG * unpackSnorm4x8((words.x & 255u) | (words.w & 255u) << 8).xy;
+    float age = float(words.z & 1023u) / AGE_STEPS, root = float(words.z >> 10 & 63u) / SQUARE_STEPS;
+    float depth = uintBitsToFloat(words.x & ~255u), inverse = unpackHalf2x16(words.z).y;
+    return Guide(depth, AlongOctahedral(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
 }
 
-// A number that tells reflections apart.
+// A number of 24 bits that tells reflections apart; its last byte is zero.
 uint Alone(vec4 reflection) {
     uint first = packHalf2x16(reflection.rg), second = packHalf2x16(reflection.ba);
-    return first * 0x9e3779b1u ^ second;
+    return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;
 }
 
 float Luminance(vec3 color) {
@@ -161,12 +182,16 @@ bool ShowsSurface(ivec2 at, Guide guide, vec3 there, Sought sought) {
     return guide.age > 0.0 && same_plane && same_normal && IsOn(at);
 }
 
-// How much of what a pixel of the frame before showed is what is sought. `beside` is how far its lobe pointed past that.
-float Agrees(ivec2 at, Guide guide, Sought sought, out vec3 beside) {
+// How much of what a pixel of the frame before showed is what is sought, and how far its average points past that.
+float Agrees(ivec2 at, Guide guide, Sought sought, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.depth);
     float agrees = ShowsSurface(at, guide, there, sought) ? 1.0 : 0.0;
     vec3 to = sought.end - there;
-    beside = to * inversesqrt(dot(to, to)) - MirrorDirection(Sight(there), guide.normal);
+    vec3 mirrored = MirrorDirection(Sight(there), guide.normal);
+    vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
+    vec3 more = (sought.inverse > 0.0 ? sqrt(sought.power) : 0.0) * beside;
+    vec3 before = Tangents(mirrored) * guide.lag;
+    lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));
     float outside = 0.5 * sought.power * dot(beside, beside);
     // How far away what it reflected was.
     float nearer = (guide.inverse / max(sought.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
@@ -181,8 +206,8 @@ Guide GuideAt(ivec2 at) {
 
 float AgreesAt(vec2 position, Sought sought) {
     ivec2 at = ivec2(floor(position));
-    vec3 beside;
-    return Agrees(at, GuideAt(at), sought, beside);
+    Lag lag;
+    return Agrees(at, GuideAt(at), sought, lag);
 }
 
 // A history that was found.
@@ -190,10 +215,10 @@ struct Found {
     vec4 color; // Linear
     float age;
     float agreement; // the part of it that agrees; 0 for none
-    vec3 beside;     // how far it pointed past what is sought
+    Lag lag;
 };
 
-const Found NOTHING = Found(vec4(0.0), 0.0, 0.0, vec3(0.0));
+const Found NOTHING = Found(vec4(0.0), 0.0, 0.0, Lag(vec3(0.0), 0.0));
 
 // What the frame before showed of what is sought, around a position in pixels.
 Found At(vec2 position, Sought sought) {
@@ -205,16 +230,18 @@ Found At(vec2 position, Sought sought) {
         ivec2 at = ivec2(first) + next;
         vec2 near = mix(1.0 - part, part, vec2(next));
         Guide guide = GuideAt(at);
-        vec3 beside;
-        float weight = near.x * near.y * Agrees(at, guide, sought, beside);
+        Lag lag;
+        float weight = near.x * near.y * Agrees(at, guide, sought, lag);
         vec4 color = imageLoad(color_before, clamp(at, ivec2(0), ivec2(history.resolution) - 1));
         found.color += weight * Linear(color);
         found.age += weight * guide.age;
         found.agreement += weight;
-        found.beside += weight * beside;
+        found.lag.mean += weight * lag.mean;
+        found.lag.square += weight * lag.square;
     }
     float whole = found.agreement;
-    return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole, found.beside / whole) : NOTHING;
+    Lag lag = Lag(found.lag.mean / whole, found.lag.square / whole);
+    return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole, lag) : NOTHING;
 }
 
 // Where a projection shows a point, in pixels; outside if it is behind the eye.
@@ -366,6 +393,11 @@ Ends EndsAround(Block block, float eye) {
     return Ends(counted.y > 0.5 ? counted.y / counted.x - eye : 0.0, mover);
 }
 
+// How many frames may be averaged, this one among them, which does not lag, so that something of the lag is at most so much.
+float FramesWithin(float lag, float most) {
+    return lag > most ? lag / (lag - most) : history.most;
+}
+
 // A pixel, which may stand beyond the border of the image with others of its block.
 Averaged Average(ivec2 pixel) {
     ivec2 inside = min(pixel, ivec2(history.resolution) - 1);
@@ -397,7 +429,8 @@ Averaged Average(ivec2 pixel) {
     sought.power = LobePower(material.g);
     bool known = ends.away > 0.0;
     float inverse = known ? 1.0 / (eye + ends.away) : 0.0;
-    vec3 end = point + ends.away * MirrorDirection(Sight(point), normal);
+    vec3 mirrored = MirrorDirection(Sight(point), normal);
+    vec3 end = point + ends.away * mirrored;
     sought.end = Before(end, 1.0, ends.mover);
     if (MOTION && known && ends.mover < 0)
         sought.end = MovedEnd(end, sought.end);
@@ -415,26 +448,27 @@ Averaged Average(ivec2 pixel) {
 
     uint print = Alone(alone);
     uvec4 kept = imageLoad(guide_before, inside);
-    bool stays = history.repeats != 0 && kept.z != 0u && kept.w == print;
+    bool stays = history.repeats != 0 && kept.z != 0u && (kept.w & ~255u) == print;
     // What changed by itself is not what it was.
     bool is_new = history.begins != 0 || (history.repeats != 0 && history.may_move == 0);
     float age = is_new ? 0.0 : found.age * found.agreement;
-    // If each frame points past what is sought by so much, an average of n frames lags by n times as much.
-    float lag = sqrt(sought.power * dot(found.beside, found.beside));
-    age = may_differ ? min(age, MOST_LAG / max(lag, 1e-6)) : age;
     vec4 mean = block.sum / max(block.count, 1.0);
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
     vec4 reach = most * sqrt(max(block.squares / max(block.count, 1.0) - mean * mean, vec4(0.0)));
     // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
     age = min(age + 1.0, history.most);
+    age = min(age, min(FramesWithin(length(found.lag.mean), MOST_LAG), FramesWithin(found.lag.square, MOST_SQUARE)));
     // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
     bool is_whole = history.rests > 1 && history.may_move == 0 && !is_new && found.age > history.frames - 0.5;
-    vec4 mixed = FromLinear(mix(before, now, is_whole ? 0.0 : 1.0 / age));
+    float part = is_whole ? 0.0 : 1.0 / age;
+    vec4 mixed = FromLinear(mix(before, now, part));
+    vec3 lag = found.lag.mean * mat3(history.view_to_view_before);
     vec4 shown = stays ? imageLoad(color_before, inside) : age > 1.0 ? mixed : alone;
     Averaged averaged;
     averaged.reflection = reflects ? shown : alone;
-    averaged.guide = !reflects ? uvec4(0u) : stays ? kept : Pack(Guide(depth, normal, age, inverse), print);
+    Guide guide = Guide(depth, normal, age, inverse, (1.0 - part) * lag * Tangents(mirrored), (1.0 - part) * found.lag.square);
+    averaged.guide = !reflects ? uvec4(0u) : stays ? kept : Pack(guide, print);
     averaged.color = vec4(0.0);
     if (COMPOSITE) {
         vec3 lit = texelFetch(color_buffer, inside, 0).rgb;

@@ -19,6 +19,14 @@ float LogCos(float x) {
     return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
 }
 
+// Two unit vectors across a unit vector and across each other, without a division by zero (Duff et al. 2017).
+mat2x3 Tangents(vec3 axis) {
+    float s = axis.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + axis.z);
+    float b = axis.x * axis.y * a;
+    return mat2x3(vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x), vec3(b, s + axis.y * axis.y * a, -axis.y));
+}
+
 // A direction around the unit vector `axis`, by the inverse of the lobe's distribution (Eq. 4.5 with
 // arccos): cos^(alpha + 1) = 1 - u.x. `log_rest` is ln(1 - u.x), `turn` the cosine and sine of 2 pi u.y.
 vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
@@ -26,13 +34,8 @@ vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
     // sin^2 = -expm1(x), by its series: x is near 0.
     float sin_theta = sqrt(max(-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0))), 0.0));
     float cos_theta = sqrt(max(1.0 - sin_theta * sin_theta, 0.0));
-    // A frame without a division by zero (Duff et al. 2017).
-    float s = axis.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + axis.z);
-    float b = axis.x * axis.y * a;
-    vec3 tangent = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
-    vec3 bitangent = vec3(b, s + axis.y * axis.y * a, -axis.y);
-    return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
+    mat2x3 tangents = Tangents(axis);
+    return axis * cos_theta + sin_theta * (tangents[0] * turn.x + tangents[1] * turn.y);
 }
 
 // The unit direction into which a normal of any length turns the one in which a point is seen.

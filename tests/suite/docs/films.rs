@@ -106,6 +106,33 @@ pub fn with_history(folder: &Path) -> Result<String> {
     table(&head, rows)
 }
 
+/// `unified` with rays of a pixel's own beside `stochastic` with a history and captures behind it.
+pub fn own_rays(folder: &Path) -> Result<String> {
+    let variants = [
+        (STOCHASTIC_HISTORY, "`stochastic`, history"),
+        ("unified own-rays 4", "`unified`, 4 rays"),
+        ("unified history on own-rays 4", "`unified`, 4 rays, history"),
+        ("unified own-rays 8", "`unified`, 8 rays"),
+        ("unified history on own-rays 8", "`unified`, 8 rays, history"),
+    ];
+    let mut rows = Vec::new();
+    for (name, walk) in WALKS {
+        let films = csv(&folder.join(name), "video.csv")?;
+        for roughness in films.iter().map(|film| film["roughness"].as_str()).collect::<BTreeSet<_>>() {
+            let theirs = number(film(&films, roughness, STOCHASTIC_HISTORY)?, "time_ms")?;
+            for (variant, shown) in variants {
+                let own = film(&films, roughness, variant)?;
+                let [jod, of_reflections] = ["jod", "jod_reflection"].map(|field| number(own, field));
+                let time = ratio(number(own, "time_ms")? / theirs);
+                let quality = [format!("{:.2}", jod?), format!("{:.2}", of_reflections?), error_of_changes(own)?, time];
+                rows.push([[walk, roughness, shown].map(str::to_owned).to_vec(), quality.to_vec()].concat());
+            }
+        }
+    }
+    let head = ["walk", "ϱ", "method", "JOD", "of reflections", "error of changes", "time over `stochastic`"];
+    table(&head, rows)
+}
+
 /// The table of variants of the screen alone: what it lacks outweighs all else.
 pub fn on_screen(folder: &Path) -> Result<String> {
     let rows = of_walks(folder, ON_SCREEN, |films| {
@@ -267,12 +294,6 @@ pub fn changes(folder: &Path, variant: &str) -> Result<String> {
     error_of_changes(&only(folder, variant)?)
 }
 
-/// JOD of a variant's film, of its finished images and of its reflections.
-pub fn jods(folder: &Path, variant: &str) -> Result<String> {
-    let film = only(folder, variant)?;
-    Ok(format!("{:.2} and {:.2}", number(&film, "jod")?, number(&film, "jod_reflection")?))
-}
-
 /// What a mesh that moves costs: building all of the tree anew, and the small one alone.
 pub fn movers(folder: &Path) -> Result<String> {
     let row = |row: &Row| -> Result<Vec<String>> {
@@ -333,8 +354,14 @@ pub fn history_loops(folder: &Path, turning: bool) -> Result<String> {
 }
 
 /// Bounds of the lag of a history, by their names in the record and in the table.
-const BOUNDS: [(&str, &str); 5] =
-    [("no-history", "no history"), ("none", "no bound"), ("1", "1"), ("0.5", "0.5"), ("0.25", "0.25")];
+const BOUNDS: [(&str, &str); 6] = [
+    ("no-history", "no history"),
+    ("none", "no bound"),
+    ("frame-0.5", "of a frame"),
+    ("mean-0.35", "0.35"),
+    ("mean-0.6-square-1", "0.6, 1"),
+    ("mean-0.35-square-0.5", "0.35, 0.5"),
+];
 
 /// FLIP of films, and the error of changes over the world's own changes, by the bound of the lag of a history.
 pub fn history_lag(folder: &Path) -> Result<String> {
@@ -359,4 +386,19 @@ pub fn history_lag(folder: &Path) -> Result<String> {
     let head: Vec<String> =
         ["film", "ϱ"].map(str::to_owned).into_iter().chain(heads("FLIP")).chain(heads("change")).collect();
     table(&head.iter().map(String::as_str).collect::<Vec<_>>(), shown.collect::<Result<_>>()?)
+}
+
+/// Error on a curved mirror under a moving camera with a history over that without, by the bounds of the history's lag.
+pub fn history_hill(folder: &Path) -> Result<String> {
+    let rows = csv(folder, "hill.csv")?;
+    let over =
+        |row: &Row| -> Result<String> { Ok(format!("{:.2}", number(row, "with_history")? / number(row, "alone")?)) };
+    let roughness: Vec<&str> = rows.iter().take(3).map(|row| row["roughness"].as_str()).collect();
+    let shown = rows.chunks(roughness.len()).map(|of_bounds| -> Result<Vec<String>> {
+        let bounds = [of_bounds[0]["mean"].clone(), of_bounds[0]["square"].clone()];
+        Ok(bounds.into_iter().chain(of_bounds.iter().map(over).collect::<Result<Vec<_>>>()?).collect())
+    });
+    let shown = shown.collect::<Result<_>>()?;
+    let head: Vec<&str> = ["mean at most", "mean square at most"].into_iter().chain(roughness).collect();
+    table(&head, shown)
 }
