@@ -4,7 +4,7 @@
 #
 #   scripts/films.sh OUT
 #
-# The environment may set ROUGHNESS of the walks, and SIZE, FRAMES and RAYS of all films but those of stops. Interrupted, the same
+# The environment may set ROUGHNESS of the walks in the folders rooms and museum, and SIZE, FRAMES and RAYS of all films but those of stops. Interrupted, the same
 # command goes on where it was.
 set -euo pipefail
 
@@ -35,9 +35,10 @@ film() { # folder, flags...
 }
 
 in_rooms=(--scene rooms --view corridor)
+in_museum=(--scene museum --view exit-sign)
 at=(--frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}")
 film rooms --way walk "${in_rooms[@]}" --roughness "$roughness" "${at[@]}" "${walk[@]}"
-film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${at[@]}" "${walk[@]}"
+film museum --way walk "${in_museum[@]}" --roughness "$roughness" "${at[@]}" "${walk[@]}"
 film turn --way turn "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
 film moving "${rolls[@]}" "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
@@ -48,7 +49,7 @@ for rays in 4 8; do
     own+=(--variant "unified --own-rays $rays" --variant "unified --own-rays $rays --history on")
 done
 film own-rays/rooms --way walk "${in_rooms[@]}" --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
-film own-rays/museum --way walk --scene museum --view exit-sign --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
+film own-rays/museum --way walk "${in_museum[@]}" --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
 
 # Everything stands still from frame 32 on: a third of a film of 97 frames.
 at=(--frames 97 --size 160x90 --rays 16)

@@ -78,8 +78,8 @@ struct Averaged {
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
-// A history may lag behind what is reflected by so much: its mean, in standard deviations of the lobe, which are 1 / sqrt(alpha + 1)
-// each, and the mean of its square.
+// Bounds of a history's Lag: of the length of its mean, in standard deviations of the lobe, which are 1 / sqrt(alpha + 1) each, and of
+// the mean of its square.
 #define MOST_LAG 0.35
 #define MOST_SQUARE 0.5
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
@@ -115,8 +115,8 @@ struct Guide {
     float square;  // that of Lag
 };
 
-// The mean lag takes the last byte of the depth, which 16 bits of its fraction tell well enough, and that of the number which tells
-// reflections apart.
+// A byte of the mean lag replaces the last one of the depth, which is precise enough with 16 bits. The other stands in the last byte of
+// the number that tells reflections apart.
 uvec4 Pack(Guide g, uint alone) {
     uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
     uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
@@ -189,6 +189,8 @@ float Agrees(ivec2 at, Guide guide, Sought sought, out Lag lag) {
     vec3 to = sought.end - there;
     vec3 mirrored = MirrorDirection(Sight(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
+    // Nothing is added where nothing moved. If every averaged frame that pointed past by v now points past by v + more, the mean of the
+    // square v * v becomes that of v * v + 2 v * more + more * more.
     vec3 more = (sought.inverse > 0.0 ? sqrt(sought.power) : 0.0) * beside;
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));
@@ -393,9 +395,9 @@ Ends EndsAround(Block block, float eye) {
     return Ends(counted.y > 0.5 ? counted.y / counted.x - eye : 0.0, mover);
 }
 
-// How many frames may be averaged, this one among them, which does not lag, so that something of the lag is at most so much.
+// Frames that may be averaged, with this one, which does not lag, so that a measure of the lag is at most `most`.
 float FramesWithin(float lag, float most) {
-    return lag > most ? lag / (lag - most) : history.most;
+    return lag > most ? min(lag / (lag - most), history.most) : history.most;
 }
 
 // A pixel, which may stand beyond the border of the image with others of its block.
@@ -457,8 +459,8 @@ Averaged Average(ivec2 pixel) {
     vec4 reach = most * sqrt(max(block.squares / max(block.count, 1.0) - mean * mean, vec4(0.0)));
     // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
-    age = min(age + 1.0, history.most);
-    age = min(age, min(FramesWithin(length(found.lag.mean), MOST_LAG), FramesWithin(found.lag.square, MOST_SQUARE)));
+    float within = min(FramesWithin(length(found.lag.mean), MOST_LAG), FramesWithin(found.lag.square, MOST_SQUARE));
+    age = min(age + 1.0, within);
     // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
     bool is_whole = history.rests > 1 && history.may_move == 0 && !is_new && found.age > history.frames - 0.5;
     float part = is_whole ? 0.0 : 1.0 / age;

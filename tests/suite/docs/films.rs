@@ -393,10 +393,11 @@ pub fn history_hill(folder: &Path) -> Result<String> {
     let rows = csv(folder, "hill.csv")?;
     let over =
         |row: &Row| -> Result<String> { Ok(format!("{:.2}", number(row, "with_history")? / number(row, "alone")?)) };
-    let roughness: Vec<&str> = rows.iter().take(3).map(|row| row["roughness"].as_str()).collect();
+    let bounds = |row: &Row| ["mean", "square"].map(|field| row[field].clone());
+    let of_first = rows.iter().take_while(|row| bounds(row) == bounds(&rows[0]));
+    let roughness: Vec<&str> = of_first.map(|row| row["roughness"].as_str()).collect();
     let shown = rows.chunks(roughness.len()).map(|of_bounds| -> Result<Vec<String>> {
-        let bounds = [of_bounds[0]["mean"].clone(), of_bounds[0]["square"].clone()];
-        Ok(bounds.into_iter().chain(of_bounds.iter().map(over).collect::<Result<Vec<_>>>()?).collect())
+        Ok(bounds(&of_bounds[0]).into_iter().chain(of_bounds.iter().map(over).collect::<Result<Vec<_>>>()?).collect())
     });
     let shown = shown.collect::<Result<_>>()?;
     let head: Vec<&str> = ["mean at most", "mean square at most"].into_iter().chain(roughness).collect();
