@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars test test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -54,6 +54,11 @@ bars: build
 test: setup
 	$(CARGO) test --package ssct-c --features compile-shaders
 	$(CARGO) test
+
+# The same tests beside eight busy loops: no test may depend on how fast a machine is.
+test-busy: setup
+	$(CARGO) test --no-run
+	CARGO="$(CARGO)" scripts/test-busy.sh
 
 # The example on wgpu, which is a package of its own, beside the command.
 test-wgpu: build

@@ -1,5 +1,5 @@
-//! The integration tests that nothing may run beside, one at a time: they measure the memory of their process or the
-//! time of a build, or make devices fail.
+//! The integration tests that nothing may run beside, one at a time: they measure the memory of their process, build a
+//! crate, or make devices fail.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -13,6 +13,7 @@ mod drivers;
 mod embedder;
 mod faults;
 mod fuzz_corpus;
+mod many_things;
 mod packaged;
 mod programs;
 mod soak;

@@ -6,11 +6,12 @@ use crate::{alone, embedder};
 use ssct::gpu::programs;
 use std::path::Path;
 use std::process::{Command, Output};
-use std::time::Instant;
 
-/// What a build from clean may take in seconds of the processor, whatever else the machine does. On an idle machine, it
-/// takes no longer than that by the clock.
-const MOST_SECONDS: f64 = 120.0;
+/// What a build from clean may compile at most: crates, the embedder's own among them; lines of the package's Rust; and
+/// bytes of its SPIR-V. A build takes as long as these say, on whatever machine.
+const MOST_CRATES: usize = 60;
+const MOST_LINES: usize = 26_000;
+const MOST_SPIRV_BYTES: usize = 3 << 20;
 
 /// A program against the packaged crate, with what that needs and nothing else, built as quickly as can be.
 const MANIFEST: &str = r#"
@@ -63,14 +64,15 @@ fn succeed(command: &mut Command) -> String {
     text
 }
 
-/// Seconds of the processor that programs which this process started and waited for have taken; `None` where the system
-/// does not say.
-fn seconds_of_children() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name, in brackets, may hold anything. Times are the 16th and 17th field, in hundredths.
-    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
-    let hundredths = |i: usize| fields.get(i)?.parse::<f64>().ok();
-    Some((hundredths(13)? + hundredths(14)?) / 100.0)
+/// Lines of Rust in a folder and all below it.
+fn lines_of_rust(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let lines = |path: std::path::PathBuf| match path.extension() {
+        _ if path.is_dir() => lines_of_rust(&path),
+        Some(extension) if extension == "rs" => std::fs::read_to_string(&path).unwrap().lines().count(),
+        _ => 0,
+    };
+    entries.map(lines).sum()
 }
 
 /// The bytes of all files in a folder with an extension, sorted.
@@ -121,13 +123,13 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
         build.args(["build", "--target-dir"]).arg(folder.path().join("built"));
         build
     };
-    let (before, began) = (seconds_of_children(), Instant::now());
     let said = succeed(&mut build());
-    let (clock, taken) =
-        (began.elapsed().as_secs_f64(), seconds_of_children().zip(before).map(|(now, then)| now - then));
-    let processor = taken.map_or("an unknown time".into(), |seconds| format!("{seconds:.0} s"));
-    println!("the packaged crate was built in {clock:.0} s by the clock and {processor} of the processor");
-    assert!(taken.is_none_or(|seconds| seconds < MOST_SECONDS), "{taken:?}");
+    let crates = said.lines().filter(|line| line.trim_start().starts_with("Compiling ")).count();
+    let (lines, bytes) = (lines_of_rust(&root.join("src")), modules.iter().map(Vec::len).sum::<usize>());
+    println!("the packaged crate was built of {crates} crates, {lines} lines of its own and {bytes} bytes of SPIR-V");
+    assert!(crates > 10 && crates <= MOST_CRATES, "{crates} crates: {said}");
+    assert!(lines > 10_000 && lines <= MOST_LINES, "{lines} lines");
+    assert!(bytes <= MOST_SPIRV_BYTES, "{bytes} bytes of SPIR-V");
     assert!(said.contains("the shaders are the packaged SPIR-V"), "{said}");
     let lock = std::fs::read_to_string(program.join("Cargo.lock")).unwrap();
     assert!(

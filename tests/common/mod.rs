@@ -5,6 +5,7 @@
 
 pub mod engine;
 pub mod folder;
+pub mod hang;
 pub mod html;
 pub mod images;
 

@@ -3,6 +3,7 @@
 mod mistakes;
 
 use crate::common::folder::Folder;
+use crate::common::hang::wait_until;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -245,9 +246,10 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let mut begun = Command::new(env!("CARGO_BIN_EXE_ssct"));
     let journal = || std::fs::read_to_string(folder.path("out/journal.jsonl")).unwrap_or_default();
     let mut killed = begun.args(["study", "--quick", "-o", "out"]).current_dir(folder.root()).spawn().unwrap();
-    while journal().lines().count() < 40 && killed.try_wait().unwrap().is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
+    wait_until(
+        || "a quick study that should write 40 lines".to_owned(),
+        || journal().lines().count() >= 40 || killed.try_wait().unwrap().is_some(),
+    );
     killed.kill().unwrap();
     killed.wait().unwrap();
     let before = journal();

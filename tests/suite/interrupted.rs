@@ -1,12 +1,12 @@
 //! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
 //! What was measured stays, and nothing is measured twice.
 
+use crate::common::hang::wait_until;
 use crate::common::{expected_failures, gpu};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
 const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "32x18", "--method", "ssct,unified"];
@@ -44,11 +44,7 @@ fn journal(folder: &Path) -> Vec<String> {
 }
 
 fn measures(folder: &Path, lines: usize) {
-    let start = Instant::now();
-    while journal(folder).len() < lines {
-        assert!(start.elapsed() < Duration::from_secs(120), "nothing is measured");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    wait_until(|| format!("a run that should write {lines} lines"), || journal(folder).len() >= lines);
 }
 
 /// Starts a run, and halts it where it has measured so much: a test that takes its time does not find

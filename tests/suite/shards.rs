@@ -1,13 +1,13 @@
 //! Studies divided among machines: each shard is a run of its own, and the merged shards are what one machine would
 //! have measured.
 
+use crate::common::hang::wait_until;
 use serde_json::Value;
 use ssct_lab::scene::library;
 use ssct_lab::study::journal::scene_digest;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
 const ERROR: [&str; 11] =
@@ -115,12 +115,8 @@ fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
 /// Kills a run once its journal has some number of lines.
 fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
-    let begun = Instant::now();
     let journal = || std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
-    while journal().lines().count() < lines {
-        assert!(begun.elapsed() < Duration::from_secs(120), "nothing is measured");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    wait_until(|| format!("a run that should write {lines} lines"), || journal().lines().count() >= lines);
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!journal().contains("finished"), "it was killed before its end");

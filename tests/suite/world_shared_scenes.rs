@@ -5,21 +5,16 @@ use crate::common::repository;
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::scene::{Camera, LoadOptions, scene_file};
-use std::time::Instant;
 
 #[test]
-fn sponza_is_ready_for_rays_in_seconds_and_has_no_cracks() {
+fn sponza_is_ready_for_rays_and_has_no_cracks() {
     let file = &repository().join("../shared/scenes/sponza/sponza.scene.toml");
     if !file.exists() {
         println!("skipped: ../shared/scenes is absent");
         return;
     }
     let scene = scene_file::load(file, &LoadOptions::default()).expect("sponza");
-    let start = Instant::now();
     let world = World::new(&scene, &scene.materials);
-    let built = start.elapsed().as_secs_f64();
-    println!("{} triangles in {built:.2} s", scene.triangle_count());
-    assert!(built < 20.0, "{built} s");
     // From the middle of the court straight down, only the floor can be seen.
     let view = scene.views[0].clone();
     let camera = Camera::new(view.eye, view.eye - glam::Vec3::Y, scene.lens, 1.0);

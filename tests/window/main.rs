@@ -3,6 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+#[path = "../common/hang.rs"]
+mod hang;
+
+use hang::wait_until;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
 use ssct_lab::report::images;
@@ -12,7 +16,6 @@ use ssct_lab::stage::{Globals, Shot, Stage};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 const SIZE: &str = "320x200";
 const EXTENT: [u32; 2] = [320, 200];
@@ -186,15 +189,12 @@ fn a_window_survives_keys_mouse_and_a_storm_of_sizes() {
     // From the first method through all of them, and back to it: the title tells which is shown.
     for n in 1..=METHODS.len() {
         tool("key m");
-        let (name, begun) = (METHODS[n % METHODS.len()].name, Instant::now());
-        loop {
+        let name = METHODS[n % METHODS.len()].name;
+        let is_shown = || {
             let title = String::from_utf8(tool(&format!("getwindowname {id}")).stdout).unwrap();
-            if title.contains(&format!("— {name} —")) {
-                break;
-            }
-            assert!(begun.elapsed() < Duration::from_secs(60), "M shows {title}, and not {name}");
-            std::thread::sleep(Duration::from_millis(20));
-        }
+            title.contains(&format!("— {name} —"))
+        };
+        wait_until(|| format!("the window, which the key M should make show {name}"), is_shown);
     }
     for key in ["F2", "c", "F2", "c", "F2", "F2", "F2", "F1", "3", "w", "k", "r", "F1", "p", "c"] {
         tool(&format!("key {key}"));

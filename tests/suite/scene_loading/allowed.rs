@@ -1,13 +1,12 @@
 //! What glTF 2.0 allows, and what other programs write that has one obvious reading: it loads, with a warning where the
 //! specification is not kept.
 
-use super::gltf::{Square, binary, close, error, load, picture, pictured, scene, sentences, square};
+use super::gltf::{Square, binary, close, error, picture, pictured, scene, sentences, square};
 use super::*;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use ssct_lab::scene::{Light, gltf};
-use std::time::{Duration, Instant};
 
 /// The square is there as it always is: side 2 by 1 in the xy plane.
 fn is_the_square(scene: &Scene) {
@@ -191,8 +190,7 @@ fn data_addresses_are_read_as_rfc_2397_says() {
 }
 
 #[test]
-fn addresses_that_are_no_files_are_refused_at_once() {
-    let start = Instant::now();
+fn addresses_that_are_no_files_are_refused() {
     let at = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
     let network = at("https://example.org/a.bin");
     assert_eq!(network, "buffer 0 is at an address of the kind https:, which is not read");
@@ -211,7 +209,6 @@ fn addresses_that_are_no_files_are_refused_at_once() {
     }
     let long = at(&"x".repeat(3000));
     assert!(long.len() < 8000, "{}", long.len());
-    assert!(start.elapsed() < Duration::from_secs(5));
     let image = json!({"uri": "https://example.org/a.png"});
     let remote = scene(&pictured(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}), &[image]));
     assert!(sentences(&remote)[0].contains("of the kind https:"), "{:?}", remote.warnings);
@@ -448,43 +445,4 @@ fn normals_of_an_author_stay_unless_they_point_to_the_back() {
     let turned = super::gltf::scene(&with_floats(1, "VEC3", &[0.0, 0.0, -1.0].repeat(4)));
     assert_eq!(sentences(&turned), ["normals that point to the back of their triangles were turned to its front"]);
     assert!(turned.meshes[0].vertices.iter().all(|v| normal(v) == Vec3::NEG_Z));
-}
-
-#[test]
-fn many_things_of_one_name_or_one_accessor_take_little_time() {
-    let start = Instant::now();
-    let cameras = square(json!({}), |d| {
-        d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
-        let one = json!({"camera": 0, "name": "cam", "translation": [0, 0, 4]});
-        let numbered = json!({"camera": 0, "name": "cam 2", "translation": [0, 0, 4]});
-        let nodes: Vec<Value> = [json!({"mesh": 0}), numbered].into_iter().chain(vec![one; 4000]).collect();
-        d["scenes"] = json!([{"nodes": (0..nodes.len()).collect::<Vec<_>>()}]);
-        d["nodes"] = nodes.into();
-    });
-    let scene = load(&cameras).unwrap();
-    let names: std::collections::HashSet<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
-    assert_eq!((scene.views.len(), names.len()), (4001, 4001));
-    assert!(names.contains("cam") && names.contains("cam 2") && names.contains("cam 4001"));
-    // Many primitives draw two triangles each of many vertices.
-    let mut many = Square::new();
-    many.floats("VEC3", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 1.0, 0.0].repeat(10_000));
-    let mut document = many.document(json!({}));
-    let primitive = json!({"attributes": {"POSITION": 4}, "indices": 3, "material": 0});
-    document["meshes"][0]["primitives"] = vec![primitive; 4000].into();
-    let scene = load(&document).unwrap();
-    assert_eq!(scene.triangle_count(), 8000);
-    // Many materials, each used once.
-    let materials = square(json!({}), |d| {
-        let material = d["materials"][0].clone();
-        d["materials"] = vec![material; 4000].into();
-        let primitive = d["meshes"][0]["primitives"][0].clone();
-        let with = |k: usize| {
-            let mut primitive = primitive.clone();
-            primitive["material"] = k.into();
-            primitive
-        };
-        d["meshes"][0]["primitives"] = (0..4000).map(with).collect();
-    });
-    assert_eq!(load(&materials).unwrap().materials.len(), 4000);
-    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
