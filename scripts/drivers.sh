@@ -6,6 +6,8 @@
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
 #   scripts/drivers.sh --mesa  print the variable with which a program sees the younger Mesa alone; nothing where there is none
+#   scripts/drivers.sh --radv  print the variables with which a program sees Mesa's driver for AMD's GPUs alone, of the younger
+#                              Mesa or of the system's; with RADV_FORCE_FAMILY it compiles for a GPU that is not there
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -30,10 +32,35 @@ if [ "${1:-}" = --mesa ]; then
     exit 0
 fi
 
+if [ "${1:-}" = --radv ]; then
+    system=/usr/share/vulkan/icd.d/radeon_icd.$(uname -m).json
+    if [ -s "$mesa/radv.json" ]; then
+        printf 'export VK_DRIVER_FILES=%q LD_LIBRARY_PATH=%q\n' "$mesa/radv.json" "$mesa"
+    elif [ -s "$system" ]; then
+        printf 'export VK_DRIVER_FILES=%q\n' "$system"
+    else
+        say "there is no driver for AMD's GPUs: $system is absent"
+        exit 1
+    fi
+    exit 0
+fi
+
+case "${1:-}" in
+'' ) ;;
+-h | --help)
+    sed -n '2,/^set -/{/^set -/d;s/^# \{0,1\}//;p}' "$0"
+    exit 0
+    ;;
+*)
+    say "there is no option $1; scripts/drivers.sh --help lists them"
+    exit 2
+    ;;
+esac
+
 # The backports are of Debian 12. A younger system has a younger Mesa of its own.
 codename=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME:-}")
 wants_mesa=
-[ "$codename" != bookworm ] || [ -s "$mesa/version" ] || wants_mesa=1
+[ "$codename" != bookworm ] || [ -s "$mesa/radv.json" ] || wants_mesa=1
 [ -s "$folder/version" ] && [ -z "$wants_mesa" ] && exit 0
 command -v apt-get >/dev/null && command -v dpkg-deb >/dev/null || {
     say "this script knows Debian and Ubuntu; elsewhere put $driver and $layer of a Chromium build into $folder"
@@ -56,7 +83,7 @@ fetch_mesa() {
     options=(-q -o "Dir::Etc::SourceList=$scratch/backports.list" -o Dir::Etc::SourceParts=/dev/null
         -o "Dir::State::Lists=$scratch/lists" -o "Dir::Cache=$scratch/cache" -o APT::Sandbox::User=)
     if ! (cd "$scratch" && apt-get "${options[@]}" update && apt-get "${options[@]}" download \
-        mesa-vulkan-drivers/bookworm-backports) >"$scratch/log" 2>&1; then
+        {mesa-vulkan-drivers,libdrm2,libdrm-amdgpu1}/bookworm-backports) >"$scratch/log" 2>&1; then
         say "Mesa of Debian's backports cannot be fetched: $(tail -n 1 "$scratch/log")"
         return 1
     fi
@@ -66,8 +93,18 @@ fetch_mesa() {
     cat >"$mesa/lavapipe.json" <<JSON
 {"file_format_version": "1.0.0", "ICD": {"library_path": "./libvulkan_lvp.so", "api_version": "1.4.0"}}
 JSON
+    # The driver for AMD's GPUs, with the libraries that it needs in a younger version than Debian 12 has.
+    dpkg-deb --fsys-tarfile "$archive" | tar -x -O --wildcards './usr/lib/*/libvulkan_radeon.so' >"$mesa/libvulkan_radeon.so"
+    local library
+    for library in libdrm2 libdrm-amdgpu1; do
+        dpkg-deb --fsys-tarfile "$(find "$scratch" -maxdepth 1 -name "${library}_*.deb")" |
+            tar -x -C "$mesa" --strip-components=4 --wildcards './usr/lib/*/libdrm*.so*'
+    done
     dpkg-deb --field "$archive" Version >"$mesa/version"
-    say "lavapipe of Mesa $(cat "$mesa/version") is in $mesa"
+    cat >"$mesa/radv.json" <<JSON
+{"file_format_version": "1.0.0", "ICD": {"library_path": "$mesa/libvulkan_radeon.so", "api_version": "1.4.0"}}
+JSON
+    say "lavapipe and RADV of Mesa $(cat "$mesa/version") are in $mesa"
 }
 [ -z "$wants_mesa" ] || fetch_mesa
 [ ! -s "$folder/version" ] || exit 0

@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
 # Runs the tests that hold for any driver on lavapipe and on SwiftShader, under a validation layer that is three years
 # younger than Debian's, and those that a driver has made fail before on the lavapipe of Mesa 25, which is Debian 13's
-# (scripts/drivers.sh fetches all three). tests/expected_failures.toml lists under "suite" the tests that fail on one of
+# (scripts/drivers.sh fetches all three). Before that, every program is compiled for GPUs that are not there. tests/expected_failures.toml lists under "suite" the tests that fail on one of
 # them for a reason outside this program. Each of them must fail, and no other test may.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/drivers.sh
-eval "$(scripts/drivers.sh --env)"
 cargo=${CARGO:-cargo}
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
+echo "drivers: what AMD's compiler makes of every program" >&2
+"$cargo" test --test alone -- compiled:: --ignored
+
+eval "$(scripts/drivers.sh --env)"
 echo 'drivers: one against the other' >&2
 "$cargo" test --test alone -- drivers:: --ignored
 

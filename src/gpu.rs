@@ -6,6 +6,7 @@
 //! label, its timestamps and its barriers once (`frame.rs`).
 
 pub mod device;
+pub mod executables;
 pub mod frame;
 #[cfg(feature = "reload")]
 pub mod glsl;

@@ -28,6 +28,7 @@ mod reference_part;
 mod render;
 pub mod resolve;
 mod run;
+mod shaders;
 mod stress;
 mod studies;
 mod study;

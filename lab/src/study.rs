@@ -20,6 +20,7 @@ pub mod other_devices;
 pub mod path;
 pub mod precision;
 pub mod record;
+pub mod shaders;
 pub mod shard;
 pub mod steps;
 pub mod stress;

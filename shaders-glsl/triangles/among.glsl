@@ -29,10 +29,14 @@ float FootprintWidth(float spread, float metres) {
     return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y + spread * metres : spread * metres;
 }
 
+#ifndef CONFIRMED
+
 // What a ray sees that begins on a pixel's triangle; `leaves` is that of BeginRay.
 Among See(TreeRay ray, bool leaves, float spread) {
     Met met = Closest(ray);
     return SeeMet(ray, met, leaves, FootprintWidth(spread, met.t));
 }
+
+#endif
 
 #endif

@@ -46,7 +46,7 @@ bool StopsRay(Met met) {
 
 #ifdef RAY_QUERY
 #include "triangles/query.glsl"
-#else
+#elif !defined(CONFIRMED)
 
 // The nearest triangle that stops the ray. One after the other, those that let it through are left behind.
 Met Closest(TreeRay ray) {

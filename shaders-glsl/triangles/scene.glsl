@@ -13,6 +13,7 @@
 layout(constant_id = 20) const bool GEOMETRY_TEXELS = true; // geometry is read as texels
 layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // so are images
 layout(constant_id = 23) const bool ASKS = true; // some material decides at each hit whether its surface is there
+layout(constant_id = 26) const int WALK_ROOM = TREE_DEPTH; // groups of nodes that a walk has room for: as many as trees have levels
 
 layout(binding = 20, rgba32ui) uniform readonly uimageBuffer geometry_texels;
 layout(std430, binding = 21) readonly buffer GeometryWords {

@@ -2,8 +2,8 @@
 // reference::triangles.
 //
 // The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
-// walk pushes at most one group of nodes for each level below the root, and the host takes no tree with more than TREE_DEPTH
-// levels, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
+// walk pushes at most one group of nodes for each level below the root, and the host takes no tree with more levels than the
+// stack has room for, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
 // not even one with NaN in it, which meets no box.
 //
 // What moves has a small tree of its own in the same buffer, whose root waits at the bottom of the stack.
@@ -55,14 +55,14 @@ bool IsAfter(float t, uint id, Met than) {
     return t > than.t || (t == than.t && id > than.id);
 }
 
-// Meets a triangle from either side, if it comes before what was met so far. The sign of each edge function depends on
+// Whether a ray meets the triangle of a slot, from either side, and where. The sign of each edge function depends on
 // nothing but the edge's corners and the ray, and swapping the corners turns it round to the bit, so that a ray between two
 // triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013).
 // What has no area in the ray's direction is not met, nor a triangle so near to where the ray begins that rounding cannot
 // tell its plane from the ray's own: one beside the triangle that the ray begins on, or over it. The distance to a plane is
 // the mean of three products of four roundings each, of lengths up to the scene's extent, so that it errs by up to a dozen
 // half units of that.
-void Meet(TreeRay ray, int slot, inout Met best) {
+bool MeetsAt(TreeRay ray, int slot, out Met met) {
     int at = triangles.corners + 3 * slot;
     uvec4 first = Geometry(at);
     precise vec3 a = uintBitsToFloat(first.xyz) - ray.origin;
@@ -83,9 +83,20 @@ void Meet(TreeRay ray, int slot, inout Met best) {
     float beyond = area < 0.0 ? -reach : reach;
     bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
                && beyond > ray.off * whole && first.w != ray.own;
-    bool nearer = t < best.t || (t == best.t && first.w < best.id);
-    if (inside && nearer && (!ASKS || IsAfter(t, first.w, ray.after)))
-        best = Met(t, first.w, weight, area / whole);
+    met = Met(t, first.w, weight, area / whole);
+    return inside && (!ASKS || IsAfter(t, first.w, ray.after));
+}
+
+// Whether what is met comes before something else: nearer, or as near and of a smaller number.
+bool ComesBefore(Met met, float t, uint id) {
+    return met.t < t || (met.t == t && met.id < id);
+}
+
+// Meets a triangle if it comes before what was met so far.
+void Meet(TreeRay ray, int slot, inout Met best) {
+    Met met;
+    if (MeetsAt(ray, slot, met) && ComesBefore(met, best.t, best.id))
+        best = met;
 }
 
 uint Byte(uint word, int i) {
@@ -109,13 +120,22 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
     return met;
 }
 
+#ifndef CONFIRMED
+
+// The stacks of all threads, the same place of each beside the others. In registers, as an array of a thread's own is held, they
+// would leave room for few threads at a time.
+const int WALKERS = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
+shared uvec2 stacks[WALK_ROOM * WALKERS];
+
 // The nearest triangle that the ray meets after `after`.
 Met WalkTree(TreeRay ray) {
-    Met best = NOTHING;
+    // What was met so far. Where on its triangle that is will be found again at the end, so that the walk need not hold it.
+    float nearest = NEVER;
+    uint nearest_id = NO_TRIANGLE;
+    int nearest_slot = 0;
     // No branch depends on a uniform block alone, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
-    uvec2 stack[TREE_DEPTH];
-    stack[0] = uvec2(uint(triangles.moving), 0x80000000u);
-    int height = triangles.moving > 0 ? 1 : 0;
+    int bottom = int(gl_LocalInvocationIndex), top = bottom + (triangles.moving > 0 ? WALKERS : 0);
+    stacks[bottom] = uvec2(uint(triangles.moving), 0x80000000u);
     // A direction along a plane of an axis is tested as if it were a little beside it, which no box notices.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     vec3 inverse = 1.0 / direction;
@@ -129,8 +149,10 @@ Met WalkTree(TreeRay ray) {
             uint bits = group.y;
             int bit = findMSB(bits);
             group.y &= ~(1u << bit);
-            if ((group.y & 0xff000000u) != 0u)
-                stack[height++] = group;
+            if ((group.y & 0xff000000u) != 0u) {
+                stacks[top] = group;
+                top += WALKERS;
+            }
             uint child = uint(bit - 24) ^ octant & 0xffu;
             int node = 5 * int(group.x + uint(bitCount(bits & ~(0xffffffffu << child))));
             uvec4 head = Geometry(node), kinds = Geometry(node + 1);
@@ -142,23 +164,35 @@ Met WalkTree(TreeRay ray) {
             x = back.x ? x.zwxy : x;
             y = back.y ? y.zwxy : y;
             z = back.z ? z.zwxy : z;
-            uint met = MetChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, best.t)
-                     | MetChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, best.t);
+            uint met = MetChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, nearest)
+                     | MetChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, nearest);
             group = uvec2(kinds.x, met & 0xff000000u | head.w >> 24);
             leaves = uvec2(kinds.y, met & 0x00ffffffu);
         }
         while (leaves.y != 0u) {
             int bit = findMSB(leaves.y);
             leaves.y &= ~(1u << bit);
-            Meet(ray, int(leaves.x) + bit, best);
+            int slot = int(leaves.x) + bit;
+            Met met;
+            if (MeetsAt(ray, slot, met) && ComesBefore(met, nearest, nearest_id)) {
+                nearest = met.t;
+                nearest_id = met.id;
+                nearest_slot = slot;
+            }
         }
         if ((group.y & 0xff000000u) == 0u) {
-            if (height == 0)
+            if (top == bottom)
                 break;
-            group = stack[--height];
+            top -= WALKERS;
+            group = stacks[top];
         }
     }
+    Met best = NOTHING;
+    if (nearest_id != NO_TRIANGLE)
+        Meet(ray, nearest_slot, best);
     return best;
 }
+
+#endif
 
 #endif

@@ -34,11 +34,11 @@ Lobe LobeOf(vec3 point, vec3 normal, float roughness) {
     return Lobe(normal, MirrorDirection(Sight(point), normal), LobePower(roughness));
 }
 
-// What a ray saw. All is 0 for no ray.
+// What a ray saw.
 struct Seen {
-    vec3 direction; // of the ray, a unit vector
-    float density;  // that it was sampled with: see LogDensity; negative for a miss
-    vec4 color;     // of the hit, and its fade in a; a miss is 0
+    bool is_hit;
+    float density; // that it was sampled with: see LogDensity
+    vec4 color;    // of the hit, and its fade in a; a miss is 0
 };
 
 // The level of the colour's chain for a ray of a density (LogDensity) that stands for a share of the lobe. Its
@@ -79,9 +79,13 @@ struct Record {
     vec4 color;  // of the hit, and its fade in a; a miss is 0
 };
 
-uvec4 Pack(Record r) {
-    return uvec4(packSnorm2x16(Octahedral(r.mirror)), floatBitsToUint(r.root), packHalf2x16(r.color.rg),
-                 packHalf2x16(r.color.ba));
+uint PackMirror(vec3 mirror) {
+    return packSnorm2x16(Octahedral(mirror));
+}
+
+// A record whose mirror is packed.
+uvec4 PackRecord(uint mirror, float root, vec4 color) {
+    return uvec4(mirror, floatBitsToUint(root), packHalf2x16(color.rg), packHalf2x16(color.ba));
 }
 
 Record Unpack(uvec4 words) {

@@ -68,22 +68,27 @@ Gathered Handed(Gathered own, Gathered other, int outward) {
 layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba16f) uniform writeonly image2D surface_image;
 
-// Row for a cell at x and `outward`, along x, of the cells that lie at y.
-Gathered[5] RowAt(int x, int y, int outward) {
-    Gathered inner = At(ivec2(x - 2 * outward, y)), middle = At(ivec2(x, y)), outer = At(ivec2(x + 2 * outward, y));
-    Gathered before = At(ivec2(x - outward, y)), behind = At(ivec2(x + outward, y));
-    return Gathered[5](inner, Handed(middle, before, outward), middle, Handed(inner, behind, outward), outer);
+// The ray of a column, 0 to 4 from the inside of a block outwards, around a cell at x, of the cells that lie at y. The other cell
+// of the block along x hands on those of columns 1 and 3.
+Gathered InRow(int x, int y, int outward, int column) {
+    int steps = column == 0 || column == 3 ? -2 : column == 4 ? 2 : 0;
+    Gathered ray = At(ivec2(x + steps * outward, y));
+    if ((column & 1) == 0)
+        return ray;
+    return Handed(ray, At(ivec2(x + (column - 2) * outward, y)), outward);
 }
 
-Gathered[5] Row(ivec2 cell, ivec2 outward, int y) {
-    return RowAt(cell.x, cell.y + 2 * outward.y * y, outward.x);
-}
-
-Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y) {
-    Gathered other[5] = RowAt(cell.x, cell.y - outward.y * (1 + 2 * y), outward.x);
-    return Gathered[5](Handed(row[0], other[0], outward.y), Handed(row[1], other[1], outward.y),
-                      Handed(row[2], other[2], outward.y), Handed(row[3], other[3], outward.y),
-                      Handed(row[4], other[4], outward.y));
+// Each ray is made by itself: a loop holds no other.
+void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
+    for (int y = -1; y <= 1; ++y)
+        for (int column = 0; column < 5; ++column) {
+            Gathered ray = InRow(cell.x, cell.y + 2 * outward.y * y, outward.x, column);
+            Gather(sum, here, ray);
+            if (y < 1) {
+                Gathered other = InRow(cell.x, cell.y - outward.y * (1 + 2 * y), outward.x, column);
+                Gather(sum, here, Handed(ray, other, outward.y));
+            }
+        }
 }
 
 void main() {
@@ -107,22 +112,38 @@ void main() {
 #define LIST NARROW_LIST
 
 // The ray of a pixel of the block. A pixel beyond the border of the image has none.
-Gathered Own(ivec2 pixel) {
+Gathered OwnRay(ivec2 pixel) {
     if (IsInside(pixel, 0))
         return At(pixel);
     return Unpacked(NO_RECORD);
 }
 
-Gathered[9] RaysAround(ivec2 pixel) {
+// The ray of a pixel of the block, or of one outside of it.
+Gathered RayOf(ivec2 pixel, bool in_block) {
+    if (in_block)
+        return OwnRay(pixel);
+    return At(pixel);
+}
+
+// Each ray is made by itself: a loop holds no other.
+void GatherAround(inout Around around, Gathered own, ivec2 pixel) {
     ivec2 outward = Outward(pixel);
     ivec2 x = ivec2(outward.x, 0), y = ivec2(0, outward.y);
-    Gathered own = Own(pixel), above = Own(pixel - y);
-    Gathered across = Handed(own, Own(pixel - x), outward.x);
-    Gathered across_above = Handed(above, Own(pixel - outward), outward.x);
-    Gathered beside = At(pixel + x), under = At(pixel + y);
-    return Gathered[9](own, across, Handed(own, above, outward.y), Handed(across, across_above, outward.y), beside,
-                      Handed(beside, At(pixel + x - y), outward.y), under, Handed(under, At(pixel - x + y), outward.x),
-                      At(pixel + outward));
+    for (int n = 1; n < 9; ++n) {
+        // Bits of the rays that other pixels of the block hand on, along x and along y.
+        bool across_x = (0x8a >> n & 1) != 0, across_y = (0x2c >> n & 1) != 0, in_block = n < 4;
+        ivec2 first = pixel + (n == 4 || n == 5 || n == 8 ? x : ivec2(0)) + (n >= 6 ? y : ivec2(0));
+        Gathered ray = RayOf(first, in_block);
+        if (across_x)
+            ray = Handed(ray, RayOf(first - x, in_block), outward.x);
+        if (across_y) {
+            Gathered other = RayOf(first - y, in_block);
+            if (across_x)
+                other = Handed(other, RayOf(first - outward, in_block), outward.x);
+            ray = Handed(ray, other, outward.y);
+        }
+        Gather(around, own, ray);
+    }
 }
 
 #else

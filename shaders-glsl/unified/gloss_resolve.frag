@@ -39,17 +39,32 @@ Gathered Load(ivec2 cell) {
     return Load(at, IsDrawn(at));
 }
 
-// Loads the rays of every second cell. The other cell of the block along x hands on those between.
-Gathered[5] Row(ivec2 cell, ivec2 outward, int y) {
-    Gathered inner = Load(cell + 2 * outward * ivec2(-1, y));
-    Gathered middle = Load(cell + 2 * outward * ivec2(0, y));
-    Gathered outer = Load(cell + 2 * outward * ivec2(1, y));
-    return Gathered[5](inner, AcrossX(middle, outward.x), middle, AcrossX(inner, outward.x), outer);
+// Gathers a ray, and the one that the other cell of the block along y has in its place.
+void GatherBoth(inout CellSum sum, Here here, Gathered ray, int outward) {
+    Gather(sum, here, ray);
+    Gather(sum, here, AcrossY(ray, outward));
 }
 
-Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y) {
-    return Gathered[5](AcrossY(row[0], outward.y), AcrossY(row[1], outward.y), AcrossY(row[2], outward.y),
-                      AcrossY(row[3], outward.y), AcrossY(row[4], outward.y));
+void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
+    for (int y = -1; y <= 1; ++y) {
+        // The other cell of the block along x hands on the rays between those that are loaded.
+        Gathered inner = Load(cell + 2 * outward * ivec2(-1, y));
+        Gathered middle = Load(cell + 2 * outward * ivec2(0, y));
+        Gathered outer = Load(cell + 2 * outward * ivec2(1, y));
+        if (y < 1) {
+            GatherBoth(sum, here, inner, outward.y);
+            GatherBoth(sum, here, AcrossX(middle, outward.x), outward.y);
+            GatherBoth(sum, here, middle, outward.y);
+            GatherBoth(sum, here, AcrossX(inner, outward.x), outward.y);
+            GatherBoth(sum, here, outer, outward.y);
+        } else {
+            Gather(sum, here, inner);
+            Gather(sum, here, AcrossX(middle, outward.x));
+            Gather(sum, here, middle);
+            Gather(sum, here, AcrossX(inner, outward.x));
+            Gather(sum, here, outer);
+        }
+    }
 }
 
 void main() {
@@ -68,16 +83,25 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 
 #ifdef NARROW
 
-Gathered[9] RaysAround(ivec2 pixel) {
+Gathered OwnRay(ivec2 pixel) {
     // A block at the edge of an image of odd size reaches beyond the image.
     bool inside = all(lessThan(pixel, unified.size));
-    Gathered own = Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+    return Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+}
+
+void GatherAround(inout Around around, Gathered own, ivec2 pixel) {
     ivec2 outward = Outward(pixel);
     Gathered across = AcrossX(own, outward.x);
+    Gather(around, own, across);
+    Gather(around, own, AcrossY(own, outward.y));
+    Gather(around, own, AcrossY(across, outward.y));
     Gathered beside = Load(pixel + ivec2(outward.x, 0));
+    Gather(around, own, beside);
+    Gather(around, own, AcrossY(beside, outward.y));
     Gathered under = Load(pixel + ivec2(0, outward.y));
-    return Gathered[9](own, across, AcrossY(own, outward.y), AcrossY(across, outward.y), beside,
-                      AcrossY(beside, outward.y), under, AcrossX(under, outward.x), Load(pixel + outward));
+    Gather(around, own, under);
+    Gather(around, own, AcrossX(under, outward.x));
+    Gather(around, own, Load(pixel + outward));
 }
 
 #endif

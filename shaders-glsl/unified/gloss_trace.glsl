@@ -23,8 +23,8 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 #include "captures/seen.glsl"
 #endif
 
-// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; and whether that is on the screen and so
-// near to where it began that neighbours see the same elsewhere (NEAR_HIT).
+// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky, and the ray's direction for a miss; and whether
+// that is on the screen and so near to where it began that neighbours see the same elsewhere (NEAR_HIT).
 struct End {
     vec3 place;
     bool beside;
@@ -45,13 +45,17 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 
 bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
     Hit hit = Traverse(ray);
-    Among seen;
-    bool shows = hit.code == PATH_HI_Z && Confirm(ray, hit.pixel, spread, seen);
-    if (!shows)
+    Confirmed confirmed;
+    color = vec4(0.0);
+    end = End(ray.direction, false, NO_TRIANGLE);
+    if (!(hit.code == PATH_HI_Z && Confirm(ray, hit.pixel, confirmed))) {
         PushFromPixel(uvec2(at), ray, spread);
-    color = shows ? vec4(seen.color, 1.0) : vec4(0.0);
-    end = End(shows ? ToView(seen.place) / captures.view_unit : vec3(0.0), false, seen.met);
-    return shows;
+        return false;
+    }
+    Among seen = SeeConfirmed(confirmed, spread);
+    color = vec4(seen.color, 1.0);
+    end = End(ToView(seen.place) / captures.view_unit, false, seen.met);
+    return true;
 }
 
 #else
@@ -61,9 +65,10 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
     vec3 along = SkyAlong(ray.direction);
     vec3 point = ViewPoint(ray.start, ray.depth);
     color = vec4(0.0);
-    end = End(point + FAR_SKY * ray.direction, false, NO_TRIANGLE);
+    end = End(ray.direction, false, NO_TRIANGLE);
     if (EndsInSky(ray, hit)) {
         color = vec4(along, 1.0);
+        end.place = point + FAR_SKY * ray.direction;
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
@@ -84,27 +89,26 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 // part is, the fewer, down to one in the middle that stands for the whole lobe.
 // `at` is the pixel or cell whose record the ray is for.
 Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part, out End end) {
-    end = End(vec3(0.0), false, NO_TRIANGLE);
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
     float log_rest = log2(1.0 - u.x);
     float density = LogDensity(lobe.power, log_rest);
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
-    Seen seen = Seen(direction, -density, vec4(0.0));
+    Seen seen = Seen(false, density, vec4(0.0));
+    end = End(direction, false, NO_TRIANGLE);
     // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
     float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
-    if (Look(at, RayAlong(pixel, depth, direction), spread, density, share, seen.color, end))
-        seen.density = density;
+    seen.is_hit = Look(at, RayAlong(pixel, depth, direction), spread, density, share, seen.color, end);
     return seen;
 }
 
 // What a history is told of where a ray ended (unified/ends.glsl).
 uvec2 Told(vec3 point, Seen seen, End end) {
-    return seen.density > 0.0 ? uvec2(floatBitsToUint(distance(point, end.place)), end.met) : uvec2(0u);
+    return seen.is_hit ? uvec2(floatBitsToUint(distance(point, end.place)), end.met) : uvec2(0u);
 }
 
 #ifdef NARROW
@@ -131,11 +135,13 @@ uvec4 RecordOf(ivec2 pixel, out uvec2 told) {
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
+    // Packed before the ray is followed, since a walk has no register to spare.
+    uint mirror = PackMirror(lobe.mirror);
+    float root = sqrt(lobe.power);
     End end;
     Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * PATTERN_PART, u.y), PATTERN_FOOTPRINTS, 1.0, end);
     told = Told(point, seen, end);
-    float root = sqrt(lobe.power);
-    return Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
+    return PackRecord(mirror, seen.is_hit ? root : -root, seen.color);
 }
 
 #else
@@ -145,9 +151,8 @@ uvec4 RecordOf(ivec2 pixel, out uvec2 told) {
 void Turn(vec3 unit, out vec3 across, out vec3 along);
 
 // Where the ray of a point ended (ViewPoint's scale), put far away if it is near, or the direction of a miss.
-vec3 Place(vec3 point, Seen seen, End end) {
-    vec3 place = end.beside ? point + FAR_AWAY * (end.place - point) : end.place;
-    return seen.density > 0.0 ? place : seen.direction;
+vec3 Place(vec3 point, End end) {
+    return end.beside ? point + FAR_AWAY * (end.place - point) : end.place;
 }
 
 struct CellRay {
@@ -176,7 +181,7 @@ CellRay RayOf(ivec2 cell) {
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         End end;
         Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
-        traced = CellRay(vec4(Place(point, seen, end), seen.density), seen.color, Told(point, seen, end));
+        traced = CellRay(vec4(Place(point, end), seen.is_hit ? seen.density : -seen.density), seen.color, Told(point, seen, end));
     }
     return traced;
 }

@@ -35,6 +35,11 @@ struct Shown {
     vec4 hit;        // with HITS: texture coordinates, standard depth, PATH_*
 };
 
+// The colour that is reflected onto. It is loaded after the ray was followed, since a walk has no register to spare.
+vec4 LitColorAt(ivec2 pixel) {
+    return COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
+}
+
 // False for a pixel that is left as it is.
 bool Show(ivec2 pixel, out Shown shown) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
@@ -42,12 +47,13 @@ bool Show(ivec2 pixel, out Shown shown) {
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     shown.reflection = vec4(0.0);
-    shown.color = COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
     shown.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
     if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
         return false;
-    if (!traced)
+    if (!traced) {
+        shown.color = LitColorAt(pixel);
         return true;
+    }
     bool faces;
     Ray ray = MirrorRay(pixel, depth, normal, faces);
     float spread = PixelSpread();
@@ -57,6 +63,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         shown.reflection = vec4(seen.color, 1.0);
         shown.hit = vec4(seen.place, float(seen.code));
     }
+    shown.color = LitColorAt(pixel);
     vec3 color = shown.color.rgb + material.x * shown.reflection.rgb;
     shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;
 #else
@@ -64,11 +71,15 @@ bool Show(ivec2 pixel, out Shown shown) {
     bool is_hit = hit.code == PATH_HI_Z && faces;
     bool in_sky = faces && EndsInSky(ray, hit);
 #ifdef CONFIRMED
-    Among seen;
-    bool shows = is_hit && Confirm(ray, hit.pixel, spread, seen);
-    shown.reflection = shows ? vec4(seen.color, 1.0) : vec4(0.0);
-    if (faces && !shows)
+    Among seen = Among(vec3(0.0), vec3(0.0), PATH_NONE, NO_TRIANGLE);
+    Confirmed confirmed;
+    bool shows = is_hit && Confirm(ray, hit.pixel, confirmed);
+    if (shows) {
+        seen = SeeConfirmed(confirmed, spread);
+        shown.reflection = vec4(seen.color, 1.0);
+    } else if (faces) {
         PushFromPixel(uvec2(pixel), ray, spread);
+    }
 #else
     bool shows = is_hit || in_sky;
     if (shows) {
@@ -82,6 +93,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
 #endif
+    shown.color = LitColorAt(pixel);
     if (shows) {
         vec3 color = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;
         shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;

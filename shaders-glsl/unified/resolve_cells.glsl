@@ -63,21 +63,11 @@ void Gather(inout CellSum sum, Here here, Gathered ray) {
     sum.nearest = density > 0.0 ? min(sum.nearest, dot(to, to)) : sum.nearest;
 }
 
-// The five rays of a row around a cell, from the inside of its block outwards. `y` is -1, 0 or 1: the row two cells
-// inwards, the cell's own, or the row two cells outwards. The file that includes this one defines it and RowAcross.
-Gathered[5] Row(ivec2 cell, ivec2 outward, int y);
-
-// The five rays of a row between those: the row that the other cell of the block along y has as its Row for this `y`.
-// `row` is what Row gives for this cell and `y`.
-Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y);
-
-void Gather(inout CellSum sum, Here here, Gathered row[5]) {
-    Gather(sum, here, row[0]);
-    Gather(sum, here, row[1]);
-    Gather(sum, here, row[2]);
-    Gather(sum, here, row[3]);
-    Gather(sum, here, row[4]);
-}
+// Gathers the rays of the 5 x 5 cells around a cell. A cell's square is of four kinds, as those of a block of 2 x 2 cells are:
+// 3 x 3 lie two cells apart from the cell itself, and the others lie so from one of the three that a device shades in step
+// with it. Each of the first is followed by the one that the other cell along y hands on in its place, so that few rays are
+// held at a time. The file that includes this one defines it.
+void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward);
 
 // Whether a ray ended so near that the pixels around a point do not see alike. What stands there hides other things from one
 // pixel than from the next, which no weight of a neighbour's ray knows.
@@ -86,8 +76,6 @@ bool IsContact(vec3 point, float squared_distance) {
     return squared_distance < CONTACT * CONTACT * pixel * pixel;
 }
 
-// A cell's square of 5 x 5 is of four kinds, as those of a block of 2 x 2 cells are: 3 x 3 lie two cells apart from
-// itself, and those are loaded. The others are such cells of the three that a device shades in step with it.
 Cell CellOf(ivec2 cell) {
     WideCell wide = FindWide(cell);
     ivec2 pixel = wide.pixel;
@@ -97,13 +85,8 @@ Cell CellOf(ivec2 cell) {
     Lobe lobe = LobeOf(point, normal, wide.roughness);
     Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
     ivec2 outward = Outward(cell);
-    Gathered inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
     CellSum sum = CellSum(NO_RAYS, FAR_SKY * FAR_SKY);
-    Gather(sum, here, inner);
-    Gather(sum, here, RowAcross(middle, cell, outward, 0));
-    Gather(sum, here, middle);
-    Gather(sum, here, RowAcross(inner, cell, outward, -1));
-    Gather(sum, here, Row(cell, outward, 1));
+    GatherAround(sum, here, cell, outward);
     bool shows = wide.roughness > 0.0;
     float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
     z = OWN_RAYS > 0 && (wide.is_mixed || IsContact(point, sum.nearest)) ? -z : z;

@@ -32,7 +32,25 @@ Gathered Load(ivec2 pixel) {
     return Unpacked(words);
 }
 
-void Gather(inout Sum sum, Gathered own, Gathered r) {
+// What is known of the rays around a pixel, one after the other, so that none must be held.
+struct Around {
+    Sum sum;
+    vec3 total;   // of their colours, if pixels may get rays of their own
+    vec3 squares;
+    float count;  // of rays
+};
+
+void Count(inout Around around, Gathered r) {
+    if (OWN_RAYS > 0) {
+        float counts = r.key.w != 0.0 ? 1.0 : 0.0;
+        vec3 color = counts * r.color.rgb;
+        around.total += color;
+        around.squares += color * color;
+        around.count += counts;
+    }
+}
+
+void Gather(inout Around around, Gathered own, Gathered r) {
     // The root of Overlap, for a power between the two, by mirrors instead of normals, which turn half as far. Of the
     // two it is the steadier one under a moving camera.
     float power = abs(own.key.w * r.key.w);
@@ -40,53 +58,41 @@ void Gather(inout Sum sum, Gathered own, Gathered r) {
     float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
     float weight = r.key.w != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
     // What was handed on may be a last bit below 0.
-    Add(sum, weight, r.key.w > 0.0, max(r.color, 0.0));
+    Add(around.sum, weight, r.key.w > 0.0, max(r.color, 0.0));
+    Count(around, r);
 }
 
-// The rays around a pixel: its own, the three of its block (beside it, above or below, and across the corner), the two
-// beside the block, the two above or below it, and the one at its corner. The file that includes this one defines it.
-Gathered[9] RaysAround(ivec2 pixel);
+// The ray of a pixel that the device shades.
+Gathered OwnRay(ivec2 pixel);
+
+// Gathers the rays around a pixel: the three of its block (beside it, above or below, and across the corner), the two beside the
+// block, the two above or below it, and the one at its corner. The file that includes this one defines both.
+void GatherAround(inout Around around, Gathered own, ivec2 pixel);
 
 // Whether the rays around a pixel are too few for how much their colours differ. They stand for so many rays of the pixel's own,
 // by how much their weights differ (the effective size of a weighted sample; Kish 1965).
-bool IsDoubtful(Gathered rays[9], Sum sum, out float stand_for) {
-    vec3 total = vec3(0.0), squares = vec3(0.0);
-    float count = 0.0;
-    for (int i = 0; i < 9; ++i) {
-        float counts = rays[i].key.w != 0.0 ? 1.0 : 0.0;
-        vec3 color = counts * rays[i].color.rgb;
-        total += color;
-        squares += color * color;
-        count += counts;
-    }
-    vec3 mean = total / count, variance = squares / count - mean * mean;
-    stand_for = sum.weight * sum.weight / sum.squares;
+bool IsDoubtful(Around around, out float stand_for) {
+    vec3 mean = around.total / around.count, variance = around.squares / around.count - mean * mean;
+    stand_for = around.sum.weight * around.sum.weight / around.sum.squares;
     return dot(variance, vec3(1.0)) > stand_for * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
 }
 
 // False for a pixel that is left as it is.
 bool Show(ivec2 pixel, out Shown shown) {
-    Gathered rays[9] = RaysAround(pixel);
-    Gathered own = rays[0];
-    Sum sum = NO_RAYS;
-    Add(sum, 1.0, own.key.w > 0.0, own.color);
-    Gather(sum, own, rays[1]);
-    Gather(sum, own, rays[2]);
-    Gather(sum, own, rays[3]);
-    Gather(sum, own, rays[4]);
-    Gather(sum, own, rays[5]);
-    Gather(sum, own, rays[6]);
-    Gather(sum, own, rays[7]);
-    Gather(sum, own, rays[8]);
+    Gathered own = OwnRay(pixel);
+    Around around = Around(NO_RAYS, vec3(0.0), vec3(0.0), 0.0);
+    Add(around.sum, 1.0, own.key.w > 0.0, own.color);
+    Count(around, own);
+    GatherAround(around, own, pixel);
     bool shows = own.key.w != 0.0;
     if (!WHOLE && !shows)
         return false;
     vec4 reflection = vec4(0.0);
     float reflectivity = 0.0;
     if (shows) {
-        reflection = SoundReflection(Reflection(sum));
+        reflection = SoundReflection(Reflection(around.sum));
         float stand_for;
-        if (OWN_RAYS > 0 && IsDoubtful(rays, sum, stand_for))
+        if (OWN_RAYS > 0 && IsDoubtful(around, stand_for))
             PushDoubt(Doubt(pixel, reflection.rgb, stand_for));
         reflectivity = imageLoad(material_buffer, pixel).r;
     }

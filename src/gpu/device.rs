@@ -1,9 +1,11 @@
 //! The device's handle, and what its clones share.
 
+mod compile_only;
 mod features;
 mod open;
 mod ray_queries;
 
+use super::executables::Executables;
 use super::memory::{DeviceMemory, Source};
 use super::pipelines::Pipelines;
 use super::sampler::{Sampler, Samplers};
@@ -36,6 +38,9 @@ pub struct DeviceQuery {
     pub isotropic: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
+    /// Whether the device compiles pipelines and does nothing else: it has no memory and runs no work, images that are read
+    /// back are zero, and [`Gpu::take_programs`] says what its compiler made. Hardware that is not there is enough for it.
+    pub compiles_only: bool,
     /// Instance extensions that a window needs.
     pub instance_extensions: Vec<&'static CStr>,
 }
@@ -157,6 +162,8 @@ pub struct Shared {
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
     pub(crate) numbers_triangles: bool,
+    /// What tells about compiled pipelines, on a device that compiles only.
+    pub(super) executables: Option<Executables>,
     /// Ray queries, or a sentence that says why there are none.
     ray_queries: std::result::Result<RayQueries, String>,
 }
@@ -184,7 +191,7 @@ pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
 /// Every device that the loader sees, suitable or not.
 pub fn devices() -> Result<Vec<DeviceListing>> {
     let (_entry, instance, _) = create_instance(&DeviceQuery::default(), &ValidationLog::default())?;
-    let listing = list(&instance);
+    let listing = list(&instance, false);
     // SAFETY: nothing was created from the instance.
     unsafe { instance.destroy_instance(None) };
     Ok(listing?.into_iter().map(|(_, l)| l).collect())
@@ -427,6 +434,7 @@ impl Drop for Shared {
             if self.owned {
                 let _ = self.device.device_wait_idle();
             }
+            self.executables = None;
             self.pipelines.clear();
             self.samplers.destroy(&self.device);
             ManuallyDrop::drop(&mut self.memory);

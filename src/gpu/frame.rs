@@ -17,6 +17,7 @@ mod uniforms;
 use super::device::vulkan;
 use super::image::{Image, ImageSlice};
 use super::memory::{Buffer, TexelBuffer};
+use super::pipeline::SharedPipeline;
 use super::program::Sampled;
 use super::ray_structure::RayStructure;
 use super::sync::{Access, ImageUse, State, Tracked, Transition};
@@ -341,6 +342,13 @@ impl Frame<'_> {
         self.context.gpu.end_label(commands);
         self.passes.push((name, self.counted));
         Ok(())
+    }
+
+    /// Notes which pipeline a pass runs, on a device that tells what its compiler made.
+    fn note_program(&self, pass: &str, pipeline: &Arc<SharedPipeline>) {
+        if let Some(executables) = &self.context.gpu.shared().executables {
+            executables.note(&format!("{}{pass}", self.stage), self.counted, pipeline);
+        }
     }
 
     fn stamp(&mut self) -> Result<()> {

@@ -45,6 +45,8 @@ pub(crate) struct SharedPipeline {
     pub layout: Layout,
     pub handle: vk::Pipeline,
     pub name: &'static str,
+    /// Ids and bits of the specialization constants.
+    pub constants: Vec<(u32, u32)>,
     /// Threads of a workgroup; of a graphics pipeline 0.
     pub local_size: [u32; 3],
     /// Whether it drew before (`frame/quirks/settle.rs`).
@@ -259,10 +261,10 @@ impl SharedPipeline {
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
         let (entries, values) = specialization(constants);
-        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
+        let specialized = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let stages = [
             modules[0].stage(vk::ShaderStageFlags::VERTEX),
-            modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
+            modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&specialized),
         ];
         let (topology, input) = match geometry {
             Geometry::Triangles(input) => (vk::PrimitiveTopology::TRIANGLE_LIST, *input),
@@ -322,6 +324,7 @@ impl SharedPipeline {
             rendering = rendering.stencil_attachment_format(depth.format);
         }
         let info = vk::GraphicsPipelineCreateInfo::default()
+            .flags(captured(gpu))
             .stages(&stages)
             .vertex_input_state(&vertex_state)
             .input_assembly_state(&assembly)
@@ -337,7 +340,8 @@ impl SharedPipeline {
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
-        Ok(Self { layout, handle, name: fragment.name, local_size: [0; 3], settled: Arc::default() })
+        let constants = constants.to_vec();
+        Ok(Self { layout, handle, name: fragment.name, constants, local_size: [0; 3], settled: Arc::default() })
     }
 
     /// Stages that no type ties together, over whole targets.
@@ -357,15 +361,17 @@ impl SharedPipeline {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
         let (entries, values) = specialization(constants);
-        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
+        let specialized = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants))
+            .flags(captured(gpu))
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialized))
             .layout(layout.pipeline);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
         let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, shader.name)?;
         gpu.name(handle, shader.name);
-        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size, settled: Arc::default() })
+        let (constants, local_size) = (constants.to_vec(), shader.local_size);
+        Ok(Self { layout, handle, name: shader.name, constants, local_size, settled: Arc::default() })
     }
 }
 
@@ -400,6 +406,14 @@ impl<P: program::Compute> ComputePipeline<P> {
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
         let compute = SharedPipeline::compute(gpu, P::SHADER, constants.entries())?;
         Ok(Self { compute, _gpu: gpu.clone(), program: PhantomData })
+    }
+}
+
+/// What a pipeline is created with so that the device can tell about it, where it is asked.
+fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
+    match gpu.shared().executables {
+        Some(_) => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+        None => vk::PipelineCreateFlags::empty(),
     }
 }
 

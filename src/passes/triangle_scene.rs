@@ -12,7 +12,7 @@ use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
 use crate::scene::Camera;
-use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
+use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, balanced_levels};
 use ash::vk;
 use glam::{DVec3, Mat4};
 use std::cell::{Cell, RefCell};
@@ -38,6 +38,8 @@ pub struct TriangleGeometry {
     extent_m: f32,
     /// Whether a material decides at each hit whether its surface is there.
     asks: bool,
+    /// Levels of the tree of what stands.
+    levels: u32,
     buffer: TexelBuffer,
     /// What moves.
     moving: MovingPart,
@@ -53,6 +55,8 @@ struct MovingPart {
     root: Cell<i32>,
     /// The greatest coordinate of a corner, in metres.
     extent_m: Cell<f32>,
+    /// The most levels that its tree has, wherever things move.
+    levels: Cell<u32>,
     update: RefCell<Option<Update>>,
 }
 
@@ -116,6 +120,8 @@ pub struct TriangleReading {
     pub asks: bool,
     /// Lights of the scene.
     pub lights: u32,
+    /// Groups of nodes that a walk through the trees has room for: at least as many as a tree has levels.
+    pub walk_room: i32,
     /// Whether ray queries find what rays meet, and not a walk through the tree.
     pub queries: bool,
     /// Whether their colours are what a caller says of them, and no light of the scene shines on them.
@@ -184,13 +190,23 @@ macro_rules! with_triangles {
 macro_rules! with_reading {
     ($constants:ident of $reading:expr, $($field:ident $(: $value:expr)?),* $(,)?) => {{
         let $crate::passes::triangle_scene::TriangleReading {
-            geometry_texels, image_texels, asks, lights, screen_colors, ..
+            geometry_texels, image_texels, asks, lights, screen_colors, walk_room, ..
         } = $reading;
-        $crate::gpu::programs::$constants { geometry_texels, image_texels, asks, lights, screen_colors, $($field $(: $value)?),* }
+        $crate::gpu::programs::$constants {
+            geometry_texels, image_texels, asks, lights, screen_colors, walk_room, $($field $(: $value)?),*
+        }
     }};
 }
 
 pub(super) use {with_reading, with_triangles};
+
+/// Steps of the room that walks have, so that few programs are compiled.
+const ROOM_STEP: u32 = 4;
+
+/// The room for walks through trees of so many levels: for a group of nodes of each.
+fn walk_room(levels: u32) -> i32 {
+    levels.max(1).next_multiple_of(ROOM_STEP).cast_signed()
+}
 
 impl TriangleGeometry {
     /// Uploads the tree of what stands with its records, and what moves.
@@ -220,6 +236,9 @@ impl TriangleGeometry {
     fn moves(&self, places: &Places, moving: &MovingTriangles) {
         let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
         self.moving.root.set(root as i32);
+        // The tree changes with what moves, and so may its levels, up to a bound that the number of triangles sets.
+        let bound = if moving.numbers.is_empty() { 0 } else { balanced_levels(moving.numbers.len()) };
+        self.moving.levels.set(moving.tree.levels.max(bound));
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
@@ -290,6 +309,7 @@ impl TriangleGeometry {
             counts: counts.map(|count| count as i32),
             extent_m: records.extent_m(),
             asks: records.asks(),
+            levels: tree.levels,
             buffer,
             moving: MovingPart::default(),
             places: None,
@@ -305,6 +325,7 @@ impl TriangleGeometry {
             image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
+            walk_room: walk_room(self.levels.max(self.moving.levels.get())),
             queries: false,
             unlit: false,
             screen_colors: false,

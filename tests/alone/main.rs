@@ -9,6 +9,7 @@ mod common;
 mod memory;
 
 mod c;
+mod compiled;
 mod drivers;
 mod embedder;
 mod faults;

@@ -62,6 +62,7 @@ mod resolution;
 mod same;
 mod scene_loading;
 mod schmidt;
+mod shaders;
 mod shards;
 mod stochastic;
 mod stress;

@@ -37,7 +37,7 @@ pub enum Command {
     ///
     /// It measures times and their noise, work and rates, and compares the images with those of other devices.
     GpuStudy(GpuStudyOptions),
-    /// Compare the times of two runs, or two images.
+    /// Compare the times or shaders of two runs, or two images.
     Compare(CompareOptions),
     /// Put the shards of a study together.
     Merge(MergeOptions),

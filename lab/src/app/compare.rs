@@ -1,9 +1,11 @@
-//! `ssct compare`: two runs of the time study, or two images.
+//! `ssct compare`: two runs of the time study, two of the study of compiled programs, or two images.
 
 use crate::error::{Error, Result};
 use crate::metrics::bootstrap::Verdict;
-use crate::report::{compare as report, files, images};
+use crate::report::{compare as report, files, images, tables};
 use crate::study::compare::{self, Run, TOTAL};
+use crate::study::shaders::{self, ShaderRecord};
+use crate::study::timing::SAMPLES;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,9 +16,9 @@ pub const THRESHOLD: f64 = 0.05;
 /// Options of `ssct compare`.
 #[derive(Debug, Args)]
 pub struct CompareOptions {
-    /// Folder of times, time-samples.csv, .png or .exr
+    /// Folder of times or of shaders, time-samples.csv, .png or .exr
     ///
-    /// `ssct time` and `ssct study` write folders of times.
+    /// `ssct time` and `ssct study` write folders of times, `ssct shaders` one of compiled programs.
     a: PathBuf,
     /// Second folder or image, to compare with the first
     b: PathBuf,
@@ -38,10 +40,14 @@ pub struct CompareOptions {
     json: bool,
 }
 
+/// The records of `ssct shaders` in its folder.
+const SHADERS: &str = "shaders.json";
+
 /// What a path holds.
 #[derive(Clone, Copy, PartialEq)]
 enum Sort {
     Times,
+    Shaders,
     Image,
 }
 
@@ -49,17 +55,21 @@ enum Sort {
 pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     let (a, b) = (sort(&options.a)?, sort(&options.b)?);
     if a != b {
-        let message = "compare takes two folders of times or two images, not one of each";
+        let message = "compare takes two folders of times, two of shaders or two images, not one of each";
         return Err(Error::Usage(message.into()).into());
     }
     match a {
         Sort::Times => times(options),
+        Sort::Shaders => compiled(options),
         Sort::Image => pictures(options),
     }
 }
 
 fn sort(path: &Path) -> Result<Sort> {
     let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if path.join(SHADERS).is_file() && !path.join(SAMPLES).is_file() {
+        return Ok(Sort::Shaders);
+    }
     if path.is_dir() || is("csv") {
         return Ok(Sort::Times);
     }
@@ -99,9 +109,26 @@ pub fn check_threshold(threshold: f64) -> Result<()> {
 
 /// A run from its folder or its samples, with the device of the time.json beside them.
 fn load(path: &Path) -> Result<Run> {
-    let csv = if path.is_dir() { path.join("time-samples.csv") } else { path.to_path_buf() };
+    let csv = if path.is_dir() { path.join(SAMPLES) } else { path.to_path_buf() };
     let device = files::read_device(&csv.with_file_name("time.json"))?;
     Ok(Run { name: path.display().to_string(), device, samples: files::read_samples(&csv)? })
+}
+
+fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
+    if options.threshold.is_some() || options.fail_on_slower {
+        return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for shaders".into()).into());
+    }
+    let read = |folder: &Path| -> Result<Vec<ShaderRecord>> { files::read_records(&folder.join(SHADERS)) };
+    let names = [&options.a, &options.b].map(|path| path.display().to_string());
+    let (a, b) = (read(&options.a)?, read(&options.b)?);
+    let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
+    let text = || tables::text(&shaders::compare::tables(a, b));
+    let json = || files::json(&shaders::compare::compare(a, b));
+    if let Some(folder) = &options.output {
+        files::write(&folder.join("compare.json"), json().as_bytes())?;
+        files::write(&folder.join("compare.txt"), text().as_bytes())?;
+    }
+    print(options, json, text)
 }
 
 fn pictures(options: &CompareOptions) -> anyhow::Result<()> {

@@ -6,19 +6,19 @@ use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::setup::{BeyondScreen, CaptureCount, StageChoice, Tracer};
+use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, StageChoice, Tracer};
 use crate::methods::unified::{First, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
-use crate::report::gpu_study_report::{self as report, DeviceTimes, Findings, LayerMessages};
+use crate::report::gpu_study_report::{self as report, CompiledPrograms, DeviceTimes, Findings, LayerMessages};
 use crate::report::{files, kept_images};
 use crate::scene::{Scene, View, library};
-use crate::stage::Globals;
+use crate::stage::{Globals, Stage};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
 use crate::study::error::Variant;
 use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{bandwidth, other_devices, steps};
+use crate::study::{bandwidth, other_devices, shaders, steps};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -138,14 +138,16 @@ impl Plan {
 
     /// `unified` with every pass as a fragment shader, and as a compute shader.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
-        let of = |stage| {
-            let setup = Setup::on_screen(self.size);
-            let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
-            Variant { method: &unified::INFO, setup }
-        };
-        let variants = [StageChoice::Fragment, StageChoice::Compute].map(of).to_vec();
+        let setup = Setup::on_screen(self.size);
+        let variants = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage)).to_vec();
         self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
     }
+}
+
+/// `unified` with every pass in a stage.
+fn in_stage(setup: &Setup, stage: StageChoice) -> Variant {
+    let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
+    Variant { method: &unified::INFO, setup }
 }
 
 /// `unified`, whose rays end among the scene's triangles.
@@ -251,7 +253,30 @@ fn findings(
         progress::step(bar)?;
     }
     let copy = bandwidth::copy(gpu, COPIED, plan.samples)?;
-    Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)? })
+    let programs = compiled_programs(gpu, plan, &places[0])?;
+    Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
+}
+
+/// What the device's compiler makes of the programs of every method, and of `unified` in both stages and with a history.
+fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
+    let compiler = match other_devices::compiler(gpu) {
+        Err(Error::NoDevice(why)) => return Ok(CompiledPrograms::Unknown(why)),
+        opened => opened?,
+    };
+    let setup = Setup::new(plan.size);
+    let history =
+        Variant { method: &unified::INFO, setup: setup.with(|p: &mut EffectParams| p.history = HistoryUse::On) };
+    let methods = Variant::of(&METHODS.iter().collect::<Vec<_>>(), &setup).into_iter();
+    let staged = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage));
+    let mut stage = Stage::new(&compiler, &place.0)?;
+    let mut all = Vec::new();
+    for variant in methods.chain(staged).chain([history]) {
+        for roughness in STAGES_ROUGHNESS {
+            let place = (&place.0, &place.1);
+            all.extend(shaders::compiled(&mut stage, place, &variant, plan.size, &of_roughness(roughness))?);
+        }
+    }
+    Ok(CompiledPrograms::Said(all))
 }
 
 /// Keeps what the methods of the screen make, for studies on other machines.

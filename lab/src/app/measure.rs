@@ -5,6 +5,7 @@ use super::merger::{Merger, passed};
 use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::report::results::{self, Results};
 use crate::study::cell_list::CellList;
 use crate::study::engine::{self, Bench, Row, Study};
@@ -26,6 +27,14 @@ pub trait StudyOptions: Sized {
 
     /// The device.
     fn device(&self) -> &DeviceOptions;
+
+    /// Opens the device that is measured.
+    ///
+    /// # Errors
+    /// Errors of [`Gpu::open`].
+    fn open(&self) -> Result<Gpu> {
+        resolve::gpu(self.device())
+    }
 
     /// Measures what the flags ask for.
     ///
@@ -66,7 +75,7 @@ pub struct Measured<O: Args> {
 /// Errors of the flags, of the measurement and of files, and a row that has to pass and does not.
 pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> {
     let mut study = options.study()?;
-    let gpu = resolve::gpu(options.device())?;
+    let gpu = options.open()?;
     let list = engine::list(&study, &gpu, command_line(), to.shard);
     let mut run = Run::begin(to.output.as_deref(), to.resume)?;
     run.list(&list)?;

@@ -1,7 +1,7 @@
 //! The table of studies: a row for each, from which its command and its part of `ssct merge` follow.
 
 use super::merger::Merger;
-use super::{age, error, measure, motion, path, precision, stress, time, video};
+use super::{age, error, measure, motion, path, precision, shaders, stress, time, video};
 use clap::Subcommand;
 
 /// Makes commands and mergers of the rows: a name, its options, and the first lines of its help.
@@ -53,4 +53,9 @@ studies! {
     Stress(stress::StressOptions),
     /// Measure frames per second along a path of the camera.
     Path(path::PathOptions),
+    /// Show what the device's compiler made of each program.
+    ///
+    /// It compiles the programs that methods run and asks the driver for registers, instructions and occupancy. Nothing is
+    /// drawn, so that a driver without its hardware is enough.
+    Shaders(shaders::ShadersOptions),
 }

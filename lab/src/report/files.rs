@@ -7,6 +7,7 @@ use crate::parameter::{Parameter, Parameters};
 use crate::study::compare::{Subject, TimeSample};
 use crate::study::timing::{FLOORS, MEASURED, PLACE};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::path::Path;
 use std::str::FromStr;
@@ -49,6 +50,15 @@ pub fn csv(cells: &[Vec<String>]) -> String {
         let _ = writer.write_record(row);
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// The records of a study, from the JSON array that it wrote.
+///
+/// # Errors
+/// [`Error::Io`] if it can't be read, [`Error::Malformed`] if it holds other records.
+pub fn read_records<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>> {
+    let text = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    serde_json::from_slice(&text).map_err(|e| Error::malformed(path, None, format!("holds other records: {e}")))
 }
 
 /// Reads what [`sample_cells`](crate::study::timing::sample_cells) makes, as CSV, now or at an earlier version, whose files have fewer columns.

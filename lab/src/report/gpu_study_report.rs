@@ -9,6 +9,7 @@ use crate::study::bandwidth::{self, BandwidthRecord};
 use crate::study::exhibit::Table;
 use crate::study::names::roughness;
 use crate::study::record::Head;
+use crate::study::shaders::ShaderRecord;
 use crate::study::steps::StepsRecord;
 use crate::study::table;
 use serde_json::{Value, json};
@@ -20,6 +21,14 @@ pub enum LayerMessages {
     Unknown(String),
     /// ID and text of each message; there should be none.
     Said(Vec<(String, String)>),
+}
+
+/// What the device's compiler made of the programs.
+pub enum CompiledPrograms {
+    /// The device does not say, for this reason.
+    Unknown(String),
+    /// A record for each stage of each program.
+    Said(Vec<ShaderRecord>),
 }
 
 /// The times of a device.
@@ -55,6 +64,8 @@ pub struct Findings {
     pub drawn: Vec<DrawnRecord>,
     /// The messages of the validation layers.
     pub validation: LayerMessages,
+    /// What the compiler made of the programs.
+    pub programs: CompiledPrograms,
 }
 
 /// Writes `gpu-study.json` and `index.html`.
@@ -75,7 +86,11 @@ fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> 
     let rates = [&found.copy].into_iter().chain(rates).map(|r| json!(r));
     let steps = found.steps.iter().map(|r| json!(r));
     let same = found.same.iter().map(|r| json!(r)).chain(found.drawn.iter().map(|r| json!(r)));
-    rates.chain(steps).chain(same).chain([validation]).collect()
+    let programs = match &found.programs {
+        CompiledPrograms::Unknown(why) => vec![json!({ "kind": "shaders", "device": device, "why": why })],
+        CompiledPrograms::Said(all) => all.iter().map(|r| json!(r)).collect(),
+    };
+    rates.chain(steps).chain(same).chain([validation]).chain(programs).collect()
 }
 
 fn page(
@@ -138,6 +153,7 @@ fn page(
                  should be none.",
                 validation_cells(&found.validation),
             ),
+            compiled_table(&found.programs),
             Table::new(
                 "passes",
                 "Every pass",
@@ -146,6 +162,13 @@ fn page(
             ),
         ],
     )
+}
+
+fn compiled_table(programs: &CompiledPrograms) -> Table {
+    match programs {
+        CompiledPrograms::Unknown(why) => Table::new("shaders", "Programs", why, Vec::new()),
+        CompiledPrograms::Said(records) => ShaderRecord::table(records),
+    }
 }
 
 fn header(names: &[&str]) -> Vec<Vec<String>> {

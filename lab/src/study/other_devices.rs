@@ -23,6 +23,15 @@ pub fn validated(gpu: &Gpu) -> Result<Gpu> {
     open(gpu.index(), true, false)
 }
 
+/// Opens a device once more, to compile only.
+///
+/// # Errors
+/// Errors of opening a device; [`crate::error::Error::NoDevice`] for one that does not tell what its compiler made.
+pub fn compiler(gpu: &Gpu) -> Result<Gpu> {
+    let device = gpu.index().map(|index| index.to_string());
+    Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })
+}
+
 fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
     let device = index.map(|index| index.to_string());
     Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })

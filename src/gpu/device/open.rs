@@ -1,9 +1,11 @@
 //! Opening a device: the instance, the choice among what the loader lists, and the logical device.
 
+use super::compile_only::{self, HostMemory};
 use super::features::{self, enable_features};
 use super::ray_queries::{self, RayQueries};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
+use crate::gpu::executables::Executables;
 use crate::gpu::memory::Source;
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::sampler::Samplers;
@@ -74,17 +76,26 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     Ok((entry, instance, has_debug))
 }
 
-/// Every device of an instance.
-pub(super) fn list(instance: &ash::Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
+/// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
+pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
     let physical = unsafe { instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
     Ok(physical
         .into_iter()
         .enumerate()
         .map(|(index, p)| {
-            (p, DeviceListing { index, info: describe(instance, p), unsuitable: unsuitable(instance, p) })
+            let unsuitable = unsuitable(instance, p).or_else(|| has_no_memory(instance, p).filter(|_| !compiles_only));
+            (p, DeviceListing { index, info: describe(instance, p), unsuitable })
         })
         .collect())
+}
+
+/// Says that a device has no memory, if it has none: its hardware is not there.
+fn has_no_memory(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+    // SAFETY: the physical device belongs to the instance.
+    let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
+    (memory.memory_type_count == 0)
+        .then(|| "it has no memory, since its hardware is not there; ssct shaders can use it".into())
 }
 
 fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInfo {
@@ -198,7 +209,8 @@ pub(super) fn open_device(
 ) -> Result<Shared> {
     // On an early return the messenger must go before the instance.
     let mut debug = DebugGuard(debug);
-    let (physical, listing) = choose(list(&instance)?, query)?;
+    let (physical, listing) = choose(list(&instance, query.compiles_only)?, query)?;
+    let instance = if query.compiles_only { compile_only::instance(&instance) } else { instance };
     // SAFETY: the physical device belongs to the instance.
     let (properties, families, supported, extensions) = unsafe {
         (
@@ -227,6 +239,13 @@ pub(super) fn open_device(
         .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
     if has_queries.is_ok() {
         names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
+    }
+    if query.compiles_only {
+        if !offers(Executables::EXTENSION) {
+            let lacked = Executables::EXTENSION.to_string_lossy();
+            return Err(Error::NoDevice(format!("{name} does not tell what its compiler made: it lacks {lacked}")));
+        }
+        names.push(Executables::EXTENSION.as_ptr());
     }
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
@@ -257,6 +276,10 @@ pub(super) fn open_device(
     if has_queries.is_ok() {
         info = info.push_next(&mut structures).push_next(&mut queries);
     }
+    let mut told = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    if query.compiles_only {
+        info = info.push_next(&mut told);
+    }
     // SAFETY: the structures live through the call; features and extensions were found supported.
     let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
     // SAFETY: the queue was asked for above.
@@ -265,7 +288,12 @@ pub(super) fn open_device(
         device = watch::watched(&device, queue, watch);
     }
 
-    let parts = own_memory(&instance, physical, &device, has_queries.is_ok()).and_then(|memory| {
+    let memory = if query.compiles_only {
+        Ok(Source::Theirs(Mutex::new(Box::new(HostMemory::default()))))
+    } else {
+        own_memory(&instance, physical, &device, has_queries.is_ok())
+    };
+    let parts = memory.and_then(|memory| {
         Ok((memory, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
     });
     let (memory, samplers) = match parts {
@@ -277,9 +305,12 @@ pub(super) fn open_device(
         }
     };
     let debug = debug.0.take();
+    // Objects of a device that compiles only have no handles that a driver could name.
+    let names_objects = debug.is_some() && !query.compiles_only;
     Ok(Shared {
+        executables: query.compiles_only.then(|| Executables::new(&instance, &device)),
         ray_queries: has_queries.map(|()| RayQueries::of(&instance, physical, &device)),
-        debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
+        debug_device: names_objects.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: Some(Mutex::new(queue)),
         entry,
         instance,
@@ -353,6 +384,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         },
     };
     Ok(Shared {
+        executables: None,
         ray_queries: Err(format!("{} is the caller's device, on which no ray queries are used", info.name)),
         debug_device: debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: None,

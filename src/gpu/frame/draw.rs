@@ -18,6 +18,7 @@ use crate::gpu::shader::Binding;
 use crate::gpu::sync::Access;
 use ash::vk;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 impl Frame<'_> {
     /// A fragment program over whole targets, all of one size.
@@ -64,7 +65,7 @@ impl Frame<'_> {
     pub(super) fn shade(
         &mut self,
         name: &str,
-        pipeline: &SharedPipeline,
+        pipeline: &Arc<SharedPipeline>,
         (targets, depth): (&[Target], Option<Target>),
         given: &Given,
         vertices: Vertices,
@@ -72,6 +73,7 @@ impl Frame<'_> {
         if let Vertices::Said(arguments, offset) = vertices {
             assert_holds(name, (arguments, offset), u64::from(INDIRECT_BYTES));
         }
+        self.note_program(name, pipeline);
         self.pass(name, |frame| {
             frame.prepare(given, [Access::FragmentSampled, Access::GraphicsStorageRead, Access::FragmentStorage]);
             if let Vertices::Said(arguments, _) = vertices {
@@ -113,6 +115,7 @@ impl Frame<'_> {
         depth: Target,
         draw: impl FnOnce(&mut Raster<F, V>) -> Result<()>,
     ) -> Result<()> {
+        self.note_program(name, &pipeline.graphics);
         let pipeline: &SharedPipeline = &pipeline.graphics;
         self.pass(name, |frame| {
             frame.rendering(targets.as_ref(), Some(depth), View::Up, |frame| {
@@ -147,13 +150,14 @@ impl Frame<'_> {
     pub(super) fn dispatch(
         &mut self,
         name: &str,
-        pipeline: &SharedPipeline,
+        pipeline: &Arc<SharedPipeline>,
         given: &Given,
         workgroups: Workgroups,
     ) -> Result<()> {
         if let Workgroups::Said(arguments, offset) = workgroups {
             assert_holds(name, (arguments, offset), size_of::<vk::DispatchIndirectCommand>() as u64);
         }
+        self.note_program(name, pipeline);
         self.pass(name, |frame| {
             frame.prepare(given, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
             if let Workgroups::Said(arguments, _) = workgroups {
@@ -181,7 +185,7 @@ impl Frame<'_> {
     pub(in crate::gpu) fn shade_loose(
         &mut self,
         name: &str,
-        pipeline: &SharedPipeline,
+        pipeline: &Arc<SharedPipeline>,
         targets: &[Target],
         (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
     ) -> Result<()> {
@@ -194,7 +198,7 @@ impl Frame<'_> {
     pub(in crate::gpu) fn compute_loose(
         &mut self,
         name: &str,
-        pipeline: &SharedPipeline,
+        pipeline: &Arc<SharedPipeline>,
         (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
         reach: Reach,
     ) -> Result<()> {

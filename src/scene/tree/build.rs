@@ -4,7 +4,9 @@
 //! one place make it, is built again by halving lists of triangles, which bounds its levels.
 
 use super::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
-use super::{BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, triangles};
+use super::{
+    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, balanced_levels, triangles,
+};
 use crate::error::{Error, Result};
 use crate::math::constants::TREE_DEPTH;
 use crate::scene::{Mesh, Placement, Scene};
@@ -27,15 +29,16 @@ impl Tree {
 
     /// The hierarchy over triangles in metres that have an area.
     pub fn over(corners: &[[DVec3; 3]]) -> Self {
-        Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]))
+        Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]), TREE_DEPTH as u32)
     }
 
-    fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles) -> Self {
+    /// The hierarchy over boxes, built by halves if it would have more levels than `most` otherwise.
+    fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles, most: u32) -> Self {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
         }
         let mut wide = bvh2_to_cwbvh(&by_neighbours(&boxes), LEAF, true, false);
-        if levels(&wide) > TREE_DEPTH as u32 {
+        if levels(&wide) > most {
             wide = bvh2_to_cwbvh(&by_halves(&boxes), LEAF, true, false);
         }
         let words: &[Words] = bytemuck::cast_slice(&wide.nodes);
@@ -68,9 +71,9 @@ impl Trees {
     }
 
     /// The tree over some triangles, by their places in a list. Its slots are such places.
-    fn over(&self, list: &[[DVec3; 3]]) -> Tree {
+    fn over(&self, list: &[[DVec3; 3]], most_levels: u32) -> Tree {
         let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
-        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
+        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]), most_levels)
     }
 }
 
@@ -80,7 +83,7 @@ impl BuildTrees for Trees {
         let stands = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
         let numbered = (0..).zip(triangles(&self.scene)).filter(stands);
         let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
-        let mut tree = self.over(&list);
+        let mut tree = self.over(&list, TREE_DEPTH as u32);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
         let records = TriangleRecords::new(&self.scene, &tree);
         Ok((tree, records))
@@ -101,7 +104,7 @@ impl BuildTrees for Trees {
             first = end;
         }
         let list: Vec<_> = triangles(&part).map(|(mesh, t)| corners_of(mesh, t)).collect();
-        let mut tree = self.over(&list);
+        let mut tree = self.over(&list, balanced_levels(list.len()));
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);

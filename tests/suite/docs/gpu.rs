@@ -105,3 +105,51 @@ pub fn programs_again(folder: &Path, [program, kept, width]: [&str; 3]) -> Resul
     let ms = median(&of.map(|r| number(r, "effect_ms")).collect::<Result<Vec<_>>>()?)?;
     Ok(if ms < 1.0 { format!("{ms:.2}") } else { format!("{ms:.1}") })
 }
+
+/// The programs whose registers the page shows, by their files under `shaders-glsl/` and what is defined for them.
+const SHOWN: [&str; 13] = [
+    "thesis/ssct.frag",
+    "unified/pyramid.comp",
+    "unified/mirror.comp",
+    "unified/mirror.comp CONFIRMED",
+    "unified/mirror.comp AMONG_TRIANGLES",
+    "unified/gloss_trace.comp NARROW CONFIRMED",
+    "unified/gloss_trace.comp CONFIRMED",
+    "unified/gloss_resolve.comp NARROW",
+    "unified/gloss_resolve.comp CELLS",
+    "unified/gloss_resolve.frag CELLS",
+    "triangles/follow.comp NARROW",
+    "triangles/own.comp NARROW AMONG_TRIANGLES",
+    "common/history.comp",
+];
+
+/// Vector registers and subgroups a SIMD unit of some programs on each family, before and after, a program a row.
+pub fn registers(folder: &Path) -> Result<String> {
+    let [before, after] = ["before.csv", "after.csv"].map(|file| csv(folder, file));
+    let (before, after) = (before?, after?);
+    let families = ["vega20", "navi10", "navi21", "navi31", "gfx1201"];
+    let cell = |rows: &[super::figures::Row], program: &str, family: &str| -> Result<String> {
+        let row = rows.iter().find(|r| r["program"] == program && r["family"] == family);
+        row.map(|r| format!("{}, {}", r["registers"], r["subgroups"])).ok_or(format!("no {program} on {family}"))
+    };
+    let row = |program: &&str| -> Result<Vec<String>> {
+        let both = |family: &str| {
+            let (old, new) = (cell(&before, program, family)?, cell(&after, program, family)?);
+            Ok(if old == new { new } else { format!("{old} → {new}") })
+        };
+        let cells = families.iter().map(|family| both(family)).collect::<Result<Vec<_>>>()?;
+        Ok([format!("`{program}`")].into_iter().chain(cells).collect())
+    };
+    let head: Vec<&str> = ["program"].into_iter().chain(families).collect();
+    table(&head, SHOWN.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// The most vector registers of any program of a stage, after: on the families of RDNA and on those before, as "96 and 84".
+pub fn most_registers(folder: &Path, stage: &str) -> Result<String> {
+    let rows = csv(folder, "after.csv")?;
+    let most = |is_wanted: fn(&str) -> bool| -> Result<f64> {
+        let of_stage = rows.iter().filter(|r| r["program"].contains(stage) && is_wanted(&r["family"]));
+        Ok(greatest(&of_stage.map(|r| number(r, "registers")).collect::<Result<Vec<_>>>()?))
+    };
+    Ok(format!("{} and {}", most(|family| family != "vega20")?, most(|family| family == "vega20")?))
+}

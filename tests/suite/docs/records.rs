@@ -98,6 +98,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["history-lag"] => films::history_lag(first)?,
         ["history-hill"] => films::history_hill(first)?,
         ["programs-again", program, kept, width] => gpu::programs_again(first, [program, kept, width])?,
+        ["registers"] => gpu::registers(first)?,
+        ["registers-most", stage] => gpu::most_registers(first, stage)?,
         ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,

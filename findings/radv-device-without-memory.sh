@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Mesa's RADV lists a discrete GPU without a single type of memory where RADV_FORCE_FAMILY names a GPU that is not there.
+#
+# Expected: a physical device has at least one type of memory that the host sees and that is coherent, as the Vulkan
+# specification promises (chapter "Device Memory"), and a program that picks a discrete GPU first can use it.
+# Seen, with Debian 12's Mesa 22.3.6: "Null hardware (RADV NAVI21)" says that it is a discrete GPU of Vulkan 1.3, and has no
+# memory types and no heaps. It compiles pipelines, and takes no memory and no work. A program that ranks devices by their
+# type must therefore also ask for memory types.
+#
+# Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are missing (as root), and `vulkan` 1.3.275.1 from PyPI into
+# a temporary folder.
+set -euo pipefail
+
+wanted='type 2, memory types 0, heaps 0'
+icd=/usr/share/vulkan/icd.d/radeon_icd.$(uname -m).json
+[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+python3 -m venv "$scratch/venv"
+"$scratch/venv/bin/pip" install --quiet vulkan==1.3.275.1 cffi==2.1.1
+cat >"$scratch/list.py" <<'PY'
+import vulkan as vk
+
+application = vk.VkApplicationInfo(apiVersion=vk.VK_MAKE_VERSION(1, 3, 0))
+instance = vk.vkCreateInstance(vk.VkInstanceCreateInfo(pApplicationInfo=application), None)
+for device in vk.vkEnumeratePhysicalDevices(instance):
+    of_device = vk.vkGetPhysicalDeviceProperties(device)
+    memory = vk.vkGetPhysicalDeviceMemoryProperties(device)
+    print(f"{of_device.deviceName}: type {of_device.deviceType}, memory types {memory.memoryTypeCount}, "
+          f"heaps {memory.memoryHeapCount}")
+PY
+echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
+seen=$(VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd RADV_FORCE_FAMILY=NAVI21 "$scratch/venv/bin/python" "$scratch/list.py")
+echo "$seen"
+case "$seen" in
+*"$wanted"*) ;;
+*)
+    echo "this changed: it was \"$wanted\"" >&2
+    exit 1
+    ;;
+esac

@@ -1,0 +1,93 @@
+//! `ssct shaders`: what the compiler of a device made of each program.
+
+use super::cli::{CommonOptions, DeviceOptions, size};
+use super::measure::StudyOptions;
+use super::parameters::{TypedVariant, typed_variant};
+use super::resolve;
+use crate::error::{Error, Result};
+use crate::gpu::{DeviceQuery, Gpu};
+use crate::stage::Globals;
+use crate::study::engine::Last;
+use crate::study::error::Variant;
+use crate::study::shaders::ShadersStudy;
+use clap::Args;
+
+/// Roughness values whose frames are compiled unless flags say otherwise: a mirror, a narrow lobe and a wide one.
+const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
+
+/// Options of `ssct shaders`.
+#[derive(Debug, Args)]
+pub struct ShadersOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Methods, such as ssct,unified; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// A method with its own options; may be repeated
+    ///
+    /// Its options count before those outside: "unified --history on". Give it once for each variant whose programs are
+    /// compiled, instead of --method.
+    #[arg(long, value_name = "METHOD OPTIONS", value_parser = typed_variant, conflicts_with = "method")]
+    pub variant: Vec<TypedVariant>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
+    pub size: [u32; 2],
+}
+
+/// Mesa's variable that names a GPU which need not be there.
+const FAMILY: &str = "RADV_FORCE_FAMILY";
+
+/// Lists the devices in a process of its own where a family is named: Mesa ends the process that names one which it does not
+/// know.
+fn try_family() -> Result<()> {
+    let Some(family) = std::env::var_os(FAMILY).filter(|family| !family.is_empty()) else { return Ok(()) };
+    let Ok(program) = std::env::current_exe() else { return Ok(()) };
+    match std::process::Command::new(program).arg("devices").output() {
+        // A process that a signal ended has no exit status.
+        Ok(tried) if tried.status.code().is_none() => {
+            let said = String::from_utf8_lossy(&tried.stderr);
+            let (said, family) = (said.trim(), family.to_string_lossy());
+            Err(Error::NoDevice(format!("the driver gave up on {FAMILY}={family}, and said: {said}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl StudyOptions for ShadersOptions {
+    type Study = ShadersStudy;
+
+    fn device(&self) -> &DeviceOptions {
+        &self.common.device
+    }
+
+    /// Opens the device to compile only: hardware that is not there is enough.
+    fn open(&self) -> Result<Gpu> {
+        let DeviceOptions { device, validation } = self.device();
+        if *validation {
+            let message =
+                "--validation: shaders are compiled here and not run, so that the layers have nothing to watch";
+            return Err(Error::Usage(message.into()));
+        }
+        try_family()?;
+        Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() })
+    }
+
+    fn study(&self) -> Result<ShadersStudy> {
+        let place = &self.common.place;
+        let scene = resolve::scene(place, "rooms")?;
+        let view = resolve::view(&scene, place, None)?;
+        let base = self.common.method_options.setup(self.size);
+        let variants = if self.variant.is_empty() {
+            Variant::of(&resolve::methods(&self.method, &base, &resolve::lenses(&scene, [&view]))?, &base)
+        } else {
+            self.variant.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?
+        };
+        let globals = match resolve::globals(place)?[..] {
+            [own @ Globals { roughness: None, .. }] => {
+                ROUGHNESS.map(|r| Globals { roughness: Some(r), ..own }).to_vec()
+            }
+            ref given => given.to_vec(),
+        };
+        Ok(ShadersStudy { scene, view, variants, extent: self.size, globals, stage: Last::default() })
+    }
+}

@@ -1,0 +1,286 @@
+//! What the compiler of a device made of the programs that methods run: registers, instructions, occupancy and whatever else
+//! the driver states (VK_KHR_pipeline_executable_properties). It is measured on a device that compiles only
+//! ([`crate::gpu::DeviceQuery::compiles_only`]), so that hardware which is not there is enough.
+
+pub mod compare;
+pub mod kinds;
+
+use super::columns::{columns, part, series, time};
+use super::engine::{Bench, Last, Planned, Row, Study};
+use super::error::Variant;
+use super::exhibit::Table;
+use super::journal::scene_digest;
+use super::names::cell_name;
+use super::record::{Head, Of, Provenance};
+use crate::error::Result;
+use crate::gpu::executables::{CompiledProgram, Executable};
+use crate::gpu::frame::Mode;
+use crate::methods::Wants;
+use crate::scene::{Scene, View};
+use crate::stage::{Globals, Shot, Stage};
+use kinds::{Fold, Kind};
+use serde_json::{Value, json};
+
+/// Frames that are recorded of each cell, so that a history that begins and one that goes on are both among them.
+const FRAMES: usize = 3;
+
+/// Which programs are compiled: those that frames of some variants run.
+pub struct ShadersStudy {
+    /// Scene.
+    pub scene: Scene,
+    /// View.
+    pub view: View,
+    /// Methods with their parameters.
+    pub variants: Vec<Variant>,
+    /// Width and height in pixels. Few programs depend on it.
+    pub extent: [u32; 2],
+    /// Global factors. A roughness decides which programs a method runs.
+    pub globals: Vec<Globals>,
+    /// The scene on the device, once it is there.
+    pub stage: Last<(), Stage>,
+}
+
+columns! {
+    /// A number that the driver states.
+    pub struct ShaderStatistic {
+        /// The driver's name of it.
+        pub name: String = time(""),
+        /// What it counts, in the driver's words.
+        pub about: String = time(""),
+        /// The number.
+        pub value: f64 = time(""),
+    }
+}
+
+columns! {
+    /// What one stage of one program was compiled to.
+    pub struct ShaderRecord {
+        /// What runs it.
+        #[serde(flatten)]
+        pub head: Head = part(),
+        /// When the program runs: "frame", or "prepare" for what is made once before the first frame.
+        pub runs_in: String = time("runs in"),
+        /// The passes that run it, with commas between them.
+        pub passes: String = time(""),
+        /// The program: its shader's path under shaders-glsl/, and what is defined for it.
+        pub program: String = time("program"),
+        /// The stage, such as "compute".
+        pub stage: String = time("stage"),
+        /// Ids of the specialization constants and their bits, such as "0=1 3=2".
+        pub constants: String = time(""),
+        /// Invocations of a subgroup.
+        pub subgroup_size: u32 = time("subgroup"),
+        /// The driver's statistics, in its order.
+        pub statistics: Vec<ShaderStatistic> = series(),
+    }
+}
+
+impl ShaderRecord {
+    /// A statistic by the driver's name.
+    pub fn statistic(&self, name: &str) -> Option<f64> {
+        self.statistics.iter().find(|s| s.name == name).map(|s| s.value)
+    }
+
+    /// What tells the record from others of a run: variant, roughness, when it runs, program, constants and stage.
+    pub fn identity(&self) -> [String; 6] {
+        let Self { head, runs_in, program, constants, stage, .. } = self;
+        let roughness = super::names::roughness(head.roughness);
+        [head.variant(), roughness, runs_in.clone(), program.clone(), constants.clone(), stage.clone()]
+    }
+}
+
+/// The names of some records' statistics, in the driver's order, without those that identify code and count nothing.
+fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for statistic in records.iter().flat_map(|r| &r.statistics) {
+        if Kind::of(&statistic.name) != Kind::Digest && !names.contains(&statistic.name) {
+            names.push(statistic.name.clone());
+        }
+    }
+    names
+}
+
+fn shown(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), |v| if v.fract() == 0.0 { format!("{v:.0}") } else { format!("{v:.2}") })
+}
+
+const FRAMES_TABLE: &str = "What the programs of one frame come to: each program once, however many passes run it. Counts \
+    of instructions and cycles are sums, registers and memory the greatest of a program, and subgroups that fit the least.";
+
+const PROGRAMS_TABLE: &str = "Every program, by the driver's own names of what it counts (docs/devices.md says what they are \
+    called elsewhere). Programs that run before the first frame are made once.";
+
+impl Row for ShaderRecord {
+    const KIND: &'static str = "shaders";
+    const TITLE: &'static str = "What the compiler made of each program";
+
+    fn program(&self) -> &Provenance {
+        &self.head.program
+    }
+
+    fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
+        let names = statistic_names(rows);
+        let main: Vec<&String> = names.iter().filter(|name| Kind::of(name).is_main()).collect();
+        let every =
+            Table::new("programs", "Programs", PROGRAMS_TABLE, programs(rows, &names.iter().collect::<Vec<_>>()));
+        vec![
+            Table::new("frames", "Frames", FRAMES_TABLE, frames(rows, &main)),
+            Table::new("main", "Programs of frames", "", programs_of_frames(rows, &main)),
+            Table { is_large: true, ..every },
+        ]
+    }
+}
+
+/// A row for each frame.
+fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+    let folded: Vec<(&String, Fold)> = names.iter().filter_map(|name| Some((*name, Kind::of(name).fold()?))).collect();
+    let header = ["method", "roughness", "programs"].map(str::to_owned).into_iter();
+    let mut cells = vec![header.chain(folded.iter().map(|(name, _)| (*name).clone())).collect()];
+    let frame = |r: &ShaderRecord| (r.head.variant(), super::names::roughness(r.head.roughness));
+    for (variant, roughness) in super::exhibit::distinct(rows.iter().map(frame)) {
+        let here: Vec<&ShaderRecord> =
+            rows.iter().filter(|r| r.runs_in == FRAME && frame(r) == (variant.clone(), roughness.clone())).collect();
+        let value = |(name, fold): &(&String, Fold)| {
+            shown(here.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
+        };
+        let count = here.len().to_string();
+        cells.push([variant, roughness, count].into_iter().chain(folded.iter().map(value)).collect());
+    }
+    cells
+}
+
+/// A row for each program that a frame runs, once for all frames in which the same comes of it.
+fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+    let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
+    let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
+    for r in rows.iter().filter(|r| r.runs_in == FRAME) {
+        let own = [r.program.clone(), r.constants.clone(), r.stage.clone(), r.subgroup_size.to_string()];
+        let row: Vec<String> = own.into_iter().chain(names.iter().map(|name| shown(r.statistic(name)))).collect();
+        if !cells.contains(&row) {
+            cells.push(row);
+        }
+    }
+    cells
+}
+
+/// A row for each record.
+fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+    let header = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
+    let header = header.map(str::to_owned).into_iter();
+    let mut cells = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
+    for r in rows {
+        let [variant, roughness, runs_in, program, constants, stage] = r.identity();
+        let own =
+            [variant, roughness, runs_in, program, constants, stage, r.subgroup_size.to_string(), r.passes.clone()];
+        cells.push(own.into_iter().chain(names.iter().map(|name| shown(r.statistic(name)))).collect());
+    }
+    cells
+}
+
+/// When a program runs.
+const FRAME: &str = "frame";
+const PREPARE: &str = "prepare";
+
+/// A cell is a variant with a set of factors.
+impl Study for ShadersStudy {
+    type Cell = (usize, Globals);
+    type Row = ShaderRecord;
+
+    fn scenes(&self) -> Vec<&Scene> {
+        vec![&self.scene]
+    }
+
+    fn cells(&self) -> Vec<Planned<Self::Cell>> {
+        let digest = scene_digest(&self.scene);
+        let planned = |n: usize, globals: &Globals| {
+            let variant = &self.variants[n];
+            let place = cell_name(&self.scene.name, &self.view.name, self.extent, globals.roughness);
+            Planned {
+                name: format!("{place} {} {n}", variant.method.name),
+                setup: json!([digest, format!("{:?}", self.view), variant.settings(self.extent), globals]),
+                cell: (n, *globals),
+            }
+        };
+        let pairs = (0..self.variants.len()).flat_map(|n| self.globals.iter().map(move |globals| (n, globals)));
+        pairs.map(|(n, globals)| planned(n, globals)).collect()
+    }
+
+    fn measure(&mut self, &(n, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<ShaderRecord>> {
+        let stage = self.stage.of((), || Stage::new(bench.gpu, &self.scene))?;
+        compiled(stage, (&self.scene, &self.view), &self.variants[n], self.extent, &globals)
+    }
+}
+
+/// What a device that compiles only makes of the programs that frames of a variant run, on a stage of a scene.
+///
+/// # Errors
+/// [`crate::error::Error::Usage`] on a device that was opened for something else, and errors of the driver.
+pub fn compiled(
+    stage: &mut Stage,
+    (scene, view): (&Scene, &View),
+    Variant { method, setup }: &Variant,
+    extent: [u32; 2],
+    globals: &Globals,
+) -> Result<Vec<ShaderRecord>> {
+    let (gpu, setup) = (stage.context.gpu().clone(), setup.at(extent));
+    // What was compiled before belongs to other frames.
+    gpu.take_programs()?;
+    let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));
+    let shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
+    let prepared = gpu.take_programs()?;
+    for _ in 0..FRAMES {
+        stage.run(&shot, Mode::Plain)?;
+    }
+    let ran: Vec<_> = gpu.take_programs()?.into_iter().filter(|p| p.counted).collect();
+    let head = Head::new("shaders", &gpu, (scene, view), Of::Method(method), &setup, globals);
+    Ok([(FRAME, &ran), (PREPARE, &prepared)].into_iter().flat_map(|(when, ran)| records(&head, when, ran)).collect())
+}
+
+impl ShaderRecord {
+    /// The programs of frames by the numbers that matter, once for all frames in which the same comes of one.
+    pub fn table(records: &[Self]) -> Table {
+        let names = statistic_names(records);
+        let main: Vec<&String> = names.iter().filter(|name| Kind::of(name).is_main()).collect();
+        Table::new("shaders", "Programs", PROGRAMS_TABLE, programs_of_frames(records, &main))
+    }
+}
+
+/// A record for each stage of each program, in the order in which they first ran.
+fn records(head: &Head, runs_in: &str, ran: &[CompiledProgram]) -> Vec<ShaderRecord> {
+    let mut all: Vec<ShaderRecord> = Vec::new();
+    for program in ran {
+        for executable in program.executables.iter().filter(|e| is_listed(program, e)) {
+            let new = record(head, runs_in, program, executable);
+            match all.iter_mut().find(|known| known.identity() == new.identity()) {
+                Some(known) if known.passes.split(", ").any(|pass| pass == program.pass) => {}
+                Some(known) => known.passes += &format!(", {}", program.pass),
+                None => all.push(new),
+            }
+        }
+    }
+    all
+}
+
+/// Leaves out the vertex stage of a pipeline that has a fragment stage: it makes a triangle that covers the targets.
+fn is_listed(program: &CompiledProgram, executable: &Executable) -> bool {
+    executable.stage != "vertex" || program.executables.iter().all(|e| e.stage == "vertex")
+}
+
+fn record(head: &Head, runs_in: &str, program: &CompiledProgram, executable: &Executable) -> ShaderRecord {
+    let constants: Vec<String> = program.constants.iter().map(|(id, bits)| format!("{id}={bits}")).collect();
+    let statistic = |s: &crate::gpu::executables::Statistic| ShaderStatistic {
+        name: s.name.clone(),
+        about: s.about.clone(),
+        value: s.value,
+    };
+    ShaderRecord {
+        head: head.clone(),
+        runs_in: runs_in.to_owned(),
+        passes: program.pass.clone(),
+        program: program.program.clone(),
+        stage: executable.stage.clone(),
+        constants: constants.join(" "),
+        subgroup_size: executable.subgroup_size,
+        statistics: executable.statistics.iter().map(statistic).collect(),
+    }
+}

@@ -1,0 +1,157 @@
+//! What a device's compiler made of the programs of frames, as VK_KHR_pipeline_executable_properties says it: on a device
+//! that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only).
+
+use super::device::{Gpu, vulkan};
+use super::pipeline::SharedPipeline;
+use crate::error::{Error, Result};
+use ash::vk;
+use std::ffi::CStr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What the device compiled one stage of a pipeline to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Executable {
+    /// The driver's name of it.
+    pub name: String,
+    /// The stage that it runs, as "fragment" or "compute"; several with "+" between them.
+    pub stage: String,
+    /// Invocations of a subgroup.
+    pub subgroup_size: u32,
+    /// The driver's statistics, in its order.
+    pub statistics: Vec<Statistic>,
+}
+
+/// A number that a driver states of an executable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statistic {
+    /// The driver's name of it.
+    pub name: String,
+    /// What it counts, in the driver's words.
+    pub about: String,
+    /// The number; a truth value is 0 or 1.
+    pub value: f64,
+}
+
+/// A program that a pass of a frame ran.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CompiledProgram {
+    /// The pass.
+    pub pass: String,
+    /// Whether the pass counts towards the method's time.
+    pub counted: bool,
+    /// The program: its shader's path under `shaders-glsl/`, and what is defined for it.
+    pub program: String,
+    /// Ids and bits of the specialization constants.
+    pub constants: Vec<(u32, u32)>,
+    /// What its stages were compiled to.
+    pub executables: Vec<Executable>,
+}
+
+/// The functions that ask, and the passes of frames with the pipelines that they ran.
+pub(crate) struct Executables {
+    functions: ash::khr::pipeline_executable_properties::Device,
+    ran: Mutex<Vec<Ran>>,
+}
+
+struct Ran {
+    pass: String,
+    counted: bool,
+    pipeline: Arc<SharedPipeline>,
+}
+
+impl Executables {
+    /// The extension by which a device tells what it compiled.
+    pub const EXTENSION: &'static CStr = ash::khr::pipeline_executable_properties::NAME;
+
+    /// Loads the functions of a device on which the extension is on.
+    pub fn new(instance: &ash::Instance, device: &ash::Device) -> Self {
+        let functions = ash::khr::pipeline_executable_properties::Device::new(instance, device);
+        Self { functions, ran: Mutex::default() }
+    }
+
+    /// Notes that a pass runs a pipeline.
+    pub fn note(&self, pass: &str, counted: bool, pipeline: &Arc<SharedPipeline>) {
+        let ran = Ran { pass: pass.to_owned(), counted, pipeline: Arc::clone(pipeline) };
+        self.ran.lock().unwrap_or_else(PoisonError::into_inner).push(ran);
+    }
+
+    /// Forgets all passes, and returns them.
+    fn take(&self) -> Vec<Ran> {
+        std::mem::take(&mut *self.ran.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn of_pipeline(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
+        let asked = |call: &str| vulkan(format!("{call} for {}", pipeline.name));
+        let info = vk::PipelineInfoKHR::default().pipeline(pipeline.handle);
+        // SAFETY: the pipeline is alive and was made with its statistics captured.
+        let properties = unsafe { self.functions.get_pipeline_executable_properties(&info) }
+            .map_err(asked("vkGetPipelineExecutablePropertiesKHR"))?;
+        let executable = |(index, p): (usize, &vk::PipelineExecutablePropertiesKHR)| {
+            let info =
+                vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.handle).executable_index(index as u32);
+            // SAFETY: as above; the index is below the number of executables.
+            let statistics = unsafe { self.functions.get_pipeline_executable_statistics(&info) }
+                .map_err(asked("vkGetPipelineExecutableStatisticsKHR"))?;
+            Ok(Executable {
+                name: text(&p.name),
+                stage: stages(p.stages),
+                subgroup_size: p.subgroup_size,
+                statistics: statistics.iter().map(statistic).collect(),
+            })
+        };
+        properties.iter().enumerate().map(executable).collect()
+    }
+}
+
+/// The text of an array that ends with zero.
+fn text(characters: &[std::ffi::c_char]) -> String {
+    let bytes: Vec<u8> = characters.iter().map(|c| *c as u8).take_while(|byte| *byte != 0).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn stages(flags: vk::ShaderStageFlags) -> String {
+    let known = [
+        (vk::ShaderStageFlags::VERTEX, "vertex"),
+        (vk::ShaderStageFlags::FRAGMENT, "fragment"),
+        (vk::ShaderStageFlags::COMPUTE, "compute"),
+    ];
+    let names: Vec<&str> = known.iter().filter(|(flag, _)| flags.contains(*flag)).map(|(_, name)| *name).collect();
+    if names.is_empty() { format!("{flags:?}") } else { names.join("+") }
+}
+
+fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
+    use vk::PipelineExecutableStatisticFormatKHR as Format;
+    // SAFETY: the format says which field of the union the driver wrote.
+    let value = unsafe {
+        match stated.format {
+            Format::BOOL32 => f64::from(stated.value.b32),
+            Format::INT64 => stated.value.i64 as f64,
+            Format::FLOAT64 => stated.value.f64,
+            _ => stated.value.u64 as f64,
+        }
+    };
+    Statistic { name: text(&stated.name), about: text(&stated.description), value }
+}
+
+impl Gpu {
+    /// The programs of the passes that were recorded since the last call, and what the device compiled them to, in the order
+    /// of the passes.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] on a device that was not opened to compile only; errors of the driver.
+    pub fn take_programs(&self) -> Result<Vec<CompiledProgram>> {
+        let Some(executables) = &self.shared().executables else {
+            return Err(Error::Usage("this device was not opened to tell what its compiler made".into()));
+        };
+        let program = |ran: Ran| {
+            Ok(CompiledProgram {
+                executables: executables.of_pipeline(&ran.pipeline)?,
+                program: ran.pipeline.name.to_owned(),
+                constants: ran.pipeline.constants.clone(),
+                pass: ran.pass,
+                counted: ran.counted,
+            })
+        };
+        executables.take().into_iter().map(program).collect()
+    }
+}

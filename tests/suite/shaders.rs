@@ -1,0 +1,122 @@
+//! `ssct shaders`: what it says of a device that tells nothing and of one that is not there, and how two of its runs are
+//! compared. `tests/alone/compiled.rs` has the numbers themselves.
+
+use crate::common::folder::Folder;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Mesa's driver for AMD's GPUs, as Debian installs it beside lavapipe.
+const RADV: &str = "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json";
+
+/// Runs the command on a GPU that is not there; `None` where the system has no such driver.
+fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Output> {
+    if !Path::new(RADV).is_file() {
+        println!("skipped: {RADV} is absent");
+        return None;
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
+    command.args(arguments).current_dir(folder.root()).env_remove("SSCT_DEVICE").env_remove("VK_ADD_DRIVER_FILES");
+    // Both spellings of the variable, since loaders of different age read either.
+    command.env("VK_DRIVER_FILES", RADV).env("VK_ICD_FILENAMES", RADV).env("RADV_FORCE_FAMILY", family);
+    Some(command.output().unwrap())
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_device_that_tells_nothing_of_its_compiler_is_refused_in_a_sentence() {
+    let folder = Folder::new();
+    let output = folder.run(&["shaders", "--device", "llvmpipe", "--method", "ssct"]);
+    let text = said(&output);
+    assert_eq!((output.status.code(), text.lines().count()), (Some(1), 1), "{text}");
+    assert!(text.contains("lacks VK_KHR_pipeline_executable_properties"), "{text}");
+    let output = folder.run(&["shaders", "--validation"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+}
+
+#[test]
+fn programs_compile_for_a_gpu_that_is_not_there() {
+    let folder = Folder::new();
+    let arguments = ["shaders", "--method", "ssct,unified", "--roughness", "0,0.3", "--json", "-o", "out"];
+    let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
+    assert!(output.status.success(), "{}", said(&output));
+    let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
+    let of_method = |name: &str| records.iter().filter(|r| r["method"] == name).collect::<Vec<_>>();
+    let trace = of_method("ssct").into_iter().find(|r| r["program"] == "thesis/ssct.frag").unwrap();
+    assert_eq!((&trace["stage"], &trace["runs_in"]), (&"fragment".into(), &"frame".into()), "{trace}");
+    // Among triangles, mirrors run one program and wide lobes three or more.
+    let programs = |roughness: f64| of_method("unified").iter().filter(|r| r["roughness"] == json!(roughness)).count();
+    assert!(programs(0.0) >= 1 && programs(0.3_f32.into()) >= 3, "{} {}", programs(0.0), programs(0.3_f32.into()));
+    for record in &records {
+        let statistic = |name: &str| {
+            let all = record["statistics"].as_array().unwrap();
+            all.iter().find(|s| s["name"] == name).and_then(|s| s["value"].as_f64())
+        };
+        assert!(statistic("VGPRs").unwrap() > 0.0 && statistic("Code size").unwrap() > 0.0, "{record}");
+        assert_eq!(statistic("Spilled VGPRs"), Some(0.0), "{record}");
+        assert_eq!(record["stage"] == "vertex", record["program"].as_str().unwrap().contains(".vert"), "{record}");
+    }
+    let page = folder.text("out/index.html");
+    assert!(page.contains("VGPRs") && page.contains("unified/mirror.comp"), "the page has the driver's names");
+    let compared = folder.succeed(&["compare", "out", "out"]);
+    assert!(compared.contains("VGPRs") && compared.contains("1.000"), "{compared}");
+}
+
+#[test]
+fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
+    let folder = Folder::new();
+    let render = ["render", "--scene", "rooms", "--size", "32x18", "-o", "a.png"];
+    let Some(output) = on_absent_gpu(&folder, "NAVI21", &render) else { return };
+    let text = said(&output);
+    assert!(output.status.code() == Some(1) && text.contains("its hardware is not there"), "{text}");
+    let output = on_absent_gpu(&folder, "NAVI99", &["shaders", "--method", "ssct"]).unwrap();
+    let text = said(&output);
+    assert!(output.status.code() == Some(1) && text.contains("RADV_FORCE_FAMILY=NAVI99"), "{text}");
+}
+
+/// A record of a run, with a number of registers.
+fn record(program: &str, roughness: f64, registers: u32, subgroups: u32) -> Value {
+    json!({
+        "kind": "shaders", "definitions": 2, "version": "0.1.0", "commit": "unknown",
+        "device": {"name": "a card", "driver": "a driver", "api": "1.3.0", "type": "discrete GPU"},
+        "scene": "rooms", "view": "corridor", "method": "ssct", "preset": "published", "width": 64, "height": 48,
+        "roughness": roughness, "setup": {}, "runs_in": "frame", "passes": "trace", "program": program, "stage": "compute",
+        "constants": "", "subgroup_size": 64,
+        "statistics": [
+            {"name": "VGPRs", "about": "registers", "value": registers},
+            {"name": "Subgroups per SIMD", "about": "that fit", "value": subgroups},
+            {"name": "Hash", "about": "of the code", "value": 12345 + registers},
+        ],
+    })
+}
+
+#[test]
+fn two_runs_are_compared_by_frames_and_by_programs() {
+    let folder = Folder::new();
+    for (name, registers, subgroups) in [("a", 96, 8), ("b", 48, 16)] {
+        std::fs::create_dir(folder.path(name)).unwrap();
+        let records = [record("one.comp", 0.0, registers, subgroups), record("two.comp", 0.0, 64, 12)];
+        folder.write(&format!("{name}/shaders.json"), json!(records).to_string());
+    }
+    let text = folder.succeed(&["compare", "a", "b"]);
+    let line = |words: &[&str]| {
+        let found = text.lines().find(|line| words.iter().all(|word| line.split_whitespace().any(|w| w == *word)));
+        found.unwrap_or_else(|| panic!("{words:?}: {text}")).split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    // A frame's registers are the greatest of its programs, and its subgroups the least.
+    assert_eq!(line(&["ssct", "0", "VGPRs", "96", "64"]).last().unwrap(), "0.667");
+    assert!(line(&["ssct", "0", "8", "12"]).last().unwrap() == "1.500", "{text}");
+    assert_eq!(line(&["one.comp", "VGPRs"]).last().unwrap(), "0.500");
+    assert!(
+        !text.contains("two.comp") && !text.contains("Hash"),
+        "what is alike is not listed, nor what counts nothing: {text}"
+    );
+    let records: Vec<Value> = serde_json::from_str(&folder.succeed(&["compare", "a", "b", "--json"])).unwrap();
+    assert!(records.iter().any(|r| r["statistic"] == "VGPRs" && r["value_a"] == 96.0 && r["value_b"] == 48.0));
+    folder.write("b/shaders.json", "[{}]");
+    let output = folder.run(&["compare", "a", "b"]);
+    assert!(output.status.code() == Some(1) && said(&output).contains("b/shaders.json: holds other records"));
+}
