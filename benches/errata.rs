@@ -362,7 +362,9 @@ fn main() {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         let mut kept = HashMap::new();
-        for variant in VARIANTS.iter().chain(schmidt::VARIANTS).filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name)) {
+        for variant in
+            VARIANTS.iter().chain(schmidt::VARIANTS).filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name))
+        {
             measure(&mut stage, variant, &scene, &shaders, &mut kept);
         }
     }

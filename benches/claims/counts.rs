@@ -11,9 +11,9 @@
 use super::edited::{Edit, Edits};
 use super::{Bench, Change, SAME, THESIS, globals, mean, method, scene};
 use ssct::gpu::Pixels;
+use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr::SsrParams;
 use ssct::methods::thesis::ConeParams;
-use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{Effect, Setup, Wants};
 use ssct::passes::PathCode;
 use ssct_lab::scene::{Scene, View};

@@ -203,12 +203,7 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
 
 /// The methods of some names that find what they need in a scene; without names, every method that can be set up so and that
 /// takes the cameras.
-pub fn methods(
-    names: &[String],
-    setup: &Setup,
-    scene: &Scene,
-    lenses: &[Lens],
-) -> Result<Vec<&'static MethodInfo>> {
+pub fn methods(names: &[String], setup: &Setup, scene: &Scene, lenses: &[Lens]) -> Result<Vec<&'static MethodInfo>> {
     let chosen = methods::choose(names, setup)?;
     showing(if names.is_empty() { taking(chosen, lenses) } else { chosen }, |method| method, &[scene])
 }

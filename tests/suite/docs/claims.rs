@@ -75,6 +75,34 @@ pub fn table_5_8(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String
     range(thesis::rows_5_8(folder)?.iter().filter(|r| r[1] == roughness).map(|r| r[column].as_str()))
 }
 
+/// A method's time over SSCT's in table 5.8 at a size, as measured here.
+pub fn table_5_8_at(folder: &Path, [method, roughness, size]: [&str; 3]) -> Result<String> {
+    let column = match method {
+        "hzct" => 9,
+        "sslr" => 11,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    let rows = thesis::rows_5_8(folder)?;
+    let row = rows.iter().find(|r| r[0] == size.replace('x', "×") && r[1] == roughness);
+    Ok(row.ok_or(format!("no {size} at {roughness}"))?[column].clone())
+}
+
+/// A method's time at the greatest size of table 5.8 over that at the least one, which has 6.75 times fewer pixels.
+pub fn pixels(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String> {
+    let column = match method {
+        "ssct" => 3,
+        "hzct" => 5,
+        "sslr" => 7,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    let rows = thesis::rows_5_8(folder)?;
+    let time = |size: &str| -> Result<f64> {
+        let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
+        row[column].parse().map_err(|e| format!("{e}"))
+    };
+    Ok(ratio(time("1920×1080")? / time("640×480")?))
+}
+
 /// Times at roughness 0.1 over those of mirrors in table 5.8, as measured here.
 pub fn rougher(folder: &Path, method: &str) -> Result<String> {
     let column = match method {

@@ -5,8 +5,8 @@ use super::figures::{
     median_and_range, number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, complaints, dda, embedding, ends, errata, films, follow, gpu, large_gltf, layers,
-    measured, motion, outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, complaints, coverage, dda, embedding, ends, errata, films, follow, gpu,
+    large_gltf, layers, measured, motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,6 +28,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["cone-angle"] => thesis::cone_angle(first)?,
         ["unneeded"] => thesis::unneeded(first)?,
         ["erratum", variant] => errata::erratum(first, variant)?,
+        ["rows", kind] => errata::rows(folders, kind)?,
+        ["coverage-rows", word] => coverage::rows(first, word)?,
         ["times-beyond"] => beyond::times_beyond(folders)?,
         ["gain"] => beyond::gain(folders)?,
         ["fallbacks"] => beyond::fallbacks(folders)?,
@@ -47,7 +49,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["motion-rays"] => motion::by_rays(folders)?,
         ["capture-sides"] => follow::sides(first)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
-        ["methods"] => methods(first)?,
+        ["methods"] => methods(folders)?,
         ["by-roughness"] => by_roughness(first)?,
         ["hits"] => hits(first)?,
         ["better-than", method] => better_than(first, method)?,
@@ -66,6 +68,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["claim-hits", share, method] => claims::hits(first, [share, method])?,
         ["claim-caption", figure] => claims::caption(first, figure)?,
         ["claim-5.8", method, roughness] => claims::table_5_8(first, [method, roughness])?,
+        ["claim-5.8-at", method, roughness, size] => claims::table_5_8_at(first, [method, roughness, size])?,
+        ["claim-pixels", method, roughness] => claims::pixels(first, [method, roughness])?,
         ["claim-rougher", method] => claims::rougher(first, method)?,
         ["claim-larger", method, roughness, from] => claims::larger(first, [method, roughness, from])?,
         ["claim-motion", field, method, roughness] => claims::motion(first, [field, method, roughness])?,
@@ -292,19 +296,22 @@ fn names(records: &[Value], field: &str) -> Vec<String> {
     all.filter(|n| seen.insert((*n).to_owned())).map(str::to_owned).collect()
 }
 
-fn methods(folder: &Path) -> Result<String> {
-    let records = plain_errors(folder)?;
-    let time = |method: &str| -> Vec<f64> {
+/// Every method of some folders. Its time is over that of `ssct` on the same frames: median over the cells, and the least and the
+/// greatest of them.
+fn methods(folders: &[PathBuf]) -> Result<String> {
+    let records = folders.iter().map(|folder| plain_errors(folder)).collect::<Result<Vec<_>>>()?.concat();
+    let cell = |r: &Value| [&r["scene"], &r["view"], &r["roughness"]].map(ToString::to_string);
+    let timed = |method: &str| -> Vec<(_, f64)> {
         let timed = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
-        timed.filter_map(|r| r["time_ms"].as_f64()).collect()
+        timed.filter_map(|r| Some((cell(r), r["time_ms"].as_f64()?))).collect()
     };
-    let ssct = median(&time("ssct"))?;
+    let ssct: BTreeMap<_, f64> = timed("ssct").into_iter().collect();
     let mut rows = Vec::new();
     for method in names(&records, "method") {
-        let Ok(ms) = median(&time(&method)) else { continue };
+        let over: Vec<f64> = timed(&method).iter().filter_map(|(cell, ms)| Some(ms / ssct.get(cell)?)).collect();
+        let Ok(time) = median_and_range(&over) else { continue };
         let agreement = mean(&figures(&records, &method, "oracle", "0", "hit_agreement"));
-        let mut row =
-            vec![format!("`{method}`"), ratio(ms / ssct), agreement.map_or("–".to_owned(), |a| percent(a, 1))];
+        let mut row = vec![format!("`{method}`"), time, agreement.map_or("–".to_owned(), |a| percent(a, 1))];
         for against in ["screen", "world"] {
             row.extend(["0", "0.1"].map(|r| rmse(&records, &method, against, r, 3)));
         }
