@@ -164,9 +164,9 @@ fn directions(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
 fn memory(stage: &mut Stage, at: (&Scene, &View)) {
     let mut megabytes = |split: bool| {
         let setup = Setup::new(SIZE).with(|p: &mut ThesisDrawing| p.split = split);
-        let before = stage.context.allocated_bytes();
+        let before = stage.context.gpu().allocated_bytes();
         let effect = Effect::new(&mut stage.context, method("ssct"), &setup, Wants::IMAGE, None).expect("the effect");
-        let bytes = stage.context.allocated_bytes() - before;
+        let bytes = stage.context.gpu().allocated_bytes() - before;
         drop(effect);
         bytes as f64 / 1e6
     };

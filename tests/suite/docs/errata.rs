@@ -33,8 +33,12 @@ pub fn kinds(page: &str) -> Vec<(String, String)> {
     rows
 }
 
-/// The number of rows of a kind in some pages.
-pub fn rows(pages: &[std::path::PathBuf], kind: &str) -> Result<String> {
+/// The number of rows of a kind in a page, or in those of the two theses below a folder.
+pub fn rows(path: &Path, kind: &str) -> Result<String> {
+    let pages = match path.is_dir() {
+        true => ["thesis", "schmidt"].map(|document| path.join(document).join("ERRATA.md")).to_vec(),
+        false => vec![path.to_owned()],
+    };
     let texts = pages.iter().map(|page| fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display())));
     let all: Vec<_> = texts.collect::<Result<Vec<_>>>()?.iter().flat_map(|text| kinds(text)).collect();
     match all.iter().filter(|(_, of)| of == kind).count() {

@@ -23,12 +23,13 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["slowest", method] => slowest(first, method)?,
         ["least-agreement"] => least_agreement(first)?,
         ["versions"] => versions(folders)?,
+        ["version-error", roughness] => median_and_range(&version_errors(first, roughness)?)?,
         ["beyond", roughness] => beyond::beyond(folders, roughness)?,
         ["search"] => thesis::search(first)?,
         ["cone-angle"] => thesis::cone_angle(first)?,
         ["unneeded"] => thesis::unneeded(first)?,
         ["erratum", variant] => errata::erratum(first, variant)?,
-        ["rows", kind] => errata::rows(folders, kind)?,
+        ["rows", kind] => errata::rows(first, kind)?,
         ["coverage-rows", word] => coverage::rows(first, word)?,
         ["times-beyond"] => beyond::times_beyond(folders)?,
         ["gain"] => beyond::gain(folders)?,
@@ -241,19 +242,27 @@ fn least_agreement(folder: &Path) -> Result<String> {
     Ok(format!("{:.4} %", (1e6 * least(&agreement)).floor() / 1e4))
 }
 
-/// `unified` by version 2 of the oracle over version 1: times (over `ssct`'s, medians) and the error against the world.
+/// The error of `unified` against the world by version 2 of the oracle over that by version 1, of each view at a roughness.
+fn version_errors(folder: &Path, roughness: &str) -> Result<Vec<f64>> {
+    let rows = csv(folder, "errors.csv")?;
+    let find = |row: &Row, oracle: &str| {
+        let is_it = |r: &&Row| r["oracle"] == oracle && cell(r) == cell(row);
+        rows.iter().find(is_it).ok_or(format!("no version {oracle} of {:?}", cell(row)))
+    };
+    let first = rows.iter().filter(|r| r["oracle"] == "1" && shortest(&r["roughness"]) == shortest(roughness));
+    first.map(|row| Ok(number(find(row, "2")?, "rmse")? / number(row, "rmse")?)).collect()
+}
+
+/// `unified` by version 2 of the oracle over version 1: times (over `ssct`'s, medians) of the first two folders, and the error
+/// against the world of the third.
 fn versions(folders: &[PathBuf]) -> Result<String> {
-    let [first, second] = folders else { return Err("the records of two versions are compared".to_owned()) };
-    let (one, two) = (bars_errors(first)?, bars_errors(second)?);
+    let [first, second, judged] = folders else { return Err("times of two versions, and errors of both".to_owned()) };
     let row = |roughness: &&str| {
         let time = |size| {
             let over = |folder| median(&times_over(folder, size, roughness, "ssct")?);
             Ok::<_, String>(ratio(over(second)? / over(first)?))
         };
-        let world = ("unified".to_owned(), "world".to_owned());
-        let cells = one.iter().filter(|((.., r), _)| r == roughness);
-        let error =
-            cells.filter_map(|(cell, e)| Some(two.get(cell)?.get(&world)? / e.get(&world)?)).collect::<Vec<_>>();
+        let error = version_errors(judged, roughness)?;
         Ok(vec![shortest(roughness), time("960x540")?, time("641x479")?, median_and_range(&error)?])
     };
     let head = ["roughness", "time, 960×540", "time, 641×479", "error against the world"];
