@@ -296,7 +296,9 @@ fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
         opened => opened?,
     };
     for spec in specs {
-        agreement::images(&watched, spec, &agreement::draw(&watched, spec)?)?;
+        // What a method records is judged here, and not what it shows.
+        let spec = AgreementSpec { methods: METHODS.iter().collect(), ..spec.clone() };
+        agreement::images(&watched, &spec, &agreement::draw(&watched, &spec)?)?;
     }
     Ok(LayerMessages::Said(watched.violations().into_iter().map(|m| (m.id, m.text)).collect()))
 }

@@ -169,7 +169,7 @@ fn an_erratum_and_a_departure_are_called_what_their_page_calls_them() {
                 let is_said = of_words.iter().any(|(word, link)| word == kind && *link == (*name, *target));
                 assert!(is_said, "{place}: {target}, {name:?}, is {there:?}, and the row says {word} alone");
             }
-            *found.entry(word).or_default() += 1;
+            *found.entry(*word).or_default() += 1;
         }
     }
     assert!(found.values().all(|n| *n > 15) && found.len() == 2, "{found:?}");

@@ -72,7 +72,6 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["claim-5.8-at", method, roughness, size] => claims::table_5_8_at(first, [method, roughness, size])?,
         ["claim-pixels", method, roughness] => claims::pixels(first, [method, roughness])?,
         ["claim-rougher", method] => claims::rougher(first, method)?,
-        ["claim-larger", method, roughness, from] => claims::larger(first, [method, roughness, from])?,
         ["claim-motion", field, method, roughness] => claims::motion(first, [field, method, roughness])?,
         ["claim-scaling", method, size] => claims::scaling(first, [method, size])?,
         ["schmidt-scenes"] => captions::scenes()?,
