@@ -48,16 +48,17 @@ struct Quoted {
     black: Vec<f64>,
 }
 
-fn quoted(folders: &[PathBuf], method: &str) -> Quoted {
-    let mut quoted = Quoted::default();
+/// What the records of some folders say, by method.
+fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
+    let mut all = BTreeMap::<String, Quoted>::new();
     for row in folders.iter().flat_map(|folder| files(folder)).flat_map(|file| rows(&file)) {
-        if row.get("method").and_then(Value::as_str) == Some(method) {
-            let [scene, case] = ["scene", "case"].map(|field| row.get(field).and_then(Value::as_str));
-            quoted.scenes.extend(scene_of(scene, case).map(str::to_owned));
-            quoted.black.extend(row.get("black").and_then(Value::as_f64));
-        }
+        let text = |field: &str| row.get(field).and_then(Value::as_str);
+        let Some(method) = text("method") else { continue };
+        let quoted = all.entry(method.to_owned()).or_default();
+        quoted.scenes.extend(scene_of(text("scene"), text("case")).map(str::to_owned));
+        quoted.black.extend(row.get("black").and_then(Value::as_f64));
     }
-    quoted
+    all
 }
 
 /// The methods that lack what they need, by the built-in scene.
@@ -80,13 +81,13 @@ pub fn scene_of<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a
 }
 
 /// Why a method's records show nothing; `None` if they show something, or if there are none.
-fn nothing_shown(folders: &[PathBuf], method: &MethodInfo) -> Option<String> {
-    let Quoted { scenes: named, black } = quoted(folders, method.name);
-    if !black.is_empty() {
-        return black.iter().all(|share| *share >= 1.0).then(|| "every pixel of its records is black".to_owned());
+fn nothing_shown(quoted: &Quoted, method: &str) -> Option<String> {
+    if !quoted.black.is_empty() {
+        let is_black = quoted.black.iter().all(|share| *share >= 1.0);
+        return is_black.then(|| "every pixel of its records is black".to_owned());
     }
-    let lacking: Vec<&String> = named.iter().filter(|name| lacks(name, method.name)).collect();
-    let is_seen = named.is_empty() || lacking.len() < named.len();
+    let lacking: Vec<&String> = quoted.scenes.iter().filter(|name| lacks(name, method)).collect();
+    let is_seen = quoted.scenes.is_empty() || lacking.len() < quoted.scenes.len();
     (!is_seen).then(|| format!("it lacks what it needs in {lacking:?}, so that it is black there"))
 }
 
@@ -117,11 +118,11 @@ fn nothing_is_judged_that_is_black_everywhere() {
         for (query, folders) in queries(&name, &text) {
             // Another test fails where records do not answer.
             let answer = records::show(&query, &folders).unwrap_or_default();
+            let quoted = known.entry(folders.clone()).or_insert_with(|| quoted(&folders));
             for method in methods_of(&query, &answer) {
                 judged += 1;
-                let why =
-                    known.entry((method.name, folders.clone())).or_insert_with(|| nothing_shown(&folders, method));
-                black.extend(why.as_ref().map(|why| format!("{name}: {query}: {}: {why}", method.name)));
+                let why = quoted.get(method.name).and_then(|quoted| nothing_shown(quoted, method.name));
+                black.extend(why.map(|why| format!("{name}: {query}: {}: {why}", method.name)));
             }
         }
     }
@@ -133,10 +134,9 @@ fn nothing_is_judged_that_is_black_everywhere() {
 fn what_is_black_everywhere_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let folders = vec![folder.path().to_owned()];
-    let find = |name: &str| METHODS.iter().find(|m| m.name == name).unwrap();
     let says = |records: &str, method: &str| {
         fs::write(folder.path().join("error.json"), records).unwrap();
-        nothing_shown(&folders, find(method)).is_some()
+        nothing_shown(&quoted(&folders)[method], method).is_some()
     };
     let rooms = r#"[{"method": "billboard", "scene": "rooms"}, {"method": "ssct", "scene": "rooms"}]"#;
     assert!(says(rooms, "billboard") && !says(rooms, "ssct"), "the rooms have no impostors");

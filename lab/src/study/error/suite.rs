@@ -24,7 +24,7 @@ struct StudiedScene {
     scene: Scene,
     views: Vec<View>,
     digest: String,
-    /// Those that find what they need in the scene.
+    /// The variants whose methods find what they need in the scene.
     variants: Vec<Variant>,
 }
 
