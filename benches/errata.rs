@@ -9,18 +9,17 @@
 #![allow(clippy::expect_used)]
 
 mod edited;
+#[path = "errata_schmidt.rs"]
+mod schmidt;
 
 use edited::{Edits, Shaders, difference};
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::methods::billboard::BillboardParams;
 use ssct::methods::ibr::IbrParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::sslr::{DepthSampling, SslrParams};
-use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::thesis::{ConeAngle, ConeParams, HiZParams, MarchParams};
 use ssct::methods::{METHODS, Setup, Wants};
 use ssct::passes::PosterFilter;
-use ssct::passes::billboard::{Blur, Occlusion, Order};
 use ssct::passes::mask_chain::MaskFilter;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::scene::library;
@@ -102,13 +101,8 @@ const MARCH: &str = "thesis/linear_ray_march.glsl";
 const HI_Z: &str = "thesis/hi_z_ray_trace.glsl";
 const CONE: &str = "thesis/cone_trace.glsl";
 const ANGLE: &str = "thesis/cone_angle.glsl";
-const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 const POSTER: &str = "poster/cone_march.frag";
 const HALF: &str = "return 0.5 * max(roughness, 0.0);";
-const RIGHT_EQ_28: Edits = &[(SCHMIDT, "camera.near_plane - z *", "camera.near_plane - (2.0 * z - 1.0) *")];
-
-/// Parameters of the order "nearest", which others are held against.
-const NEAREST: Change = |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest);
 
 const VARIANTS: &[Variant] = &[
     changed("ibr-0.1", "ibr", Views::Billboards, |s| s.with(|p: &mut IbrParams| p.ibr_depth = 0.1)),
@@ -278,6 +272,27 @@ const VARIANTS: &[Variant] = &[
         )],
     ),
     changed("spreading", "sslr", Views::Gloss, |s| s.with(|p: &mut SslrParams| p.spreading_factor = 10.0)),
+    edited(
+        "cone-direction",
+        "ssct",
+        Views::Gloss,
+        // R_origin and R_direction of Eq. 4.4: from the near plane to the far plane, through pixel and hit.
+        &[(
+            CONE,
+            "    vec3 color = HiZConeTrace(texCoord, hit.xy, theta);",
+            "    float depth = textureLod(hiZBuffer, texCoord, 0.0).r;\n    vec2 direction = (hit.xy - texCoord) / (hit.z - depth);\n    vec2 origin = texCoord - direction * depth;\n    vec3 color = HiZConeTrace(origin, origin + direction, theta);",
+        )],
+    ),
+    edited(
+        "length-over-diagonal",
+        "sslr",
+        Views::Gloss,
+        &[(
+            "thesis/sslr_ray_trace.frag",
+            "float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);",
+            "float rayLength = distance(pixel.P_ss.xy, hit.xy) / sqrt(2.0);",
+        )],
+    ),
     changed("poster-retries", "poster", Views::Gloss, |s| s.with(|p: &mut PosterParams| p.edge_retries = 3)),
     edited(
         "poster-any-facing",
@@ -297,100 +312,6 @@ const VARIANTS: &[Variant] = &[
     changed("poster-edge-aware", "poster", Views::Gloss, |s| {
         s.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::EdgeAware)
     }),
-    edited(
-        "ssr-turned",
-        "ssr",
-        Views::Mirrors,
-        // A point behind the camera is taken half as far away as the camera's plane instead.
-        &[(
-            SCHMIDT,
-            "    vsReflectionVector += vsPosition;",
-            "    if (vsPosition.z + vsReflectionVector.z < camera.near_plane)\n        vsReflectionVector *= -0.5 * vsPosition.z / vsReflectionVector.z;\n    vsReflectionVector += vsPosition;",
-        )],
-    ),
-    edited("ssr-eq-28", "ssr", Views::Mirrors, RIGHT_EQ_28),
-    edited("ssr-fast-eq-28", "ssr-fast", Views::Mirrors, RIGHT_EQ_28),
-    edited(
-        "ssr-fast-step",
-        "ssr-fast",
-        Views::MirrorsAndCeiling,
-        &[(
-            SCHMIDT,
-            "float initialStep = pixelSize.y;",
-            "float initialStep = pixelSize.y * min(pixelSize.x, pixelSize.y);",
-        )],
-    ),
-    edited(
-        "ssr-steps",
-        "ssr",
-        Views::Mirrors,
-        &[(
-            SCHMIDT,
-            "int sampleCount = max(int(camera.resolution.x), int(camera.resolution.y));",
-            "int sampleCount = 2 * max(int(camera.resolution.x), int(camera.resolution.y));",
-        )],
-    ),
-    edited(
-        "ssr-fast-behind",
-        "ssr-fast",
-        Views::Mirrors,
-        &[(SCHMIDT, "if (delta < 0.002) {", "if (delta < 0.002 && currentDepth > sampledDepth) {")],
-    ),
-    edited(
-        "ssr-fast-break",
-        "ssr-fast",
-        Views::Mirrors,
-        &[(SCHMIDT, "        // 79-81: count++", "        if (hit.w == PATH_LINEAR) break;")],
-    ),
-    Variant {
-        name: "ssr-fast-blur",
-        method: "ssr-fast",
-        views: Views::Mirrors,
-        both: |s| s.with(|p: &mut SsrFastParams| p.distance_blur = true),
-        change: SAME,
-        edits: &[(SCHMIDT, "int counter = 0;", "int counter = 1;")],
-    },
-    edited(
-        "pccm-outside",
-        "pccm",
-        Views::Mirrors,
-        &[(
-            "schmidt/pccm.frag",
-            "    return wsIntersection - wsCubeMapPosition;",
-            "    return distance < 0.0 ? wsReflectionVector : wsIntersection - wsCubeMapPosition;",
-        )],
-    ),
-    changed("billboard-unbroken", "billboard", Views::Billboards, |s| {
-        s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken)
-    }),
-    Variant {
-        both: |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken),
-        ..changed("billboard-nearest", "billboard", Views::Billboards, NEAREST)
-    },
-    Variant {
-        both: NEAREST,
-        ..changed("billboard-occlusion", "billboard", Views::Billboards, |s| {
-            s.with(|p: &mut BillboardParams| p.billboard_occlusion = Occlusion::Depth)
-        })
-    },
-    Variant {
-        both: NEAREST,
-        ..changed("billboard-roughness", "billboard", Views::Billboards, |s| {
-            s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Roughness)
-        })
-    },
-    Variant {
-        both: NEAREST,
-        ..changed("billboard-distance", "billboard", Views::Billboards, |s| {
-            s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Distance)
-        })
-    },
-    Variant {
-        both: NEAREST,
-        ..changed("billboard-glow", "billboard", Views::Billboards, |s| {
-            s.with(|p: &mut BillboardParams| (p.billboard_glow, p.billboard_glow_width) = (0.5, 0.5))
-        })
-    },
 ];
 
 /// Renders one side of a variant on a view.
@@ -441,7 +362,9 @@ fn main() {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         let mut kept = HashMap::new();
-        for variant in VARIANTS.iter().filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name)) {
+        for variant in
+            VARIANTS.iter().chain(schmidt::VARIANTS).filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name))
+        {
             measure(&mut stage, variant, &scene, &shaders, &mut kept);
         }
     }

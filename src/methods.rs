@@ -15,6 +15,7 @@ pub mod ibr;
 pub mod layers;
 pub mod linear;
 pub mod local_map;
+pub mod needs;
 pub mod pccm;
 pub mod planar;
 pub mod poster;
@@ -36,9 +37,10 @@ use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
-use crate::scene::{Camera, Material};
+use crate::scene::{Camera, Material, Scene};
 pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
+use needs::Need;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
 use std::sync::{PoisonError, RwLock};
 
@@ -219,6 +221,8 @@ pub struct MethodInfo {
     pub source: &'static str,
     /// What it needs to see.
     pub sees: Sees,
+    /// What it needs a scene to have; where one of these is missing, it shows nothing.
+    pub needs: &'static [Need],
     /// Whether its reflections can fade at the screen's border.
     pub fades: bool,
     /// Whether it hits what the version of the oracle says that is asked for.
@@ -249,6 +253,7 @@ impl MethodInfo {
             summary,
             source,
             sees: Sees::Screen,
+            needs: &[],
             fades: true,
             follows_oracle: false,
             takes_captures: false,
@@ -306,6 +311,11 @@ impl MethodInfo {
     /// Its own parameters.
     pub fn own_parameters(&self) -> Vec<Parameter> {
         self.added.map_or_else(self.parameters, |added| added.parameters())
+    }
+
+    /// What it needs and a scene does not have.
+    pub fn lacks(&self, scene: &Scene) -> Vec<Need> {
+        self.needs.iter().copied().filter(|need| !need.is_met(scene)).collect()
     }
 
     /// Whether the method works on a G-buffer of any origin.

@@ -4,14 +4,17 @@
 //!   level that they read; `cone-samples-unbounded`, `cone-levels-unbounded`: at most 64.
 //! - `ray-steps`: depths that a ray of a march reads, by pixels a step, by roughness, or by the height of the image.
 //! - `towards-camera`: the share of the rays that run towards the camera; `towards-camera-hits`: the share of these that hit;
-//!   `away-hits`: the share of the others that hit.
+//!   `away-hits`: the share of the others that hit; `search-off-screen`: the share of these hits whose binary search ended off
+//!   the screen.
+//! - `device-mb`: megabytes on the device that the passes of the effect take, in one pass or split in two.
 
 use super::edited::{Edit, Edits};
 use super::{Bench, Change, SAME, THESIS, globals, mean, method, scene};
 use ssct::gpu::Pixels;
+use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr::SsrParams;
 use ssct::methods::thesis::ConeParams;
-use ssct::methods::{Setup, Wants};
+use ssct::methods::{Effect, Setup, Wants};
 use ssct::passes::PathCode;
 use ssct_lab::scene::{Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
@@ -143,7 +146,33 @@ fn directions(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
     let share = |of: f64, all: f64| of / all.max(1.0);
     row("towards-camera", "ssct", at, SIZE[1], "0", share(towards, towards + away));
     row("towards-camera-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
+    let ended = |t: &[f32]| PathCode::from_channel(t[3]) == Some(PathCode::Linear);
+    let off = |t: &&[f32]| t[..2].iter().any(|c| !(0.0..=1.0).contains(c));
+    let marched = hits.texels().filter(|t| ended(t)).count() as f64;
+    row(
+        "search-off-screen",
+        "ssct",
+        at,
+        SIZE[1],
+        "0",
+        share(hits.texels().filter(|t| ended(t)).filter(off).count() as f64, marched),
+    );
     row("away-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
+}
+
+/// Bytes of the effect's images and buffers, with its passes combined and split.
+fn memory(stage: &mut Stage, at: (&Scene, &View)) {
+    let mut megabytes = |split: bool| {
+        let setup = Setup::new(SIZE).with(|p: &mut ThesisDrawing| p.split = split);
+        let before = stage.context.gpu().allocated_bytes();
+        let effect = Effect::new(&mut stage.context, method("ssct"), &setup, Wants::IMAGE, None).expect("the effect");
+        let bytes = stage.context.gpu().allocated_bytes() - before;
+        drop(effect);
+        bytes as f64 / 1e6
+    };
+    let [combined, split] = [false, true].map(&mut megabytes);
+    row("device-mb", "ssct", at, SIZE[1], "combined", combined);
+    row("device-mb", "ssct", at, SIZE[1], "split", split);
 }
 
 /// Steps of SSLR by roughness.
@@ -197,6 +226,9 @@ pub fn run(bench: &Bench) {
             }
             if bench.wants("ray-steps") {
                 uniform_steps(bench, &mut stage, at);
+            }
+            if bench.wants("device-mb") {
+                memory(&mut stage, at);
             }
         }
     }

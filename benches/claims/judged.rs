@@ -6,7 +6,7 @@
 //!
 //! Claims of the documents, at 480×270, are held against the exact image of the same screen; those named `dda-…` are of the
 //! errata of that method, at 320×180; those named `billboards-…` are held against the world, at 640×360, and so are those
-//! named `behind-…`, of what stands behind a method of the screen, at 320×180.
+//! named `behind-…`, of what stands behind a method of the screen, at 320×180, and `car-…`, of the bodies of the cars alone.
 
 use super::edited::{Edits, difference};
 use super::{Bench, Change, SAME, THESIS, globals, method, scene};
@@ -15,6 +15,7 @@ use ssct::methods::billboard::BillboardParams;
 use ssct::methods::dda::DdaParams;
 use ssct::methods::setup::{EffectParams, Fallback};
 use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::thesis::MarchParams;
 use ssct::methods::{MethodInfo, Setup, Wants};
 use ssct::passes::billboard::{Occlusion, Order};
 use ssct::passes::color_chain::ChainFilter;
@@ -26,7 +27,7 @@ use ssct_lab::reference::screen::{Sampling, ScreenReference};
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::WorldReference;
 use ssct_lab::report::images::{Rgb, display};
-use ssct_lab::scene::{Scene, View};
+use ssct_lab::scene::{Material, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use std::collections::HashMap;
 
@@ -44,6 +45,8 @@ enum Place {
     Billboards,
     /// Views of scenes with polished floors against the world.
     Behind,
+    /// The bodies of the street's cars against the world, in the view of Schmidt's figure 47.
+    Car,
 }
 
 impl Place {
@@ -53,6 +56,7 @@ impl Place {
             Self::Dda => &[("rooms", &[]), ("museum", &[]), ("street", &[])],
             Self::Billboards => &[("street", &["street", "car", "puddles", "signs"]), ("museum", &["museum"])],
             Self::Behind => &[("museum", &[]), ("corridor", &[]), ("rooms", &[])],
+            Self::Car => &[("street", &["car"])],
         }
     }
 
@@ -60,15 +64,27 @@ impl Place {
         match self {
             Self::Thesis => [480, 270],
             Self::Dda | Self::Behind => [320, 180],
-            Self::Billboards => [640, 360],
+            Self::Billboards | Self::Car => [640, 360],
         }
     }
 
     fn globals(self, roughness: f32) -> Globals {
         match self {
             Self::Dda | Self::Behind => Globals { roughness: Some(roughness), ..Globals::default() },
-            Self::Thesis | Self::Billboards => globals(roughness, 0.1),
+            Self::Thesis | Self::Billboards | Self::Car => globals(roughness, 0.1),
         }
+    }
+
+    /// The materials of a view, of which some may reflect nothing here.
+    fn materials(self, scene: &Scene, view: &View, roughness: f32) -> Vec<Material> {
+        let mut materials = self.globals(roughness).materials(scene, view);
+        if self == Self::Car {
+            let bodies: Vec<usize> =
+                scene.meshes.iter().filter(|mesh| mesh.name == "car-body").map(|mesh| mesh.material).collect();
+            let others = materials.iter_mut().enumerate().filter(|(n, _)| !bodies.contains(n));
+            others.for_each(|(_, material)| material.reflectivity = 0.0);
+        }
+        materials
     }
 }
 
@@ -101,7 +117,13 @@ const fn behind(name: &'static str, change: Change) -> Claim {
     Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], both: SAME, change, edits: &[] }
 }
 
+const fn car(name: &'static str, method: &'static str, edits: Edits) -> Claim {
+    Claim { name, method, place: Place::Car, roughness: &[0.0], both: SAME, change: SAME, edits }
+}
+
 const VISIBILITY: &str = "thesis/visibility.frag";
+const MARCH: &str = "thesis/linear_ray_march.glsl";
+const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 const TRACE: &str = "thesis/sslr_ray_trace.frag";
 const DDA: &str = "dda/dda.frag";
 const INTEGRATED: &str = "coarseVisibility = dot(vec4(0.25), integration);";
@@ -116,6 +138,59 @@ pub const TRUE_MINIMA: Edits = &[(
     "thesis/hi_z.frag",
     FOUR,
     "float z_min = z0.r;\n    for (int y = 0; y <= hiz.Offset.y; ++y)\n        for (int x = 0; x <= hiz.Offset.x; ++x)\n            z_min = min(z_min, ReadDepth(P_sample + ivec2(x, y)).r);",
+)];
+
+/// The Hi-Z buffer read between the four cells around a place, in place of the cell itself.
+const LINEAR_HI_Z: Edits = &[(
+    "thesis/hi_z_ray_trace.glsl",
+    "    return textureLod(hiZBuffer, ray, level).r;",
+    "    int l = int(level);\n    ivec2 last = textureSize(hiZBuffer, l) - 1;\n    vec2 place = ray * vec2(last + 1) - 0.5;\n    ivec2 a = clamp(ivec2(floor(place)), ivec2(0), last), b = min(a + 1, last);\n    vec2 share = clamp(place - vec2(a), 0.0, 1.0);\n    float near = mix(texelFetch(hiZBuffer, a, l).r, texelFetch(hiZBuffer, ivec2(b.x, a.y), l).r, share.x);\n    return mix(near, mix(texelFetch(hiZBuffer, ivec2(a.x, b.y), l).r, texelFetch(hiZBuffer, b, l).r, share.x), share.y);",
+)];
+
+/// The linear march over depths in metres, between which it interpolates along the ray as if they were straight on the screen.
+const LINEAR_DEPTH: Edits = &[
+    (
+        MARCH,
+        "bool LeftScreen(vec2 ray) {",
+        "float Metres(float z) {\n    return thesis.near_plane * thesis.far_plane / (thesis.far_plane - z * (thesis.far_plane - thesis.near_plane));\n}\n\nbool LeftScreen(vec2 ray) {",
+    ),
+    (
+        MARCH,
+        "float depth = textureLod(hiZBuffer, ray.xy, 0.0).r;\n\n        // 15-19",
+        "float depth = Metres(textureLod(hiZBuffer, ray.xy, 0.0).r);\n\n        // 15-19",
+    ),
+    (
+        MARCH,
+        "float depth = textureLod(hiZBuffer, ray.xy, 0.0).r;\n\n        // 37-40",
+        "float depth = Metres(textureLod(hiZBuffer, ray.xy, 0.0).r);\n\n        // 37-40",
+    ),
+    (MARCH, "if (abs(depthDelta) < DEPTH_DELTA_EPSILON)", "if (abs(depthDelta) < 0.01)"),
+    (
+        "thesis/linear.frag",
+        "    vec3 dir = normalize(pixel.V_ss);",
+        "    vec3 end = pixel.P_ss + pixel.V_ss;\n    pixel.P_ss.z = Metres(pixel.P_ss.z);\n    vec3 dir = vec3(end.xy, Metres(end.z)) - pixel.P_ss;\n    dir /= max(length(dir.xy), 1e-9);",
+    ),
+];
+
+/// Schmidt's march that compares depths as they are stored, with the same number for the thickness.
+const POST_PROJECTED: Edits = &[(
+    SCHMIDT,
+    "    return (2.0 * camera.near_plane)\n        / (camera.far_plane + camera.near_plane - z * (camera.far_plane - camera.near_plane));",
+    "    return z;",
+)];
+
+/// Schmidt's march whose ray is straight in linearised depth.
+const STRAIGHT_IN_LINEAR: Edits = &[(
+    SCHMIDT,
+    "        float currentDepth = linearizeDepth(currentSamplePosition.z);\n        float sampledDepth = SampleDepth(samplingPosition, currentDepth, 0.001);",
+    "        float first = linearizeDepth(ssPosition.z);\n        float currentDepth = first + float(count + 2) * (linearizeDepth(ssPosition.z + ssReflectionVector.z) - first);\n        float sampledDepth = SampleDepth(samplingPosition, currentDepth, 0.001);",
+)];
+
+/// Nothing is reflected.
+const BLACK: Edits = &[(
+    SCHMIDT,
+    "        out_reflection = ScreenSpaceReflections(vsPosition, vsNormal, vsReflectionVector);",
+    "        out_reflection = vec4(0.0);",
 )];
 
 /// The cone's angle by Eq. 4.5 with another ξ, for the exponent of the lobe that a roughness stands for.
@@ -172,6 +247,18 @@ const CLAIMS: &[Claim] = &[
     ),
     edited("mask", "sslr", &[0.1, 0.3], &[("thesis/sslr_blur.frag", "return Mask(texCoord) > 0.0 ?", "return true ?")]),
     edited("true-minima", "ssct", &[0.0, 0.1], TRUE_MINIMA),
+    edited("linear-hi-z", "ssct", &[0.0, 0.1], LINEAR_HI_Z),
+    edited("linear-hi-z-hzct", "hzct", &[0.0], LINEAR_HI_Z),
+    Claim {
+        both: |s| s.with(|p: &mut MarchParams| p.search_tolerance = 2e-4),
+        ..edited("linear-depth", "linear", &[0.0], LINEAR_DEPTH)
+    },
+    edited("ssr-post-projected", "ssr", &[0.0], POST_PROJECTED),
+    edited("ssr-straight-in-linear", "ssr", &[0.0], STRAIGHT_IN_LINEAR),
+    car("car-ssr", "ssr", BLACK),
+    car("car-ssr-fast", "ssr-fast", BLACK),
+    car("car-pccm", "pccm", &[]),
+    car("car-billboard", "billboard", &[]),
     edited("true-minima-hzct", "hzct", &[0.0], TRUE_MINIMA),
     Claim {
         change: |s| s.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian),
@@ -243,7 +330,7 @@ struct At<'a> {
 
 impl At<'_> {
     fn made(&self, stage: &mut Stage, method: &MethodInfo, setup: &Setup) -> (Made, Shot) {
-        let materials = self.place.globals(self.roughness).materials(self.scene, self.view);
+        let materials = self.place.materials(self.scene, self.view, self.roughness);
         let camera = self.view.camera(self.scene, self.place.size());
         let wants = if method.is_screen_space() { Wants::HITS } else { Wants::REFLECTION };
         let shot = Shot::new(stage, method, setup, wants, camera, materials).expect("a shot");
@@ -258,8 +345,8 @@ impl At<'_> {
     fn truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
         let data = gbuffer::read(&mut stage.context, shot).expect("the G-buffer");
         let mask = data.reflecting();
-        if [Place::Billboards, Place::Behind].contains(&self.place) {
-            let materials = self.place.globals(self.roughness).materials(self.scene, self.view);
+        if [Place::Billboards, Place::Behind, Place::Car].contains(&self.place) {
+            let materials = self.place.materials(self.scene, self.view, self.roughness);
             let world = World::new(self.scene, &materials);
             let first = FirstHits::shown(&world, &data);
             let reference = WorldReference::new(&world, &first, &data.camera, 1);

@@ -5,6 +5,8 @@
 //! - `pixel-step`: Schmidt's march with longer steps.
 //! - `half`: half the resolution.
 //! - `gaussian`: the colour chain by a Gaussian in place of the device's filter.
+//! - `split`: ray trace and cone trace in two passes in place of one.
+//! - `ray-traced`: the world reference of 16 rays a pixel on all cores, over Schmidt's optimised march, at 480×270.
 //! - `true-minima`: every texel is read for the Hi-Z buffer, in place of four.
 //! - `roughness`: from roughness 0.1 on.
 //! - `angle`: the cone's angle by way of its exponent and back, in place of half the roughness, which is the same.
@@ -24,8 +26,12 @@ use ssct::methods::ssr::SsrParams;
 use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::GBufferImages;
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::WorldReference;
 use ssct_lab::scene::{Mesh, Scene, Vertex, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use std::time::Instant;
 
 /// Turns that count; one before them does not.
 const TURNS: usize = 11;
@@ -192,6 +198,32 @@ fn reflecting(bench: &Bench) {
     }
 }
 
+/// The world reference in turn with the optimised march, on the view of Schmidt's figure 47.
+fn ray_traced(bench: &Bench) {
+    const SMALL: [u32; 2] = [480, 270];
+    let scene = scene("street");
+    let view = scene.view("car").expect("a view");
+    let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
+    let materials = globals(0.0, 0.1).materials(&scene, view);
+    let camera = view.camera(&scene, SMALL);
+    let setup = Setup::new(SMALL);
+    let shot = Shot::new(&mut stage, method("ssr-fast"), &setup, Wants::IMAGE, camera, materials.clone());
+    let shot = shot.expect("a shot");
+    let mut turn = || {
+        let march = times(&stage.run(&shot, Mode::Timed).expect("a frame").0);
+        let begun = Instant::now();
+        let world = World::new(&scene, &materials);
+        let first = FirstHits::trace(&world, &camera, SMALL);
+        let reference = WorldReference::new(&world, &first, &camera, 1);
+        let mut state = reference.start();
+        reference.add(&mut state, 16);
+        vec![march, [begun.elapsed().as_secs_f64() * 1e3, march[1]]]
+    };
+    turn();
+    let turns: Vec<_> = (0..5).map(|_| turn()).collect();
+    print("ray-traced", "ssr-fast", (&scene.name, &view.name), &["march", "reference"], &turns);
+}
+
 /// Times what is asked for.
 pub fn run(bench: &Bench) {
     println!("claim,method,scene,view,variant,ratio,least,greatest,scene_ratio");
@@ -214,6 +246,9 @@ pub fn run(bench: &Bench) {
     let gaussian: Change = |s| s.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian);
     let filters = vec![changed("hardware", 0.1, SAME), changed("gaussian", 0.1, gaussian)];
     of_views(bench, "gaussian", &views, &[("ssct", filters)]);
+    let split: Change = |s| s.with(|p: &mut ThesisDrawing| p.split = true);
+    let passes = |roughness| vec![changed("combined", roughness, SAME), changed("split", roughness, split)];
+    of_views(bench, "split", &views, &[("ssct", passes(0.1)), ("hzct", passes(0.1))]);
     let minima = vec![changed("printed", 0.1, SAME), Variant { edits: TRUE_MINIMA, ..changed("true", 0.1, SAME) }];
     of_views(bench, "true-minima", &views, &[("ssct", minima)]);
     let detour = vec![changed("half", 0.1, SAME), Variant { edits: DETOUR, ..changed("detour", 0.1, SAME) }];
@@ -226,5 +261,8 @@ pub fn run(bench: &Bench) {
     }
     if bench.wants("reflecting") {
         reflecting(bench);
+    }
+    if bench.wants("ray-traced") {
+        ray_traced(bench);
     }
 }

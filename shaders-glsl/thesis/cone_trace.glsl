@@ -16,7 +16,14 @@ float InterpolatedConeAngle(float roughness) {
 
     // 2, 3: theta = cos(xi^(1 / (alpha + 1))), xi = 0.244; "we can interpolate theta to zero if alpha is greater than 1000"
     // Erratum: arccos, not cos.
-    return alpha > MIRROR_ALPHA ? 0.0 : acos(pow(XI, 1.0 / (alpha + 1.0)));
+    return alpha > thesis.cone_mirror_alpha ? 0.0 : acos(pow(thesis.cone_xi, 1.0 / (alpha + 1.0)));
+}
+
+// The angle of the author's program, which is that of xi = 0.244 for the lobe of a roughness; that of another xi for the
+// same lobe.
+float LobeConeAngle(float roughness) {
+    float theta = ConeAngle(roughness);
+    return thesis.cone_xi == XI ? theta : acos(pow(cos(theta), log(thesis.cone_xi) / log(XI)));
 }
 
 // Print: §4.2.8, Eq. 4.6.
@@ -82,7 +89,7 @@ vec3 HiZConeTrace(vec2 R_origin, vec2 R_intersection, float theta) {
 vec4 Reflection(vec2 texCoord, vec3 hit, vec3 reflectionVS, float roughness) {
     if (hit == vec3(-1.0))
         return vec4(0.0);
-    float theta = thesis.cone_interpolated != 0 ? InterpolatedConeAngle(roughness) : ConeAngle(roughness);
+    float theta = thesis.cone_interpolated != 0 ? InterpolatedConeAngle(roughness) : LobeConeAngle(roughness);
     vec3 color = HiZConeTrace(texCoord, hit.xy, theta);
     float fade = 1.0;
     if (thesis.fade != 0) {

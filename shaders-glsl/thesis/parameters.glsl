@@ -20,6 +20,8 @@ layout(std140, binding = 0) uniform ThesisBlock {
     int cone_interpolated;         // 1: alpha of Eq. 4.5 is interpolated between the next two
     float cone_alpha_min;          // alpha at roughness 1
     float cone_alpha_max;          // alpha at roughness 0
+    float cone_xi;                 // xi of Eq. 4.5
+    float cone_mirror_alpha;       // an interpolated alpha above it is a mirror's
     float fade_start;              // I_start of Eq. 4.7
     float fade_end;                // I_end of Eq. 4.7
     float fade_towards_camera;     // hzct: factor of its fade; 0: none

@@ -1,18 +1,22 @@
 //! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids with roughness (thesis §3.1.1). It
 //! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
+use super::needs::Need;
 use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo::scene(
-    "area-light",
-    "analytic area lights (direct highlights)",
-    "Hermanns 2015, §3.1.1; Karis 2013",
-    |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
-);
+pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::AreaLights],
+    ..MethodInfo::scene(
+        "area-light",
+        "analytic area lights (direct highlights)",
+        "Hermanns 2015, §3.1.1; Karis 2013",
+        |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
+    )
+};
 
 /// The pass.
 struct AreaLightMethod(AreaLightPass);

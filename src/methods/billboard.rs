@@ -2,6 +2,7 @@
 //! section 5.3). It reflects the impostors of a scene and nothing else, as mirrors do: the listings know
 //! no roughness, which `--billboard-blur` adds. An impostor is not lit and moves with nothing.
 
+use super::needs::Need;
 use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext};
@@ -10,6 +11,7 @@ use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::Impostors],
     parameters: BillboardParams::table,
     // The sweeps try one thing at a time.
     combinations: |base| {

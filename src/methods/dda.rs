@@ -2,7 +2,7 @@
 //! Tracing", JCGT 2014), as most engines have it, and a mirror lookup where it ends: the method has no gloss.
 
 use super::layers::LayerParams;
-use super::thesis::UNBOUNDED;
+use super::thesis::{FadeParams, UNBOUNDED};
 use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::DdaBlock;
@@ -61,6 +61,8 @@ parameters! {
             .above(0.0, 1e6)
             .unit("m")
             .source("McGuire and Mara 2014 leave it open; the far plane of the default lens"),
+        /// Where reflections fade.
+        border: FadeParams,
         /// Layers of depth.
         layers: LayerParams,
     }
@@ -74,6 +76,7 @@ struct DdaMethod {
 impl DdaMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<DdaParams>());
+        let [fade_start, fade_end] = p.border.ends();
         Ok(Self {
             trace: DdaTracePass::new(gpu, setup.extent, [p.dda_jitter, p.dda_refine], p.layers.layers, making.hits)?,
             parameters: DdaBlock {
@@ -81,8 +84,8 @@ impl DdaMethod {
                 thickness: p.dda_thickness,
                 longest: p.dda_distance,
                 steps: p.dda_steps as i32,
-                fade_start: 0.8,
-                fade_end: 1.0,
+                fade_start,
+                fade_end,
                 fade: i32::from(setup.effect().fade),
             },
         })

@@ -3,7 +3,7 @@
 
 use super::MethodInfo;
 use super::ssct::{ThesisDrawing, ThesisMethod};
-use super::thesis::{ConeParams, HiZParams};
+use super::thesis::{ConeParams, FadeParams, HiZParams};
 use crate::gpu::shader::ThesisBlock;
 use crate::parameter::{Parameter, Parameters, parameters};
 
@@ -16,9 +16,9 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hi-Z tracing and cone tracing; rays towards the camera fade out",
         "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
         |gpu, making| {
-            let HzctParams { hi_z, cone, camera_fade, drawn } = making.setup.of();
+            let HzctParams { hi_z, cone, border, camera_fade, drawn } = making.setup.of();
             let fill = move |block| {
-                let block = cone.fill(hi_z.fill(block));
+                let block = border.fill(cone.fill(hi_z.fill(block)));
                 ThesisBlock { fade_towards_camera: camera_fade, ..block }
             };
             Ok(Box::new(ThesisMethod::new(gpu, making, drawn, None, Box::new(fill))?))
@@ -33,6 +33,8 @@ parameters! {
         hi_z: HiZParams,
         /// Parameters of the cone trace.
         cone: ConeParams,
+        /// Where reflections fade.
+        border: FadeParams,
         /// How fast reflections fade out as their rays turn towards the camera; 0 for not at all.
         camera_fade: f32 = Parameter::new(10.0).between(0.0, 1e6).source("not printed; the author's program"),
         /// How the passes are made.

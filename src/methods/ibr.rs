@@ -6,6 +6,7 @@
 //! artist paints an image: a box shows what is in it, as the scene passes light it, from its front alone.
 
 use super::capture::captured_of;
+use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
@@ -20,6 +21,7 @@ use glam::camera::lh::view::look_to_mat4;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::Impostors],
     parameters: IbrParams::table,
     ..MethodInfo::scene(
         "ibr",

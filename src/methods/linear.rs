@@ -1,7 +1,7 @@
 //! `linear`: every ray by a linear march (thesis §4.2.2), which `ssct` keeps for rays towards the camera,
 //! and a mirror lookup where it ends: the method has no gloss.
 
-use super::thesis::{self, MarchParams};
+use super::thesis::{self, FadeParams, MarchParams};
 use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
@@ -36,6 +36,8 @@ parameters! {
             .source("§4.2.2"),
         /// Parameters of the march.
         numbers: MarchParams,
+        /// Where reflections fade.
+        border: FadeParams,
     }
 }
 
@@ -43,6 +45,7 @@ struct LinearMethod {
     depth: HiZPass,
     trace: LinearTracePass,
     numbers: MarchParams,
+    border: FadeParams,
     fade: bool,
 }
 
@@ -53,6 +56,7 @@ impl LinearMethod {
             depth: HiZPass::depth_alone(gpu, extent)?,
             trace: LinearTracePass::new(gpu, extent, parameters.march, parameters.numbers.numbers(), making.hits)?,
             numbers: parameters.numbers,
+            border: parameters.border,
             fade: making.setup.effect().fade,
         })
     }
@@ -62,7 +66,8 @@ impl Method for LinearMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
-        let parameters = self.numbers.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade));
+        let block = thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade);
+        let parameters = self.border.fill(self.numbers.fill(block));
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;
         let intermediates =
             vec![Intermediate { name: "standard-depth", content: Content::StandardDepth, image: depth.0 }];

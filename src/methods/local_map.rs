@@ -3,10 +3,12 @@
 //! away. Maps and blending are those of `pccm`, so that the two differ by the correction of parallax and nothing else.
 
 use super::MethodInfo;
+use super::needs::Need;
 use super::pccm::PccmMethod;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::Probes],
     takes_orthographic: true,
     ..MethodInfo::scene(
         "local-map",

@@ -2,6 +2,7 @@
 //! the scene's probes by this renderer; two are used in a frame, blended in each pixel (section 6).
 
 use super::capture::{capture, captured_of};
+use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -12,6 +13,7 @@ use glam::Vec3;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::Probes],
     takes_orthographic: true,
     ..MethodInfo::scene(
         "pccm",

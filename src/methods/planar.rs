@@ -7,6 +7,7 @@
 //! mirrored camera sees nothing of is a miss. The stencil spares the drawing outside the mirror, not the
 //! vertices, and the lighting runs over the whole image either way.
 
+use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
@@ -22,6 +23,7 @@ use glam::Vec4;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
+    needs: &[Need::Planes],
     parameters: PlanarParams::table,
     ..MethodInfo::scene("planar", "mirrored camera for the largest planes", "Hermanns 2015, §3.1.2", |gpu, making| {
         Ok(Box::new(PlanarMethod::new(gpu, &making.setup)?))

@@ -2,6 +2,7 @@
 //! marches through the pre-filtered G-buffer. Ray trace and cone trace are one here, not two.
 
 use super::layers::LayerParams;
+use super::thesis::FadeParams;
 use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
@@ -52,6 +53,8 @@ parameters! {
             Parameter::new(0).author(3).within(0, 64).source("not printed: a miss; the author's program: three times"),
         /// With two layers of depth: what each measures in view depth. A ray that is farther behind it goes on.
         layer_thickness: f32 = Parameter::new(0.25).between(0.0, 1000.0).unit("m").source("as dda-thickness"),
+        /// Where reflections fade.
+        border: FadeParams,
         /// Layers of depth.
         layers: LayerParams,
     }
@@ -69,6 +72,7 @@ impl PosterMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
         let layers = p.layers.has_second();
+        let [fade_start, fade_end] = p.border.ends();
         let steps = MarchSteps {
             step_increase: p.march_increase,
             step_count: p.march_steps as i32,
@@ -83,9 +87,8 @@ impl PosterMethod {
             parameters: PosterBlock {
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,
-                // The thesis's Eq. 4.7 has these two numbers.
-                fade_start: 0.8,
-                fade_end: 1.0,
+                fade_start,
+                fade_end,
                 edge_retries: p.edge_retries as i32,
                 fade: i32::from(setup.effect().fade),
                 thickness: p.layer_thickness,

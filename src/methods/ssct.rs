@@ -1,7 +1,7 @@
 //! `ssct`: Hi-Z tracing, a linear march for rays towards the camera, and cone tracing (thesis ch. 4).
 //! `hzct` is the same without the march; both are [`ThesisMethod`].
 
-use super::thesis::{self, ConeParams, HiZParams, MarchParams};
+use super::thesis::{self, ConeParams, FadeParams, HiZParams, MarchParams};
 use super::{Input, Intermediate, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
@@ -39,6 +39,8 @@ parameters! {
         march: MarchParams,
         /// Parameters of the cone trace.
         cone: ConeParams,
+        /// Where reflections fade.
+        border: FadeParams,
         /// How the passes are made.
         drawn: ThesisDrawing,
     }
@@ -56,7 +58,7 @@ parameters! {
             Parameter::new(ChainMask::None).source("Hermanns 2015, ch. 6 and §4.3.2; not which mask"),
         /// Greatest difference of depths that the mask by surfaces takes for one surface, as a part of the lesser depth.
         chain_mask_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("this project"),
-        /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it; it costs time.
+        /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it.
         hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
         /// Trace rays and cones in two passes instead of one.
         split: bool = Parameter::new(false).source("§4.2.3: combined"),
@@ -65,7 +67,7 @@ parameters! {
 
 impl SsctParams {
     fn filling(self) -> Fill {
-        Box::new(move |block| self.cone.fill(self.march.fill(self.hi_z.fill(block))))
+        Box::new(move |block| self.border.fill(self.cone.fill(self.march.fill(self.hi_z.fill(block)))))
     }
 }
 

@@ -4,6 +4,7 @@
 //! ratio estimator). With many rays and without neighbours it is the average of several rays of thesis §3.1.5.
 
 use super::ssct::SsctParams;
+use super::thesis::FadeParams;
 use super::{Fallback, Input, Intermediate, Making, Method, MethodInfo, Traced, thesis, unified};
 use crate::error::Result;
 use crate::gpu::programs::{StochasticExact, StochasticThesis};
@@ -76,6 +77,8 @@ parameters! {
         stochastic_walk: StochasticWalk = Parameter::new(StochasticWalk::Exact)
             .sweep(Preset::Published, &[StochasticWalk::Thesis])
             .source("this project"),
+        /// Where reflections fade.
+        border: FadeParams,
     }
 }
 
@@ -151,6 +154,7 @@ impl Method for StochasticMethod {
         }
         let extent = gbuffer.depth.extent();
         let mut unified = unified::parameters(input.camera, extent, self.fade);
+        [unified.fade_start, unified.fade_end] = self.parameters.border.ends();
         unified.sky = i32::from(input.sky.is_some());
         let camera = capture_block(input.camera, None);
         let beyond = self.lost.beyond(frame, &camera, input.sky, false)?;
@@ -168,7 +172,7 @@ impl Method for StochasticMethod {
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
-                let block = of.march.fill(of.hi_z.fill(published));
+                let block = of.border.fill(of.march.fill(of.hi_z.fill(published)));
                 self.turns(frame, input, &unified, |frame, stochastic| {
                     trace.record(frame, gbuffer, (hi_z, &block), beyond, (&unified, stochastic))
                 })?;

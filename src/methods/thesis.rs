@@ -2,7 +2,8 @@
 //! and which is the author's. Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
 
 use crate::gpu::shader::ThesisBlock;
-use crate::parameter::{Parameter, Preset, choices, parameters};
+use crate::math::constants::{MIRROR_ALPHA, XI};
+use crate::parameter::{Parameter, Parameters, Preset, Values, choices, parameters};
 use crate::passes::MarchNumbers;
 use crate::scene::Camera;
 
@@ -65,7 +66,7 @@ choices! {
         /// project.
         Lobe = "lobe",
         /// The nearest to print that serves: Eq. 4.5 with an arc cosine and with the ends of its interpolation swapped, from
-        /// `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above 1000 (§4.2.8).
+        /// `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above `cone_mirror_alpha`.
         Interpolated = "interpolated",
     }
 }
@@ -81,6 +82,12 @@ parameters! {
         cone_alpha_min: f32 = Parameter::new(0.1).between(0.0, 1e4).source(UNPRINTED),
         /// The exponent of mirrors, where it is interpolated.
         cone_alpha_max: f32 = Parameter::new(1024.0).between(0.0, 1e4).source(UNPRINTED),
+        /// Share of the lobe that lies outside of the cone: ξ of Eq. 4.5. With another one, cones are wider (below 0.244) or
+        /// narrower for the same lobe, however the angle is found.
+        cone_xi: f32 = Parameter::new(XI as f32).between(0.001, 0.999).source("§4.2.8: 0.244"),
+        /// The exponent above which a cone is a mirror's and has no angle, where it is interpolated.
+        cone_mirror_alpha: f32 =
+            Parameter::new(MIRROR_ALPHA as f32).between(0.0, 1e6).source("§4.2.8: 1000 \"for instance\""),
         /// Circles of the cone.
         cone_samples: u32 = Parameter::new(7)
             .within(1, 64)
@@ -118,11 +125,40 @@ pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> Thes
         max_level: levels as i32 - 1,
         // Not printed: the author's.
         reflection_offset: camera.lens.near_m,
-        // Eq. 4.7.
-        fade_start: 0.8,
-        fade_end: 1.0,
         fade: i32::from(fade),
-        ..ThesisBlock::default()
+        ..FadeParams::default().fill(ThesisBlock::default())
+    }
+}
+
+parameters! {
+    /// Where reflections fade at the screen's border (thesis Eq. 4.7).
+    pub struct FadeParams {
+        /// Where the fade begins: the distance of a hit from the middle of the screen, of which 1 is half the screen's width,
+        /// and height (I_start of Eq. 4.7).
+        fade_start: f32 = Parameter::new(0.8).above(0.0, 2.0).unit("half screens").source("Hermanns 2015, §4.2.9: 0.8"),
+        /// Where the fade is complete (I_end of Eq. 4.7). An end that does not lie beyond the start makes a hard edge at
+        /// the start.
+        fade_end: f32 = Parameter::new(1.0).above(0.0, 2.0).unit("half screens").source("Hermanns 2015, Eq. 4.7"),
+    }
+}
+
+impl Default for FadeParams {
+    /// The published fade.
+    fn default() -> Self {
+        Self::of(&Values::default())
+    }
+}
+
+impl FadeParams {
+    /// Start and end of the fade. The end lies beyond the start, since Eq. 4.7 divides by what is between them.
+    pub fn ends(&self) -> [f32; 2] {
+        [self.fade_start, self.fade_end.max(self.fade_start + 1e-6)]
+    }
+
+    /// Fills in what the fade reads of the block.
+    pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
+        let [fade_start, fade_end] = self.ends();
+        ThesisBlock { fade_start, fade_end, ..block }
     }
 }
 
@@ -166,6 +202,8 @@ impl ConeParams {
             cone_interpolated: i32::from(self.cone_angle == ConeAngle::Interpolated),
             cone_alpha_min: self.cone_alpha_min,
             cone_alpha_max: self.cone_alpha_max,
+            cone_xi: self.cone_xi,
+            cone_mirror_alpha: self.cone_mirror_alpha,
             ..block
         }
     }

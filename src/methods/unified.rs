@@ -76,6 +76,7 @@
 mod beyond;
 
 use super::setup::{HistoryUse, StageChoice};
+use super::thesis::FadeParams;
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -168,6 +169,8 @@ parameters! {
         /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide). The image is the
         /// same.
         resolve_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
+        /// Where reflections fade.
+        border: FadeParams,
     }
 }
 
@@ -191,6 +194,8 @@ pub struct UnifiedMethod {
     /// Whether a history asks where rays ended.
     tells: bool,
     fade: bool,
+    /// Where reflections fade.
+    border: FadeParams,
     /// How far a pixel's point may lie beside the surface that it shows, in pixels.
     beside: f32,
 }
@@ -198,7 +203,7 @@ pub struct UnifiedMethod {
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let UnifiedParams { first, hit_color, trace_stage, resolve_stage } = making.setup.of();
+        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, border: _ } = making.setup.of();
         let screen = match (making.triangles, first) {
             (None, _) | (_, First::Screen) => true,
             (Some(_), First::Triangles) => false,
@@ -280,6 +285,7 @@ impl UnifiedMethod {
             reflection: reflection.then(|| image("reflection")).transpose()?,
             // Where the screen ends, rays go on.
             fade: effect.fade && !followed,
+            border: making.setup.of(),
             beside: beside(gpu.precision(), effect.divisor()),
         })
     }
@@ -334,6 +340,7 @@ impl Method for UnifiedMethod {
         let plan = Plan::new(gbuffer.reflectors);
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
+        [parameters.fade_start, parameters.fade_end] = self.border.ends();
         parameters.turn = input.rested as i32;
         parameters.sky = i32::from(input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
@@ -445,6 +452,7 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
     let side = extent.map(f64::from);
     // The image is shifted by z or by 1, whichever w is.
     let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
+    let [fade_start, fade_end] = FadeParams::default().ends();
     UnifiedBlock {
         view_to_clip: to_clip.map(|v| v as f32),
         pixel_to_clip: side.map(|n| (1.0 / n) as f32),
@@ -456,8 +464,8 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
         shift: [0, 1].map(|i| (side[i] * shift[i]) as f32),
         depth_origin: projection.w_axis.z as f32,
         reach: camera.reach_m(1.0) as f32,
-        fade_start: 0.8,
-        fade_end: 1.0,
+        fade_start,
+        fade_end,
         fade: i32::from(fade),
         ..UnifiedBlock::default()
     }

@@ -29,6 +29,7 @@ mod records;
 mod stochastic;
 mod stress;
 mod thesis;
+mod visible;
 mod world;
 
 use crate::common::repository;

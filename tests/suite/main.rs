@@ -49,6 +49,7 @@ mod library;
 mod many;
 mod mirror;
 mod moving;
+mod needs;
 mod oracle_rooms;
 mod orthographic;
 mod own_rays;

@@ -67,7 +67,7 @@ impl StudyOptions for AgeOptions {
         let sizes = if self.size.is_empty() { vec![[480, 270]] } else { self.size.clone() };
         let setup = self.common.method_options.setup(sizes[0]);
         let names = if self.method.is_empty() { vec![JUDGED.to_owned()] } else { self.method.clone() };
-        let methods = methods::choose(&names, &setup)?;
+        let methods = resolve::showing(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
         if setup.values.given().any(|name| name == "captures_per_frame") {
             let message = "age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
             return Err(Error::Usage(message.into()));

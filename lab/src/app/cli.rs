@@ -81,10 +81,11 @@ pub struct SceneOptions {
     /// Far plane in metres
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
-    /// Roughness of every material: 0 a mirror, 1 diffuse
+    /// Roughness of every material: 0 a mirror, 1 a broad lobe
     ///
-    /// Without it, materials keep their own, unless the command says otherwise. Commands that measure take several values,
-    /// with commas between them.
+    /// 0 is a mirror. The half angle of the lobe is half the roughness, so that 1 is a lobe of 28.6 degrees to each side, and not
+    /// a diffuse surface. Without it, materials keep their own, unless the command says otherwise. Commands that measure take
+    /// several values, with commas between them.
     #[arg(long, value_name = "R", value_delimiter = ',')]
     pub roughness: Vec<f32>,
     /// Factor on every material's reflectivity
@@ -165,7 +166,9 @@ pub struct RenderOptions {
     /// For --method reference: the standard error of the reflection at which sampling ends
     #[arg(long, value_name = "E", default_value_t = 0.003)]
     pub standard_error: f32,
-    /// For --method reference: rays a pixel at most.
+    /// For --method reference: rays a pixel at most
+    ///
+    /// Mirrors take at least 16, over the footprint of a pixel, however few are allowed.
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     pub max_rays: u32,
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.

@@ -89,7 +89,8 @@ impl StudyOptions for ErrorOptions {
         let with_views = |scene| views(&scene).map(|views| (scene, views));
         let scenes = scenes.into_iter().map(with_views).collect::<Result<Vec<_>>>()?;
         let lenses: Vec<_> = scenes.iter().flat_map(|(scene, views)| resolve::lenses(scene, views)).collect();
-        let variants = resolve::variants(&self.variants, &base, &lenses, !self.quick && !self.no_sweep)?;
+        let studied: Vec<&Scene> = scenes.iter().map(|(scene, _)| scene).collect();
+        let variants = resolve::variants(&self.variants, &base, (&studied, &lenses), !self.quick && !self.no_sweep)?;
         Ok(ErrorStudy::new(scenes, sizes, globals, variants, (self.samples, self.rays)))
     }
 }

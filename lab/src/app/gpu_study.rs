@@ -103,8 +103,9 @@ impl Plan {
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
-        // Without captures the method `captures` shows nothing.
-        let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
+        // Without captures the method `captures` shows nothing, and others without what they need of a scene.
+        let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
+        let plain: Vec<_> = METHODS.iter().filter(shows).collect();
         let plain = Variant::of(&plain, &setup).into_iter();
         let beyond = [among_triangles(&setup, First::Auto)].into_iter();
         let variants = plain.chain(beyond).chain(Variant::of(&[&unified::INFO, &captures::INFO], &captured)).collect();
@@ -236,7 +237,7 @@ fn findings(
         scene,
         view,
         globals: of_roughness(roughness),
-        methods: METHODS.iter().collect(),
+        methods: METHODS.iter().filter(|m| m.lacks(scene).is_empty()).collect(),
         setup: Setup::on_screen(KEPT_SIZE),
     });
     keep(gpu, &options.output.join(KEPT), &kept_specs)?;
@@ -320,7 +321,9 @@ fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
         opened => opened?,
     };
     for spec in specs {
-        agreement::images(&watched, spec, &agreement::draw(&watched, spec)?)?;
+        // What a method records is judged here, and not what it shows.
+        let spec = AgreementSpec { methods: METHODS.iter().collect(), ..spec.clone() };
+        agreement::images(&watched, &spec, &agreement::draw(&watched, &spec)?)?;
     }
     Ok(LayerMessages::Said(watched.violations().into_iter().map(|m| (m.id, m.text)).collect()))
 }

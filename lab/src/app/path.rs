@@ -50,7 +50,7 @@ impl StudyOptions for PathOptions {
         let sizes = if self.size.is_empty() { vec![[960, 540]] } else { self.size.clone() };
         let setup = self.common.method_options.setup(sizes[0]);
         scene.lens = resolve::lens(place, scene.lens)?;
-        let methods = resolve::methods(&self.method, &setup, &[scene.lens])?;
+        let methods = resolve::methods(&self.method, &setup, &scene, &[scene.lens])?;
         Ok(PathStudy {
             scene,
             path,

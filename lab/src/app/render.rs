@@ -32,6 +32,10 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
+    for need in method.lacks(&scene) {
+        let (method, need, scene) = (method.name, need.words(), super::printable(&scene.name));
+        eprintln!("ssct: warning: {method} reflects {need} alone, and scene {scene} has none: the reflection is black");
+    }
     let gpu = resolve::gpu(&common.device)?;
 
     let inside = options.dump.is_some() || options.figure.is_some();

@@ -4,6 +4,7 @@ use super::cli::{DeviceOptions, SceneOptions};
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
+use crate::methods::needs::Need;
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
 use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
@@ -200,10 +201,39 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     }
 }
 
-/// The methods of some names; without names, every method that can be set up so and that takes the cameras.
-pub fn methods(names: &[String], setup: &Setup, lenses: &[Lens]) -> Result<Vec<&'static MethodInfo>> {
+/// The methods of some names that find what they need in a scene; without names, every method that can be set up so and that
+/// takes the cameras.
+pub fn methods(names: &[String], setup: &Setup, scene: &Scene, lenses: &[Lens]) -> Result<Vec<&'static MethodInfo>> {
     let chosen = methods::choose(names, setup)?;
-    Ok(if names.is_empty() { taking(chosen, lenses) } else { chosen })
+    showing(if names.is_empty() { taking(chosen, lenses) } else { chosen }, |method| method, &[scene])
+}
+
+/// Leaves out what would show nothing in any of some scenes, since a method lacks what it needs there, and says of each scene
+/// what is left out. `method` is that of a piece.
+pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scenes: &[&Scene]) -> Result<Vec<T>> {
+    for scene in scenes {
+        let mut lacking: Vec<(Need, Vec<&str>)> = Vec::new();
+        for method in all.iter().map(&method) {
+            let Some(need) = method.lacks(scene).first().copied() else { continue };
+            match lacking.iter_mut().find(|(of, _)| *of == need) {
+                Some((_, names)) if names.contains(&method.name) => {}
+                Some((_, names)) => names.push(method.name),
+                None => lacking.push((need, vec![method.name])),
+            }
+        }
+        for (need, names) in lacking {
+            let (scene, need, names) = (&scene.name, need.words(), names.join(", "));
+            eprintln!("ssct: scene {scene} has no {need}; left out, as they would show nothing: {names}");
+        }
+    }
+    let shows = |piece: &T| scenes.iter().any(|scene| method(piece).lacks(scene).is_empty());
+    let kept: Vec<T> = all.into_iter().filter(shows).collect();
+    if kept.is_empty() {
+        let scenes: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+        let message = format!("no method is left that would show anything in {}", scenes.join(", "));
+        return Err(Error::Usage(message));
+    }
+    Ok(kept)
 }
 
 /// Leaves out of a default list the methods that do not take every camera, and says so.
@@ -223,13 +253,21 @@ pub fn lenses<'a>(scene: &Scene, views: impl IntoIterator<Item = &'a View>) -> V
     views.into_iter().map(|view| view.lens.unwrap_or(scene.lens)).collect()
 }
 
-/// What is compared: the variants that flags name, or those of a sweep, or each method as the base sets it up. Where no
-/// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
-pub fn variants(options: &VariantOptions, base: &Setup, lenses: &[Lens], swept: bool) -> Result<Vec<Variant>> {
+/// What is compared in some scenes: the variants that flags name, or those of a sweep, or each method as the base sets it up.
+/// Where no flag says which, `swept` says whether it is the sweep of both presets and their parameters.
+pub fn variants(
+    options: &VariantOptions,
+    base: &Setup,
+    (scenes, lenses): (&[&Scene], &[Lens]),
+    swept: bool,
+) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
-        return options.variant.iter().map(|typed| typed.over(base)).collect();
+        let typed = options.variant.iter().map(|typed| typed.over(base)).collect::<Result<_>>()?;
+        return showing(typed, |variant: &Variant| variant.method, scenes);
     }
-    let methods = methods(&options.method, base, lenses)?;
+    let chosen = methods::choose(&options.method, base)?;
+    let chosen = if options.method.is_empty() { taking(chosen, lenses) } else { chosen };
+    let methods = showing(chosen, |method| method, scenes)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
     Ok(if options.captures_sweep {
         let of = |method: &&'static MethodInfo| match method.takes_captures {

@@ -98,10 +98,15 @@ impl Plan {
         parts.extend(pictures);
         let timed = scenes.iter().take(self.timed_scenes).flat_map(|s| self.shown(s).map(move |v| (s, v)));
         parts.extend(timed.map(|(scene, view)| {
-            Part::Times(self.time(gpu, scene, view, &self.methods, vec![self.size], vec![GLOSSY]))
+            Part::Times(self.time(gpu, scene, view, &self.methods_in(scene), vec![self.size], vec![GLOSSY]))
         }));
         parts.extend(scenes.first().map(Part::OtherDevices));
         Ok(parts)
+    }
+
+    /// The methods that find what they need in a scene.
+    fn methods_in(&self, scene: &Scene) -> Vec<&'static MethodInfo> {
+        self.methods.iter().copied().filter(|method| method.lacks(scene).is_empty()).collect()
     }
 
     /// The views of a scene that are shown.
@@ -177,7 +182,7 @@ impl Part<'_> {
     fn steps(&self, plan: &Plan) -> usize {
         match self {
             // Each method, unified on the screen alone, and the truth.
-            Self::Pictures(..) => plan.methods.len() + 2,
+            Self::Pictures(scene, _) => plan.methods_in(scene).len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
             Self::Errors(errors) => errors.1.owned(),
             Self::Figures(_) | Self::OtherDevices(_) => 1,
@@ -212,6 +217,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
+    // It says which methods are left out of which scene.
+    resolve::showing(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
     let parts = plan.parts(&gpu, &scenes)?;
     let study = Study {
         gpu: &gpu,
@@ -277,7 +284,8 @@ impl<'a> Study<'a> {
         let (folder, step) = (self.pictures.path(), &mut || progress::step(&self.bar));
         match part {
             Part::Pictures(scene, view) => {
-                let shown = Shown { scene, view, size: self.plan.size, methods: &self.plan.methods };
+                let methods = self.plan.methods_in(scene);
+                let shown = Shown { scene, view, size: self.plan.size, methods: &methods };
                 let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
                 made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
@@ -357,7 +365,7 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
     let others = other_devices::others(gpu, validation)?;
     for roughness in QUICK_ROUGHNESS.into_iter().filter(|_| !others.is_empty()) {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-        let (methods, setup) = (plan.methods.clone(), Setup::new(QUICK_SIZE));
+        let (methods, setup) = (plan.methods_in(scene), Setup::new(QUICK_SIZE));
         let spec = AgreementSpec { scene, view: scene.view("corridor")?, globals, methods, setup };
         records.extend(other_devices::compare(gpu, &others, &spec)?);
     }
@@ -399,8 +407,9 @@ fn error_settings(plan: &Plan) -> String {
     let [width, height] = QUICK_SIZE;
     format!(
         "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
-         one (0.1); references of {} rays a pixel, medians of {} frames. Errors are of the reflection colour before fade \
-         and reflectivity. Black is where nothing is found: billboard, for one, shows impostors alone. In a FLIP \
+         one (0.1); references of {} rays a pixel, medians of {} frames. Left out are methods of which the rooms lack what \
+         they need, as billboard needs impostors. Errors are of the reflection colour before fade \
+         and reflectivity. Black is where nothing is found. In a FLIP \
          map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the \
          tables) is beaten by none in both time and error.",
         plan.rays, plan.samples

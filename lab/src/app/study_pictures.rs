@@ -148,8 +148,12 @@ pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Galler
             let flip = flip_file(&stem, name);
             [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
         };
+        let is_there = |m: &&MethodInfo| {
+            let of_cell = |r: &&ErrorRecord| (&r.head.scene, &r.head.view) == (&h.scene, &h.view);
+            records.iter().filter(of_cell).any(|r| r.head.method == m.name)
+        };
         let (screen, more): (Vec<&MethodInfo>, Vec<&MethodInfo>) =
-            methods.iter().copied().partition(|m| m.is_screen_space());
+            methods.iter().copied().filter(is_there).partition(|m| m.is_screen_space());
         let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
             title: title.to_owned(),
             reference,

@@ -115,14 +115,20 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let view = resolve::view(&scene, &common.place, is_table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if is_table => table_5_8::methods(),
-        names => resolve::methods(names, &common.method_options.setup([1, 1]), &resolve::lenses(&scene, [&view]))?,
+        names => {
+            let lenses = resolve::lenses(&scene, [&view]);
+            resolve::methods(names, &common.method_options.setup([1, 1]), &scene, &lenses)?
+        }
     };
     let globals = if is_table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, is_table)?;
     let base = common.method_options.setup(sizes[0]);
     let variants = match &options.variant[..] {
         [] => Variant::of(&methods, &base),
-        typed => typed.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?,
+        typed => {
+            let typed = typed.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?;
+            resolve::showing(typed, |variant: &Variant| variant.method, &[&scene])?
+        }
     };
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }

@@ -88,7 +88,7 @@ impl StudyOptions for VideoOptions {
             Way::Path(_) => vec![scene.lens],
             Way::Walk(view) | Way::Turn(view) | Way::Stop(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
         };
-        let variants = resolve::variants(&self.variants, &base, &lenses, false)?;
+        let variants = resolve::variants(&self.variants, &base, (&[&scene], &lenses), false)?;
         resolve::meshes(&scene, "--moving", &self.moving)?;
         resolve::meshes(&scene, "--held", &self.held)?;
         let play =

@@ -1,31 +1,31 @@
 //! Single numbers of the table that holds the documents' claims against measurements.
 
 use super::captions;
-use super::figures::{Result, csv, figures, greatest, json, least, mean, median, number, percent, ratio};
+use super::figures::{
+    Result, csv, figures, greatest, json, least, mean, median, median_and_range, number, percent, ratio,
+};
 use super::records::plain_errors;
 use super::thesis;
 use std::path::{Path, PathBuf};
 
-/// Median over the views of what a method has over what another has.
-fn over(of: &[f64], other: &[f64]) -> Result<String> {
-    if of.len() != other.len() {
-        return Err(format!("{} values beside {}", of.len(), other.len()));
+/// What a method has over what another has, of each view.
+fn ratios(own: &[f64], other: &[f64]) -> Result<Vec<f64>> {
+    if own.len() != other.len() {
+        return Err(format!("{} values beside {}", own.len(), other.len()));
     }
-    median(&of.iter().zip(other).map(|(a, b)| a / b).collect::<Vec<_>>()).map(ratio)
+    Ok(own.iter().zip(other).map(|(a, b)| a / b).collect())
 }
 
-/// The time of a method over another's at a roughness.
+/// Median over the views of what a method has over what another has.
+fn over(own: &[f64], other: &[f64]) -> Result<String> {
+    median(&ratios(own, other)?).map(ratio)
+}
+
+/// The time of a method over another's at a roughness, on the same frames: median over the views, and the least and the greatest.
 pub fn time(folder: &Path, [method, other, roughness]: [&str; 3]) -> Result<String> {
     let records = plain_errors(folder)?;
     let times = |method: &str| figures(&records, method, "world", roughness, "time_ms");
-    over(&times(method), &times(other))
-}
-
-/// The time of a method at a roughness over its own at another.
-pub fn larger(folder: &Path, [method, roughness, from]: [&str; 3]) -> Result<String> {
-    let records = plain_errors(folder)?;
-    let times = |roughness: &str| figures(&records, method, "world", roughness, "time_ms");
-    over(&times(roughness), &times(from))
+    median_and_range(&ratios(&times(method), &times(other))?)
 }
 
 /// A figure of a method under small motions of the camera, `ratio` or `deviation`: median over the views and motions.
@@ -73,6 +73,34 @@ pub fn table_5_8(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String
         _ => return Err(format!("table 5.8 has no {method}")),
     };
     range(thesis::rows_5_8(folder)?.iter().filter(|r| r[1] == roughness).map(|r| r[column].as_str()))
+}
+
+/// A method's time over SSCT's in table 5.8 at a size, as measured here.
+pub fn table_5_8_at(folder: &Path, [method, roughness, size]: [&str; 3]) -> Result<String> {
+    let column = match method {
+        "hzct" => 9,
+        "sslr" => 11,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    let rows = thesis::rows_5_8(folder)?;
+    let row = rows.iter().find(|r| r[0] == size.replace('x', "×") && r[1] == roughness);
+    Ok(row.ok_or(format!("no {size} at {roughness}"))?[column].clone())
+}
+
+/// A method's time at the greatest size of table 5.8 over that at the least one, which has 6.75 times fewer pixels.
+pub fn pixels(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String> {
+    let column = match method {
+        "ssct" => 3,
+        "hzct" => 5,
+        "sslr" => 7,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    let rows = thesis::rows_5_8(folder)?;
+    let time = |size: &str| -> Result<f64> {
+        let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
+        row[column].parse().map_err(|e| format!("{e}"))
+    };
+    Ok(ratio(time("1920×1080")? / time("640×480")?))
 }
 
 /// Times at roughness 0.1 over those of mirrors in table 5.8, as measured here.

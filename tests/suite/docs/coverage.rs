@@ -1,11 +1,14 @@
 //! The page that says where everything of the three documents is (`docs/coverage.md`): nothing that the documents
 //! number is left out, and every method, option, command, figure and erratum that the page names exists.
 
+use super::errata::kinds;
+use super::figures::Result;
 use super::root;
 use crate::common::folder::Folder;
 use ssct::methods::{METHODS, parameters};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::path::Path;
 
 /// A row of a document's table.
 struct Row {
@@ -36,7 +39,8 @@ const SCHMIDT: Numbered = &[
     ("section", &[("5.2.", 1, 2), ("5.3.", 1, 2), ("5.4.", 1, 2)]),
 ];
 
-const STATES: [&str; 6] = ["faithful", "stand-in: ", "erratum: ", "measured outlook: ", "missing", "background"];
+const STATES: [&str; 7] =
+    ["faithful", "stand-in: ", "erratum: ", "departure: ", "measured outlook: ", "missing", "background"];
 
 /// The rows of each document, in the page's order.
 fn documents() -> Vec<Vec<Row>> {
@@ -116,7 +120,7 @@ fn every_row_says_where_it_is_and_its_erratum_exists() {
         let Row { place, here, state } = row;
         assert!(STATES.iter().any(|s| state.starts_with(s)), "{place}: {state} is no state");
         assert_eq!(state.starts_with("missing"), here == "–" && state != "background", "{place}: {here}, {state}");
-        if state.starts_with("erratum: ") || state.starts_with("measured outlook: ") {
+        if ["erratum: ", "departure: ", "measured outlook: "].iter().any(|word| state.starts_with(word)) {
             assert!(state.contains("]("), "{place}: {state} leads nowhere");
         }
         for link in state.split('[').skip(1) {
@@ -130,6 +134,45 @@ fn every_row_says_where_it_is_and_its_erratum_exists() {
         }
     }
     assert!(errata > 40, "only {errata} errata");
+}
+
+/// The rows of the page whose state has a word.
+pub fn rows(page: &Path, word: &str) -> Result<String> {
+    let text = fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display()))?;
+    let states = text.lines().filter(|l| l.starts_with("| ")).filter_map(|l| l.trim_matches('|').split(" | ").last());
+    match states.filter(|state| state.contains(&format!("{word}: "))).count() {
+        0 => Err(format!("no row is called {word}")),
+        n => Ok(n.to_string()),
+    }
+}
+
+/// The part of a state that follows a word: the links of `erratum` in `erratum: [a](b); departure: [c](d)`.
+fn linked<'a>(state: &'a str, word: &str) -> Vec<(&'a str, &'a str)> {
+    let parts = state.split("; ").filter_map(|part| part.strip_prefix(&format!("{word}: ")[..]));
+    let links = parts.flat_map(|part| part.split('[').skip(1)).filter_map(|link| link.split_once("]("));
+    links.map(|(words, target)| (words, target.split(')').next().unwrap())).collect()
+}
+
+#[test]
+fn an_erratum_and_a_departure_are_called_what_their_page_calls_them() {
+    let words = ["erratum", "departure"];
+    let mut found = BTreeMap::<&str, usize>::new();
+    for Row { place, state, .. } in documents().into_iter().flatten() {
+        let of_words: Vec<_> =
+            words.iter().flat_map(|word| linked(&state, word).into_iter().map(move |link| (*word, link))).collect();
+        for (word, (name, target)) in &of_words {
+            let page = fs::read_to_string(root().join("docs").join(target)).unwrap();
+            let there: BTreeSet<String> =
+                kinds(&page).into_iter().filter(|(place, _)| place == name).map(|(_, kind)| kind).collect();
+            assert!(there.contains(*word), "{place}: {target}, {name:?}, is {there:?} and no {word}");
+            for kind in &there {
+                let is_said = of_words.iter().any(|(word, link)| word == kind && *link == (*name, *target));
+                assert!(is_said, "{place}: {target}, {name:?}, is {there:?}, and the row says {word} alone");
+            }
+            *found.entry(*word).or_default() += 1;
+        }
+    }
+    assert!(found.values().all(|n| *n > 15) && found.len() == 2, "{found:?}");
 }
 
 /// The scenes that `ssct figures` draws each figure in, by the figure's number and by its name with the document's.

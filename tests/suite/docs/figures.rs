@@ -1,6 +1,7 @@
 //! How records are read, and how their figures are put together and written.
 
 use serde_json::Value;
+use ssct_lab::study::record::DEFINITIONS;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -14,12 +15,30 @@ pub type Row = BTreeMap<String, String>;
 /// Roughness values of the studies, as their CSV files write them.
 pub const ROUGHNESS: [&str; 5] = ["0.0", "0.05", "0.1", "0.3", "0.6"];
 
+/// The first day of records whose images are held against today's references. Before it, the rays of a reference left the centre
+/// of a pixel, and records of JSON say `"definitions": 1`.
+const FIRST_DAY: &str = "2026-11-23";
+
+/// Whether a path lies in a folder of runs of a day before the first one.
+pub fn is_before_today(path: &Path) -> bool {
+    let runs = path.components().skip_while(|c| c.as_os_str() != "runs").nth(1);
+    let day = runs.and_then(|c| c.as_os_str().to_str()?.get(..FIRST_DAY.len()).map(str::to_owned));
+    day.is_some_and(|day| day.as_str() < FIRST_DAY)
+}
+
+/// Refuses errors of images against the older references.
+pub fn of_todays_references(path: &Path, judges_images: bool, definitions: impl Iterator<Item = u64>) -> Result<()> {
+    let older = definitions.min().map_or(judges_images && is_before_today(path), |d| d < u64::from(DEFINITIONS));
+    if older { Err(format!("{} is against the older references", path.display())) } else { Ok(()) }
+}
+
 /// Rows of a CSV file; lines that begin with # are comments.
 pub fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
     let path = folder.join(file);
     let at = |e: csv::Error| format!("{}: {e}", path.display());
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(at)?;
     let head = reader.headers().map_err(at)?.clone();
+    of_todays_references(&path, head.iter().any(|name| name == "against"), std::iter::empty())?;
     let row =
         |record: csv::StringRecord| head.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
     reader.records().map(|r| r.map(row).map_err(at)).collect()
@@ -28,7 +47,9 @@ pub fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
 pub fn json(folder: &Path, file: &str) -> Result<Vec<Value>> {
     let path = folder.join(file);
     let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+    let records: Vec<Value> = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    of_todays_references(&path, false, records.iter().filter_map(|r| r["definitions"].as_u64()))?;
+    Ok(records)
 }
 
 pub fn text(folder: &Path, file: &str) -> Result<String> {

@@ -196,7 +196,7 @@ fn section(item: &str, folder: &str, shaders: &[(String, Vec<(String, Step)>)], 
     }
     let rows = errata(page, item);
     if !rows.is_empty() && folder == "thesis" {
-        text += &format!("| printed | here | effect |\n|---|---|---|\n{}\n", rows.concat());
+        text += &format!("| kind | printed | here | effect |\n|---|---|---|---|\n{}\n", rows.concat());
     }
     text
 }

@@ -5,8 +5,8 @@ use super::figures::{
     median_and_range, number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, complaints, dda, embedding, ends, errata, films, follow, gpu, large_gltf, layers,
-    measured, motion, outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, complaints, coverage, dda, embedding, ends, errata, films, follow, gpu,
+    large_gltf, layers, measured, motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,11 +23,14 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["slowest", method] => slowest(first, method)?,
         ["least-agreement"] => least_agreement(first)?,
         ["versions"] => versions(folders)?,
+        ["version-error", roughness] => median_and_range(&version_errors(first, roughness)?)?,
         ["beyond", roughness] => beyond::beyond(folders, roughness)?,
         ["search"] => thesis::search(first)?,
         ["cone-angle"] => thesis::cone_angle(first)?,
         ["unneeded"] => thesis::unneeded(first)?,
         ["erratum", variant] => errata::erratum(first, variant)?,
+        ["rows", kind] => errata::rows(first, kind)?,
+        ["coverage-rows", word] => coverage::rows(first, word)?,
         ["times-beyond"] => beyond::times_beyond(folders)?,
         ["gain"] => beyond::gain(folders)?,
         ["fallbacks"] => beyond::fallbacks(folders)?,
@@ -47,7 +50,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["motion-rays"] => motion::by_rays(folders)?,
         ["capture-sides"] => follow::sides(first)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
-        ["methods"] => methods(first)?,
+        ["methods"] => methods(folders)?,
         ["by-roughness"] => by_roughness(first)?,
         ["hits"] => hits(first)?,
         ["better-than", method] => better_than(first, method)?,
@@ -66,8 +69,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["claim-hits", share, method] => claims::hits(first, [share, method])?,
         ["claim-caption", figure] => claims::caption(first, figure)?,
         ["claim-5.8", method, roughness] => claims::table_5_8(first, [method, roughness])?,
+        ["claim-5.8-at", method, roughness, size] => claims::table_5_8_at(first, [method, roughness, size])?,
+        ["claim-pixels", method, roughness] => claims::pixels(first, [method, roughness])?,
         ["claim-rougher", method] => claims::rougher(first, method)?,
-        ["claim-larger", method, roughness, from] => claims::larger(first, [method, roughness, from])?,
         ["claim-motion", field, method, roughness] => claims::motion(first, [field, method, roughness])?,
         ["claim-scaling", method, size] => claims::scaling(first, [method, size])?,
         ["schmidt-scenes"] => captions::scenes()?,
@@ -239,19 +243,27 @@ fn least_agreement(folder: &Path) -> Result<String> {
     Ok(format!("{:.4} %", (1e6 * least(&agreement)).floor() / 1e4))
 }
 
-/// `unified` by version 2 of the oracle over version 1: times (over `ssct`'s, medians) and the error against the world.
+/// The error of `unified` against the world by version 2 of the oracle over that by version 1, of each view at a roughness.
+fn version_errors(folder: &Path, roughness: &str) -> Result<Vec<f64>> {
+    let rows = csv(folder, "errors.csv")?;
+    let find = |row: &Row, oracle: &str| {
+        let is_it = |r: &&Row| r["oracle"] == oracle && cell(r) == cell(row);
+        rows.iter().find(is_it).ok_or(format!("no version {oracle} of {:?}", cell(row)))
+    };
+    let first = rows.iter().filter(|r| r["oracle"] == "1" && shortest(&r["roughness"]) == shortest(roughness));
+    first.map(|row| Ok(number(find(row, "2")?, "rmse")? / number(row, "rmse")?)).collect()
+}
+
+/// `unified` by version 2 of the oracle over version 1: times (over `ssct`'s, medians) of the first two folders, and the error
+/// against the world of the third.
 fn versions(folders: &[PathBuf]) -> Result<String> {
-    let [first, second] = folders else { return Err("the records of two versions are compared".to_owned()) };
-    let (one, two) = (bars_errors(first)?, bars_errors(second)?);
+    let [first, second, judged] = folders else { return Err("times of two versions, and errors of both".to_owned()) };
     let row = |roughness: &&str| {
         let time = |size| {
             let over = |folder| median(&times_over(folder, size, roughness, "ssct")?);
             Ok::<_, String>(ratio(over(second)? / over(first)?))
         };
-        let world = ("unified".to_owned(), "world".to_owned());
-        let cells = one.iter().filter(|((.., r), _)| r == roughness);
-        let error =
-            cells.filter_map(|(cell, e)| Some(two.get(cell)?.get(&world)? / e.get(&world)?)).collect::<Vec<_>>();
+        let error = version_errors(judged, roughness)?;
         Ok(vec![shortest(roughness), time("960x540")?, time("641x479")?, median_and_range(&error)?])
     };
     let head = ["roughness", "time, 960×540", "time, 641×479", "error against the world"];
@@ -294,19 +306,22 @@ fn names(records: &[Value], field: &str) -> Vec<String> {
     all.filter(|n| seen.insert((*n).to_owned())).map(str::to_owned).collect()
 }
 
-fn methods(folder: &Path) -> Result<String> {
-    let records = plain_errors(folder)?;
-    let time = |method: &str| -> Vec<f64> {
+/// Every method of some folders. Its time is over that of `ssct` on the same frames: median over the cells, and the least and the
+/// greatest of them.
+fn methods(folders: &[PathBuf]) -> Result<String> {
+    let records = folders.iter().map(|folder| plain_errors(folder)).collect::<Result<Vec<_>>>()?.concat();
+    let cell = |r: &Value| [&r["scene"], &r["view"], &r["roughness"]].map(ToString::to_string);
+    let timed = |method: &str| -> Vec<(_, f64)> {
         let timed = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
-        timed.filter_map(|r| r["time_ms"].as_f64()).collect()
+        timed.filter_map(|r| Some((cell(r), r["time_ms"].as_f64()?))).collect()
     };
-    let ssct = median(&time("ssct"))?;
+    let ssct: BTreeMap<_, f64> = timed("ssct").into_iter().collect();
     let mut rows = Vec::new();
     for method in names(&records, "method") {
-        let Ok(ms) = median(&time(&method)) else { continue };
+        let over: Vec<f64> = timed(&method).iter().filter_map(|(cell, ms)| Some(ms / ssct.get(cell)?)).collect();
+        let Ok(time) = median_and_range(&over) else { continue };
         let agreement = mean(&figures(&records, &method, "oracle", "0", "hit_agreement"));
-        let mut row =
-            vec![format!("`{method}`"), ratio(ms / ssct), agreement.map_or("–".to_owned(), |a| percent(a, 1))];
+        let mut row = vec![format!("`{method}`"), time, agreement.map_or("–".to_owned(), |a| percent(a, 1))];
         for against in ["screen", "world"] {
             row.extend(["0", "0.1"].map(|r| rmse(&records, &method, against, r, 3)));
         }

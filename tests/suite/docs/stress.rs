@@ -1,13 +1,18 @@
 //! Tables and numbers of the stress study.
 
 use super::figures::{Result, Row, csv, grouped, number, percent, table};
+use super::visible::{lacks, scene_of};
 use std::path::Path;
 
-/// Cases of the stress suite by method, in the order of the records.
+/// Cases of the stress suite by method, in the order of the records. Where a method lacks what it needs in the scene of a case, it
+/// passed by showing nothing, which is no case.
 fn rows_of(folder: &Path) -> Result<Vec<(String, Vec<Row>)>> {
     let mut methods: Vec<(String, Vec<Row>)> = Vec::new();
     for row in csv(folder, "stress.csv")? {
         let name = row["method"].clone();
+        if scene_of(None, Some(&row["case"])).is_some_and(|scene| lacks(scene, &name)) {
+            continue;
+        }
         match methods.iter_mut().find(|(m, _)| *m == name) {
             Some((_, rows)) => rows.push(row),
             None => methods.push((name, vec![row])),

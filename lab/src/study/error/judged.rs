@@ -31,12 +31,24 @@ measured_columns! {
             masked_relative_mse(&image.reference.color, image.color, &image.truth.mask),
         /// Mean FLIP of the display image of the reflection colour.
         pub flip: Option<f64> = figure("") => Some(image.flip()),
+        /// Share of the reflecting pixels in which the reflection is black. In an image of black alone there is nothing to judge.
+        pub black: Option<f64> = figure("") => image.black(),
         /// What the reference itself is expected to err by, as an RMSE.
         pub standard_error: Option<f64> = figure("") => Some(image.reference.standard_error),
     }
 }
 
 impl JudgedImage<'_> {
+    fn black(&self) -> Option<f64> {
+        let reflecting = self.color.iter().zip(&self.truth.mask).filter(|(_, reflects)| **reflects);
+        let (mut pixels, mut black) = (0.0, 0.0);
+        for (color, _) in reflecting {
+            pixels += 1.0;
+            black += f64::from(u8::from(*color == [0.0; 3]));
+        }
+        (pixels > 0.0).then(|| black / pixels)
+    }
+
     fn flip(&self) -> f64 {
         let (width, height) = (self.truth.data.width, self.truth.data.height);
         FlipMap::new(&self.reference.display, &display(self.color), width, height).mean()

@@ -11,14 +11,21 @@ use serde_json::json;
 
 /// Each view at each size with each of the global factors.
 pub struct ErrorStudy {
-    /// Scenes, each with its views and its digest.
-    scenes: Vec<(Scene, Vec<View>, String)>,
+    scenes: Vec<StudiedScene>,
     sizes: Vec<[u32; 2]>,
     globals: Vec<Globals>,
-    variants: Vec<Variant>,
     samples: usize,
     rays: u32,
     stage: Last<usize, Stage>,
+}
+
+/// A scene of the study.
+struct StudiedScene {
+    scene: Scene,
+    views: Vec<View>,
+    digest: String,
+    /// The variants whose methods find what they need in the scene.
+    variants: Vec<Variant>,
 }
 
 /// A cell: the numbers of its scene and of the view there, the size, and the factors.
@@ -26,7 +33,7 @@ pub type ErrorCell = (usize, usize, [u32; 2], Globals);
 
 impl ErrorStudy {
     /// The study of some scenes with their views, of some variants, with so many timed frames of each, at least one, and
-    /// so many rays a pixel of the references, at least two.
+    /// so many rays a pixel of the references, at least two. In a scene that lacks what a method needs, the method is left out.
     pub fn new(
         scenes: Vec<(Scene, Vec<View>)>,
         sizes: Vec<[u32; 2]>,
@@ -34,22 +41,22 @@ impl ErrorStudy {
         variants: Vec<Variant>,
         (samples, rays): (usize, u32),
     ) -> Self {
-        let digested = |(scene, views): (Scene, Vec<View>)| {
-            let digest = scene_digest(&scene);
-            (scene, views, digest)
+        let studied = |(scene, views): (Scene, Vec<View>)| {
+            let variants = variants.iter().filter(|v| v.method.lacks(&scene).is_empty()).cloned().collect();
+            StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
-        let scenes = scenes.into_iter().map(digested).collect();
-        Self { scenes, sizes, globals, variants, samples, rays, stage: Last::default() }
+        let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
+        Self { scenes, sizes, globals, samples, rays, stage: Last::default() }
     }
 
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
-        let (scene, views, digest) = &self.scenes[scene];
+        let StudiedScene { scene, views, digest, variants } = &self.scenes[scene];
         ErrorSpec {
             scene,
             view: &views[view],
             extent,
             globals,
-            variants: &self.variants,
+            variants,
             warmup: 1,
             samples: self.samples,
             rays: self.rays,
@@ -58,7 +65,7 @@ impl ErrorStudy {
     }
 
     fn name(&self, &(scene, view, extent, globals): &ErrorCell) -> String {
-        let (scene, views, _) = &self.scenes[scene];
+        let StudiedScene { scene, views, .. } = &self.scenes[scene];
         cell_name(&scene.name, &views[view].name, extent, globals.roughness)
     }
 }
@@ -68,13 +75,13 @@ impl Study for ErrorStudy {
     type Row = ErrorRecord;
 
     fn scenes(&self) -> Vec<&Scene> {
-        self.scenes.iter().map(|(scene, ..)| scene).collect()
+        self.scenes.iter().map(|studied| &studied.scene).collect()
     }
 
     fn cells(&self) -> Vec<Planned<ErrorCell>> {
         let mut cells = Vec::new();
-        for (n, (_, views, _)) in self.scenes.iter().enumerate() {
-            for view in 0..views.len() {
+        for (n, studied) in self.scenes.iter().enumerate() {
+            for view in 0..studied.views.len() {
                 for &size in &self.sizes {
                     cells.extend(self.globals.iter().map(|globals| (n, view, size, *globals)));
                 }

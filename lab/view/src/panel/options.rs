@@ -1,13 +1,20 @@
 //! A method and every parameter that it reads, as rows that are made from the parameters' tables.
 
 use super::shared::{dot, heading};
-use crate::methods;
+use crate::methods::{self, MethodInfo};
 use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
 use crate::state::{Side, State};
 use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
 
 /// What marks a value that is the published one.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
+
+/// What a method does, where it is published, and what it needs of a scene.
+fn about(info: &MethodInfo, between: &str) -> String {
+    let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
+    let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };
+    format!("{}{between}{}{needs}", info.summary, info.source)
+}
 
 /// A side: its method, and the rows of it.
 pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
@@ -18,7 +25,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         let method = state.sides[index].method;
         ComboBox::from_id_salt("method").width(140.0).selected_text(method.name).show_ui(ui, |ui| {
             for info in methods::all() {
-                let about = format!("{}\n{}", info.summary, info.source);
+                let about = about(info, "\n");
                 if ui.selectable_label(info.name == method.name, info.name).on_hover_text(about).clicked() {
                     chosen = Some(info);
                 }
@@ -27,7 +34,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         if let Some(info) = chosen {
             state.choose(index, info);
         }
-        ui.label(RichText::new(format!("{} ({})", method.summary, method.source)).weak().small());
+        ui.label(RichText::new(about(method, "; ")).weak().small());
         let side = &mut state.sides[index];
         let rows = side.method.reads();
         Grid::new("options").num_columns(3).show(ui, |ui| {

@@ -114,7 +114,7 @@ pub const PLATES: &[Plate] = &[
         title: "missing occlusion",
         print: "A billboard's reflection on the street that the parked car should block.",
         differs: "The generated street. Beside it, what this program adds as an option: a billboard is hidden by what the \
-                  depth buffer shows; and below, the ground truth.",
+                  depth buffer shows; and below, the ground truth, 16 rays a pixel.",
         prints: None,
         size: QHD,
         panels: &[
@@ -123,7 +123,7 @@ pub const PLATES: &[Plate] = &[
                 "right: with a test against the depth buffer",
                 "--scene street --view car --method billboard --roughness 0 --billboard-occlusion depth",
             ),
-            ("below: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
+            ("below: world reference", "--scene street --view car --method reference --max-rays 16 --roughness 0"),
         ],
         make: draw::beside,
     },
@@ -133,11 +133,12 @@ pub const PLATES: &[Plate] = &[
         title: "screen-space reflections beside a ray traced image",
         print: "Left: ray traced off line with Mental Ray, about 10 minutes. Right: the optimised march with normal mapping, \
                 about 20 frames a second at 1000 × 1000.",
-        differs: "The ray traced image is this program's world reference, one ray a pixel, as the march knows mirrors only.",
+        differs: "The ray traced image is this program's world reference, 16 rays a pixel, of mirrors, as the march knows no \
+                  other surfaces.",
         prints: None,
         size: Size::Print([1000, 1000]),
         panels: &[
-            ("left: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
+            ("left: world reference", "--scene street --view car --method reference --max-rays 16 --roughness 0"),
             ("right: ssr-fast", "--scene street --view car --method ssr-fast --roughness 0"),
         ],
         make: draw::beside,

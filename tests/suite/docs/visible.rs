@@ -1,0 +1,188 @@
+//! Nothing is judged where it cannot be seen: no verdict and no row of a table is of a method whose reflection is black
+//! everywhere in the records that are quoted for it. And no record against the older references is quoted.
+
+use super::figures::{is_before_today, of_todays_references};
+use super::{definitions, outside_code, pages, records, root};
+use serde_json::{Map, Value};
+use ssct::methods::{METHODS, MethodInfo};
+use ssct_lab::scene::library;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// Files of records in a folder and below it, or the one file.
+fn files(path: &Path) -> Vec<PathBuf> {
+    if !path.is_dir() {
+        return vec![path.to_owned()];
+    }
+    let entries = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|entry| files(&entry)).collect()
+}
+
+/// The objects of a file of records, or the rows of a CSV file; nothing of any other file.
+fn rows(path: &Path) -> Vec<Map<String, Value>> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("json") => {
+            let text = fs::read_to_string(path).unwrap();
+            let all: Vec<Value> = serde_json::from_str(&text).unwrap_or_default();
+            all.into_iter().filter_map(|r| if let Value::Object(row) = r { Some(row) } else { None }).collect()
+        }
+        Some("csv") => {
+            let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+            let head = reader.headers().unwrap().clone();
+            let row = |record: csv::StringRecord| {
+                let pairs = head.iter().zip(record.iter());
+                pairs.map(|(name, value)| (name.to_owned(), Value::from(value))).collect()
+            };
+            reader.records().map(|record| row(record.unwrap())).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// What records say of a method: the scenes that they are of, and the shares of black pixels as far as they have them.
+#[derive(Default)]
+struct Quoted {
+    scenes: BTreeSet<String>,
+    black: Vec<f64>,
+}
+
+/// What the records of some folders say, by method.
+fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
+    let mut all = BTreeMap::<String, Quoted>::new();
+    for row in folders.iter().flat_map(|folder| files(folder)).flat_map(|file| rows(&file)) {
+        let text = |field: &str| row.get(field).and_then(Value::as_str);
+        let Some(method) = text("method") else { continue };
+        let quoted = all.entry(method.to_owned()).or_default();
+        quoted.scenes.extend(scene_of(text("scene"), text("case")).map(str::to_owned));
+        quoted.black.extend(row.get("black").and_then(Value::as_f64));
+    }
+    all
+}
+
+/// The methods that lack what they need, by the built-in scene.
+static LACKING: LazyLock<BTreeMap<&'static str, Vec<&'static str>>> = LazyLock::new(|| {
+    let lacking = |name: &'static str| {
+        let scene = library::scene(name).unwrap();
+        (name, METHODS.iter().filter(|m| !m.lacks(&scene).is_empty()).map(|m| m.name).collect())
+    };
+    library::names().iter().copied().map(lacking).collect()
+});
+
+/// Whether a method lacks what it needs in a scene of the library.
+pub fn lacks(scene: &str, method: &str) -> bool {
+    LACKING.get(scene).is_some_and(|methods| methods.contains(&method))
+}
+
+/// The scene of a row: its own field, or the library's scene whose name its case begins with.
+pub fn scene_of<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
+    scene.or_else(|| case?.split_once(": ").map(|(name, _)| name).filter(|name| LACKING.contains_key(name)))
+}
+
+/// Why a method's records show nothing; `None` if they show something, or if there are none.
+fn nothing_shown(quoted: &Quoted, method: &str) -> Option<String> {
+    if !quoted.black.is_empty() {
+        let is_black = quoted.black.iter().all(|share| *share >= 1.0);
+        return is_black.then(|| "every pixel of its records is black".to_owned());
+    }
+    let lacking: Vec<&String> = quoted.scenes.iter().filter(|name| lacks(name, method)).collect();
+    let is_seen = quoted.scenes.is_empty() || lacking.len() < quoted.scenes.len();
+    (!is_seen).then(|| format!("it lacks what it needs in {lacking:?}, so that it is black there"))
+}
+
+/// The methods that something shown is of: those that the query names, and those that begin a row of a table.
+fn methods_of(query: &str, answer: &str) -> Vec<&'static MethodInfo> {
+    let words = query.split([' ', ',']);
+    let firsts = answer.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    let heads = answer.lines().next().unwrap_or_default().split('`').skip(1).step_by(2);
+    let names: BTreeSet<&str> = words.chain(firsts).chain(heads).collect();
+    METHODS.iter().filter(|method| names.contains(method.name)).collect()
+}
+
+/// Each query of a page, with the folders that it is of.
+fn queries(name: &str, text: &str) -> Vec<(String, Vec<PathBuf>)> {
+    let (folder, defined) = (root().join(name).parent().unwrap().to_owned(), definitions(text));
+    let marker = |after: &str| {
+        let (query, names) = after.split_once(" -->")?.0.split_once(" of ")?;
+        Some((query.to_owned(), names.split(", ").map(|name| folder.join(&defined[name])).collect()))
+    };
+    text.split("<!-- show: ").skip(1).filter_map(marker).collect()
+}
+
+#[test]
+fn nothing_is_judged_that_is_black_everywhere() {
+    let (mut black, mut judged) = (Vec::new(), 0);
+    let mut known = BTreeMap::new();
+    for (name, text) in pages() {
+        for (query, folders) in queries(&name, &text) {
+            // Another test fails where records do not answer.
+            let answer = records::show(&query, &folders).unwrap_or_default();
+            let quoted = known.entry(folders.clone()).or_insert_with(|| quoted(&folders));
+            for method in methods_of(&query, &answer) {
+                judged += 1;
+                let why = quoted.get(method.name).and_then(|quoted| nothing_shown(quoted, method.name));
+                black.extend(why.map(|why| format!("{name}: {query}: {}: {why}", method.name)));
+            }
+        }
+    }
+    assert!(black.is_empty(), "judged, but not seen:\n{}", black.join("\n"));
+    assert!(judged > 200, "only {judged} methods are judged");
+}
+
+#[test]
+fn what_is_black_everywhere_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = vec![folder.path().to_owned()];
+    let says = |records: &str, method: &str| {
+        fs::write(folder.path().join("error.json"), records).unwrap();
+        nothing_shown(&quoted(&folders)[method], method).is_some()
+    };
+    let rooms = r#"[{"method": "billboard", "scene": "rooms"}, {"method": "ssct", "scene": "rooms"}]"#;
+    assert!(says(rooms, "billboard") && !says(rooms, "ssct"), "the rooms have no impostors");
+    let street = r#"[{"method": "billboard", "scene": "rooms"}, {"method": "billboard", "scene": "street"}]"#;
+    assert!(!says(street, "billboard"), "the street has impostors");
+    let measured = |black: [f64; 2]| {
+        let row = |black: f64| format!(r#"{{"method": "planar", "scene": "museum", "black": {black}}}"#);
+        format!("[{}]", black.map(row).join(", "))
+    };
+    assert!(says(&measured([1.0, 1.0]), "planar") && !says(&measured([1.0, 0.9]), "planar"));
+    let words = methods_of("claim-time billboard ssr 0", "| method | time |\n|---|---|\n| `ibr` | 1 |\n");
+    assert_eq!(words.iter().map(|m| m.name).collect::<Vec<_>>(), ["ssr", "billboard", "ibr"]);
+}
+
+/// What a page names of the runs: by links, and by their paths below `benches/runs/` in code.
+fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
+    let folder = root().join(name).parent().unwrap().to_owned();
+    let mut targets: Vec<PathBuf> = definitions(text).values().map(|target| folder.join(target)).collect();
+    for line in outside_code(text) {
+        targets.extend(line.split("](").skip(1).map(|link| folder.join(link.split(')').next().unwrap())));
+        let code = line.split('`').skip(1).step_by(2).filter(|code| code.starts_with("20"));
+        targets.extend(code.map(|code| root().join("benches/runs").join(code.trim_end_matches('…'))));
+    }
+    let is_run = |path: &PathBuf| path.components().any(|c| c.as_os_str() == "runs") && path.exists();
+    targets.into_iter().filter(is_run).collect()
+}
+
+#[test]
+fn no_record_against_the_older_references_is_quoted() {
+    let (mut older, mut read) = (Vec::new(), 0);
+    for (name, text) in pages() {
+        for path in runs_named(&name, &text) {
+            // A picture is of the records beside it.
+            let folder = if path.is_dir() { path.clone() } else { path.parent().unwrap().to_owned() };
+            for file in files(&folder) {
+                read += 1;
+                let rows =
+                    if is_before_today(&file) || file.ends_with("error.json") { rows(&file) } else { Vec::new() };
+                let judges = rows.first().is_some_and(|row| row.contains_key("against"));
+                let versions = rows.iter().filter_map(|row| row.get("definitions")?.as_u64());
+                older.extend(of_todays_references(&file, judges, versions).err().map(|e| format!("{name}: {e}")));
+            }
+        }
+    }
+    older.sort();
+    older.dedup();
+    assert!(older.is_empty(), "quoted, but older than today's references:\n{}", older.join("\n"));
+    assert!(read > 100, "only {read} files of runs are quoted");
+}

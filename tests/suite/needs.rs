@@ -1,0 +1,117 @@
+//! What methods need of a scene: with it their reflection shows something, without it nothing, and studies leave them out.
+
+use crate::common;
+use crate::common::folder::Folder;
+use ssct::methods::thesis::{ConeAngle, ConeParams, FadeParams};
+use ssct::methods::{METHODS, MethodInfo, Setup, Wants};
+use ssct_lab::scene::{Scene, library};
+use ssct_lab::stage::{Globals, Shot, Stage, image};
+
+const SIZE: [u32; 2] = [64, 36];
+
+/// Whether a method's reflection is black in every view of a scene.
+fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
+    scene.views.iter().all(|view| {
+        let materials = Globals::default().materials(scene, view);
+        let camera = view.camera(scene, SIZE);
+        let shot = Shot::new(stage, method, &Setup::new(SIZE), Wants::REFLECTION, camera, materials).unwrap();
+        let made = image::render(stage, &shot, false).unwrap();
+        made.reflection.texels().all(|t| t[..3] == [0.0; 3])
+    })
+}
+
+#[test]
+fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
+    let gpu = common::gpu();
+    let (mut seen, mut black) = (0, 0);
+    for name in library::names() {
+        let scene = library::scene(name).unwrap();
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        for method in METHODS.iter().filter(|m| !m.needs.is_empty()) {
+            let lacks = method.lacks(&scene);
+            assert_eq!(is_black(&mut stage, &scene, method), !lacks.is_empty(), "{} in {name}: {lacks:?}", method.name);
+            *if lacks.is_empty() { &mut seen } else { &mut black } += 1;
+        }
+    }
+    assert!(seen > 10 && black > 3, "{seen} are seen, {black} are black");
+}
+
+#[test]
+fn what_a_study_compares_shows_something() {
+    let folder = Folder::new();
+    let small =
+        ["--view", "cylinder", "--size", "32x18", "--roughness", "0", "--samples", "1", "--rays", "2", "--no-sweep"];
+    let both = [&["error", "--scene", "rooms", "--method", "billboard,ssct,ibr", "-o", "out"], &small[..]].concat();
+    let said = String::from_utf8(folder.run(&both).stderr).unwrap();
+    assert!(
+        said.contains("scene rooms has no impostors; left out, as they would show nothing: billboard, ibr"),
+        "{said}"
+    );
+    let records: Vec<serde_json::Value> = serde_json::from_str(&folder.text("out/error.json")).unwrap();
+    assert!(records.iter().all(|r| r["method"] != "billboard" && r["method"] != "ibr"));
+    assert!(records.iter().any(|r| r["method"] == "ssct" && r["black"].as_f64().is_some_and(|b| b < 1.0)));
+
+    let alone = [&["error", "--scene", "rooms", "--method", "billboard"], &small[..]].concat();
+    let refused = folder.run(&alone);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("no method is left that would show anything in rooms"), "{said}");
+
+    let render =
+        ["render", "--scene", "rooms", "--view", "cylinder", "--method", "billboard", "--size", "32x18", "-o", "a.png"];
+    let warned = folder.run(&render);
+    assert!(warned.status.success());
+    let said = String::from_utf8(warned.stderr).unwrap();
+    assert!(said.contains("warning: billboard reflects impostors alone, and scene rooms has none"), "{said}");
+}
+
+/// The fade of Eq. 4.7 with its ends from options: a start at the end is a hard edge and no division by zero.
+#[test]
+fn a_fade_whose_ends_meet_is_a_hard_edge() {
+    let gpu = common::gpu();
+    let scene = common::built_in("rooms");
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut fades = |start: f32, end: f32, method: &str| {
+        let setup = Setup::on_screen(SIZE).with(|p: &mut FadeParams| (p.fade_start, p.fade_end) = (start, end));
+        let method = METHODS.iter().find(|m| m.name == method).unwrap();
+        let globals = Globals { roughness: Some(0.0), ..Globals::default() };
+        let materials = globals.materials(&scene, view);
+        let shot =
+            Shot::new(&mut stage, method, &setup, Wants::REFLECTION, view.camera(&scene, SIZE), materials).unwrap();
+        let made = image::render(&mut stage, &shot, false).unwrap();
+        made.reflection.texels().map(|t| t[3]).collect::<Vec<f32>>()
+    };
+    for method in ["ssct", "hzct", "linear", "poster", "dda", "unified", "stochastic"] {
+        let hard = fades(0.5, 0.5, method);
+        assert!(hard.iter().all(|f| f.is_finite() && (0.0..=1.0).contains(f)), "{method}");
+        let (soft, none) = (fades(0.1, 1.5, method), fades(2.0, 2.0, method));
+        let between = |fades: &[f32]| fades.iter().filter(|f| (0.02..0.98).contains(*f)).count();
+        assert!(between(&soft) > between(&none) + 20, "{method}: {} and {}", between(&soft), between(&none));
+        assert!(hard.iter().sum::<f32>() < none.iter().sum::<f32>(), "{method}");
+    }
+}
+
+/// ξ of Eq. 4.5 and the exponent of mirrors change the cones, and their published values change nothing.
+#[test]
+fn the_numbers_of_the_cone_are_options() {
+    let gpu = common::gpu();
+    let scene = common::built_in("rooms");
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut image = |change: fn(&mut ConeParams)| {
+        let setup = Setup::on_screen(SIZE).with(change);
+        let method = METHODS.iter().find(|m| m.name == "ssct").unwrap();
+        let materials = Globals { roughness: Some(0.1), ..Globals::default() }.materials(&scene, view);
+        let shot =
+            Shot::new(&mut stage, method, &setup, Wants::REFLECTION, view.camera(&scene, SIZE), materials).unwrap();
+        let made = image::render(&mut stage, &shot, false).unwrap().reflection;
+        made.values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+    };
+    let plain = image(|_| ());
+    assert_eq!(plain, image(|p| p.cone_xi = 0.244));
+    assert_ne!(plain, image(|p| p.cone_xi = 0.9));
+    let interpolated = image(|p| p.cone_angle = ConeAngle::Interpolated);
+    assert_ne!(interpolated, image(|p| (p.cone_angle, p.cone_mirror_alpha) = (ConeAngle::Interpolated, 100.0)));
+    assert_ne!(interpolated, image(|p| (p.cone_angle, p.cone_xi) = (ConeAngle::Interpolated, 0.9)));
+}
