@@ -56,6 +56,35 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 
 #else
 
+// The lit colour of the screen over a footprint, from the level of its chain whose texels are nearest to that in size: between
+// those of the four texels around the hit that hold no sky, and whose middles show the surface of the pixel that was hit; or that
+// pixel's own where there are none.
+vec3 ColorSeen(Hit hit, float footprint_level, vec3 along) {
+    int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
+    Plane plane = PlaneOf(hit.pixel, hit.front);
+    float texel_width = exp2(float(level));
+    // Some drivers take textureSize of one thread's level for all threads around it.
+    ivec2 texels = max(unified.size >> level, ivec2(1));
+    vec2 to_texels = vec2(texels) / vec2(unified.size);
+    precise vec2 from_middle = hit.position * to_texels - 0.5;
+    vec2 low = floor(from_middle), part = from_middle - low;
+    precise vec4 sum = vec4(0.0);
+    precise float counted = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
+        ivec2 middle = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
+        vec4 seen = texelFetch(color_buffer, texel, level);
+        vec2 weight = mix(1.0 - part, part, vec2(next));
+        bool counts = IsOn(plane, middle, texel_width) && (unified.sky == 0 || seen.a > 0.999);
+        AddTexel(sum, counted, seen, counts, weight.x * weight.y);
+    }
+    vec4 own = texelFetch(color_buffer, hit.pixel, 0);
+    bool shows_sky = unified.sky != 0 && own.a == 0.0;
+    vec3 color = counted > 0.0 ? sum.rgb / max(counted, 1e-6) : own.rgb;
+    return shows_sky ? along : Sound(color);
+}
+
 bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
     Hit hit = Traverse(ray);
     vec3 along = SkyAlong(ray.direction);
@@ -67,13 +96,15 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    if (hit.code != PATH_HI_Z)
+    bool on_sky = EndsOnSky(ray, hit);
+    if (hit.code != PATH_HI_Z && !on_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
-    end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
+    if (!on_sky)
+        end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
     float level = FootprintLevel(point, there, density, share);
-    color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
+    color = vec4(ColorSeen(hit, level, along), Fade(hit.position * unified.pixel_to_clip));
     return true;
 }
 

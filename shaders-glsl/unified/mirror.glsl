@@ -18,7 +18,8 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
+#define COLOR_AT(pixel) imageLoad(color_buffer, pixel)
 
 #include "unified/depth.glsl"
 #ifdef AMONG_TRIANGLES
@@ -42,7 +43,7 @@ bool Show(ivec2 pixel, out Shown shown) {
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     shown.reflection = vec4(0.0);
-    shown.color = COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
+    shown.color = COMPOSITE ? COLOR_AT(pixel) : vec4(0.0);
     shown.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
     if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
         return false;
@@ -70,11 +71,12 @@ bool Show(ivec2 pixel, out Shown shown) {
     if (faces && !shows)
         PushFromPixel(uvec2(pixel), ray, spread);
 #else
-    bool shows = is_hit || in_sky;
+    bool on_sky = EndsOnSky(ray, hit) && faces;
+    bool shows = is_hit || in_sky || on_sky;
     if (shows) {
         vec3 along = SkyAlong(ray.direction);
         shown.reflection = in_sky ? vec4(along, 1.0)
-                                  : vec4(ColorMirrored(hit.position, along),
+                                  : vec4(ColorMirrored(hit, along),
                                          Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {
         // A mirror's footprint is the pixel's, which has widened since the eye.

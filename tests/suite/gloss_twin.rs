@@ -200,15 +200,8 @@ fn check_ray(
         pairs.reduce(|a, b| [by(a[0], b[0]), by(a[1], b[1])]).unwrap()
     };
     let ([key_low, color_low], [key_high, color_high]) = (fold(Vec4::min), fold(Vec4::max));
-    // A device's filter has at least 8 bits for the weights of texels.
-    let filter = gloss.follow(&aim).map_or(Vec3::ZERO, |(hit, _)| {
-        let range: Vec3 =
-            gloss.looked_up(&aim, &hit).iter().map(|(t, weight)| *weight * (t.range[1] - t.range[0])).sum();
-        range / 256.0
-    });
     let key_allowed = Vec4::from(key_error(&aim, found));
-    let color_allowed = color_high.to_array().map(half_step);
-    let color_allowed = Vec4::from(color_allowed) + filter.extend(0.0);
+    let color_allowed = Vec4::from(color_high.to_array().map(half_step));
     let off = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
     let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
         && off(found.color, color_low, color_high).cmple(color_allowed).all();

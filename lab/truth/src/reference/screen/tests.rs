@@ -23,6 +23,11 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     (g, mask)
 }
 
+/// The lit colour where a ray hits a pixel.
+fn shown(g: &GBufferData, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
+    SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z)
+}
+
 /// The camera ray of a sample through the pixel, as the reference draws it.
 fn footprint_ray(rays: &RaySetup, [x, y]: [u32; 2], sample: u64) -> DVec3 {
     let stream = Stream::new(SAMPLING.seed, rays.gbuffer.index(x, y) as u64);
@@ -52,7 +57,7 @@ fn a_ray_goes_on_where_it_was_reflected() {
             let normal = rays.normal(from[0], from[1]).expect("a normal");
             let hit = oracle.trace_direction(from[0], from[1], direction).outcome;
             let (Outcome::Hit { pixel, position }, true) = (hit, direction.dot(normal) > 0.0) else { break };
-            sum += share * bilinear(&g, position.x, position.y);
+            sum += share * shown(&g, pixel, position);
             share *= f64::from(g.reflectivity[g.index(pixel[0], pixel[1])]);
             let normal = rays.normal(pixel[0], pixel[1]).expect("a normal");
             (from, direction) = (pixel, direction - 2.0 * direction.dot(normal) * normal);
@@ -123,12 +128,12 @@ fn directions_below_the_surface_carry_nothing_and_count() {
         let uv = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
         let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
         let direction = lobe_direction(mirror, phong::exponent(f64::from(0.6_f32)), uv);
-        let hit = oracle.trace_direction(x, y, direction).position();
+        let hit = oracle.trace_direction(x, y, direction).outcome;
         if direction.dot(normal) <= 0.0 {
             below += 1;
-            would_hit += usize::from(hit.is_some());
-        } else if let Some(p) = hit {
-            sum += bilinear(&g, p.x, p.y);
+            would_hit += usize::from(matches!(hit, Outcome::Hit { .. }));
+        } else if let Outcome::Hit { pixel, position } = hit {
+            sum += shown(&g, pixel, position);
         }
     }
     assert!(below > 10 && would_hit > 5, "{below} rays below the surface, {would_hit} of which would hit the floor");
@@ -206,7 +211,8 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
         (3.0, 2.0, 9.0),
         (3.0, 1.0, 8.5),
     ] {
-        assert_eq!(bilinear(&g, x, y), DVec3::splat(expected), "({x}, {y})");
+        let pixel = [x.min(2.5), y.min(1.5)].map(|v: f64| v as u32);
+        assert_eq!(shown(&g, pixel, DVec3::new(x, y, 0.0)), DVec3::splat(expected), "({x}, {y})");
     }
 }
 
@@ -224,8 +230,10 @@ fn rays_are_drawn_by_their_numbers() {
                 let u = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
                 let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
                 let direction = lobe_direction(mirror, phong::exponent(f64::from(roughness)), u);
-                let hit = hierarchy.trace_direction(x, y, direction).position().filter(|_| direction.dot(normal) > 0.0);
-                hit.map_or(DVec3::ZERO, |p| bilinear(&g, p.x, p.y))
+                match hierarchy.trace_direction(x, y, direction).outcome {
+                    Outcome::Hit { pixel, position } if direction.dot(normal) > 0.0 => shown(&g, pixel, position),
+                    _ => DVec3::ZERO,
+                }
             });
             let expected = mean_and_error(colors);
             let i = g.index(x, y);
