@@ -47,7 +47,7 @@ class Peers:
             sys.exit("the browser did not start: see above")
         self.said = json.loads(first)
         versions = json.loads((Path(packages) / "package.json").read_text())["dependencies"]
-        self.versions = {name: versions[peer["npm"]] for name, peer in self.said["peers"].items()}
+        self.versions = {name: versions[peer["npm"]].lstrip("^") for name, peer in self.said["peers"].items()}
 
     def render(self, peer, scene, settings, out):
         job = {"peer": peer, "scene": str(scene), "settings": settings, "out": str(out)}
@@ -157,6 +157,23 @@ def table(rows, of_scenes):
     return "\n".join(lines)
 
 
+def records(rows, of_scenes, peers):
+    """One for each contestant, scene and setting, the defaults or the best; one that was not judged says why."""
+    made = []
+    for name, per_scene in rows.items():
+        for scene in of_scenes:
+            about = {"kind": "league", "contestant": name, "scene": scene.name, "title": scene.title}
+            result = per_scene[scene.name]
+            if "best" not in result:
+                made.append(about | {"problem": result["problem"], "direct": result["direct"]})
+                continue
+            about["tried"] = result["tried"]
+            made += [about | {"setting": which} | result[which] for which in ("defaults", "best")]
+    if peers:
+        made.append({"kind": "browser", "chromium": peers.said["chromium"]})
+    return made
+
+
 def sheet(rows, of_scenes, folder):
     """For each scene the truth, and each contestant's defaults, best and how far the best is off."""
     font, side, high = ImageFont.load_default(size=13), scenes.WIDTH // 2, scenes.HEIGHT // 2
@@ -223,13 +240,7 @@ def main():
             )
     if peers:
         peers.close()
-    said = {"chromium": peers.said["chromium"], "versions": peers.versions} if peers else {}
-    counts = {}
-    for scene in of_scenes:
-        truth = np.load(out / f"{scene.name}.npz")
-        judged = truth["floor"] & ~truth["edge"]
-        counts[scene.name] = {"judged": int(judged.sum()), "known": int((judged & truth["known"]).sum())}
-    (out / "league.json").write_text(json.dumps({"with": said, "pixels": counts, "rows": rows}, indent=1))
+    (out / "league.json").write_text(json.dumps(records(rows, of_scenes, peers), indent=1) + "\n")
     (out / "league.md").write_text(table(rows, of_scenes) + "\n")
     print((out / "league.md").read_text())
     sheet(rows, of_scenes, out)

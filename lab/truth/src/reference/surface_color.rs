@@ -111,6 +111,88 @@ fn around(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
     };
     let (left, right, fx) = axis(x, gbuffer.width);
     let (top, bottom, fy) = axis(y, gbuffer.height);
-    let corners = [(left, top, 1.0 - fx, 1.0 - fy), (right, top, fx, 1.0 - fy), (left, bottom, 1.0 - fx, fy), (right, bottom, fx, fy)];
+    let corners = [
+        (left, top, 1.0 - fx, 1.0 - fy),
+        (right, top, fx, 1.0 - fy),
+        (left, bottom, 1.0 - fx, fy),
+        (right, bottom, fx, fy),
+    ];
     corners.map(|(x, y, wx, wy)| (gbuffer.index(x, y), wx * wy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::testing::{flat, floor_and_wall};
+    use glam::Vec3;
+
+    /// The first row of the floor of [`floor_and_wall`].
+    fn first_floor_row(g: &GBufferData) -> u32 {
+        (0..g.height).find(|y| g.normal[g.index(0, *y)] == Vec3::Y).expect("a floor")
+    }
+
+    #[test]
+    fn surfaces_that_meet_do_not_mix() {
+        let mut g = floor_and_wall(32, 18);
+        for (color, normal) in g.color.iter_mut().zip(&g.normal) {
+            *color = if *normal == Vec3::Y { Vec3::X } else { Vec3::Z };
+        }
+        let (colors, foot) = (SurfaceColors::new(&g), first_floor_row(&g));
+        for x in 0..32 {
+            let shown = |row: u32, y: f64| colors.shown(g.index(x, row), [f64::from(x) + 0.8, y], DVec3::Z);
+            assert_eq!(shown(foot - 1, f64::from(foot) - 0.1), DVec3::Z, "the wall at {x}");
+            assert_eq!(shown(foot, f64::from(foot) + 0.1), DVec3::X, "the floor at {x}");
+        }
+    }
+
+    #[test]
+    fn a_plane_is_interpolated_at_any_angle() {
+        // Colours that are linear over the image stay so, on the wall and on the floor, but where another surface is beside.
+        let mut g = floor_and_wall(32, 18);
+        for (i, color) in g.color.iter_mut().enumerate() {
+            *color = Vec3::new((i % 32) as f32, (i / 32) as f32, 0.0);
+        }
+        let (colors, foot) = (SurfaceColors::new(&g), first_floor_row(&g));
+        for (x, row) in (1..31).flat_map(|x| (1..17).map(move |y| (x, y))).filter(|(_, y)| *y != foot && *y != foot - 1)
+        {
+            let place = [f64::from(x) + 0.7, f64::from(row) + 0.2];
+            let shown = colors.shown(g.index(x, row), place, DVec3::Z);
+            assert!((shown - DVec3::new(place[0] - 0.5, place[1] - 0.5, 0.0)).length() < 1e-9, "({x}, {row}): {shown}");
+        }
+    }
+
+    #[test]
+    fn what_stands_before_a_parallel_wall_and_sky_do_not_mix_with_it() {
+        // The left half nearer than the right one, with the same normal; one pixel of sky.
+        let mut g = flat(4, 2, 4.0);
+        let near = flat(4, 2, 3.5).depth[0];
+        for y in 0..2 {
+            for x in 0..4 {
+                let i = g.index(x, y);
+                g.color[i] = if x < 2 { Vec3::X } else { Vec3::Y };
+                g.depth[i] = if x < 2 { near } else { g.depth[i] };
+            }
+        }
+        let sky = g.index(3, 0);
+        (g.depth[sky], g.normal[sky], g.color[sky]) = (0.0, Vec3::ZERO, Vec3::Z);
+        let colors = SurfaceColors::new(&g);
+        let shown = |x: u32, place: [f64; 2]| colors.shown(g.index(x, 0), place, DVec3::Z);
+        assert_eq!(shown(1, [1.9, 0.9]), DVec3::X);
+        assert_eq!(shown(2, [2.1, 0.9]), DVec3::Y);
+        assert_eq!(shown(2, [2.9, 0.9]), DVec3::Y);
+        assert_eq!(shown(3, [3.1, 0.9]), DVec3::Z, "sky is a surface of its own");
+    }
+
+    #[test]
+    fn without_a_normal_all_around_counts_but_sky() {
+        let mut g = flat(3, 1, 4.0);
+        for (i, color) in g.color.iter_mut().enumerate() {
+            *color = Vec3::splat(i as f32);
+        }
+        g.normal[1] = Vec3::ZERO;
+        g.depth[2] *= 0.5;
+        assert_eq!(SurfaceColors::new(&g).shown(1, [1.75, 0.5], DVec3::Z), DVec3::splat(1.25));
+        g.depth[2] = 0.0;
+        assert_eq!(SurfaceColors::new(&g).shown(1, [1.75, 0.5], DVec3::Z), DVec3::splat(1.0));
+    }
 }

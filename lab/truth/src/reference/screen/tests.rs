@@ -3,8 +3,9 @@
 use super::*;
 use crate::reference::Oracle;
 use crate::reference::ray::RaySetup;
+use crate::reference::surface::sky_color;
 use crate::reference::testing::{flat, floor_and_wall};
-use crate::scene::Camera;
+use crate::scene::{Camera, Surface};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
 
@@ -332,4 +333,31 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
     g.surface.fill(Surface::Lit);
     let unknown = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
     assert!(unknown.color.iter().all(|c| c.y == 0.0 && c.x <= 9.0));
+}
+
+#[test]
+fn a_ray_beyond_the_far_plane_shows_the_sky_of_the_screen_and_no_other_miss_does() {
+    let (mut g, mask) = stage(0.0);
+    for i in (0..mask.len()).filter(|i| !mask[*i]) {
+        (g.depth[i], g.normal[i], g.color[i]) = (0.0, Vec3::ZERO, Vec3::new(0.25, 0.5, 0.75));
+    }
+    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let hierarchy = Hierarchy::new(&g);
+    let [mut shown, mut black] = [0, 0];
+    for (x, y) in (0..g.height).flat_map(|y| (1..31).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
+        let found = image.color[g.index(x, y)];
+        match hierarchy.trace(x, y).outcome {
+            // Rays of a pixel that all leave by the same side.
+            Outcome::Miss { reason: MissReason::Far, .. } if y < 15 => {
+                assert!((found - Vec3::new(0.25, 0.5, 0.75)).length() < 1e-6, "({x}, {y}): {found}");
+                shown += 1;
+            }
+            Outcome::Miss { reason: MissReason::LeftScreen, .. } => {
+                assert!(found.length() < 1.0);
+                black += usize::from(found == Vec3::ZERO);
+            }
+            _ => {}
+        }
+    }
+    assert!(shown > 50, "{shown} {black}");
 }

@@ -1,8 +1,8 @@
 //! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
 //! pixels and cells are narrow, wide, or drawn at all.
 
-use super::{Hit, Traversal};
 use super::gloss_trace::cell_pixel;
+use super::{Hit, Traversal};
 use crate::math::constants;
 use crate::reference::Level;
 use crate::scene::GBufferData;
@@ -140,6 +140,10 @@ impl<'a> Gloss<'a> {
                 counted += share;
             }
         }
-        if counted > 0.0 { sum / counted.max(1e-6) } else { self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32) }
+        if counted > 0.0 {
+            sum / counted.max(1e-6)
+        } else {
+            self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)
+        }
     }
 }
