@@ -63,12 +63,14 @@ pub fn scenes(folder: &Path, setting: &str) -> Result<String> {
     table(&header, contestants(&records).iter().map(row).collect())
 }
 
-/// A figure of a contestant, whose name's first words have hyphens for blanks.
+/// A figure of a contestant, whose name, or its beginning, has hyphens for blanks.
 pub fn figure(folder: &Path, [contestant, setting, scene, figure]: [&str; 4]) -> Result<String> {
     let records = json(folder, "league.json")?;
-    let begins = |name: &&&str| name.replace(", ", "-").replace(' ', "-").starts_with(contestant);
+    let joined = |name: &str| name.replace(", ", "-").replace(' ', "-");
     let names = contestants(&records);
-    let name = names.iter().find(begins).ok_or_else(|| format!("no contestant {contestant}"))?;
+    let whole = names.iter().find(|name| joined(name) == contestant);
+    let begun = || names.iter().find(|name| joined(name).starts_with(contestant));
+    let name = whole.or_else(begun).ok_or_else(|| format!("no contestant {contestant}"))?;
     let record = record(&records, name, scene, setting)?;
     let value = shown(record, figure);
     Ok(if figure == "rmse" { value } else { format!("{value} %") })
