@@ -25,11 +25,12 @@ PASSES = 2
 # This program's methods: the options of each, and what the search tries, the default first.
 OURS = {
     "ssct": (["--method", "ssct"], {"--fade": ["on", "off"], "--preset": ["published", "author"]}),
-    "dda": (["--method", "dda"], {"--fade": ["on", "off"], "--thickness": ["default", "0.02", "0.05", "0.1", "0.3"]}),
+    "dda": (["--method", "dda"], {"--fade": ["on", "off"], "--dda-thickness": ["default", "0.02", "0.05", "0.1", "0.3"]}),
     "stochastic": (["--method", "stochastic"], {"--fade": ["on", "off"], "--oracle": ["1", "2"]}),
-    "unified, screen alone": (
-        ["--method", "unified", "--beyond", "none"],
-        {"--fade": ["on", "off"], "--oracle": ["1", "2"]},
+    "unified, screen alone": (["--method", "unified", "--beyond", "none"], {"--fade": ["on", "off"]}),
+    "unified, screen alone, oracle 2": (
+        ["--method", "unified", "--beyond", "none", "--oracle", "2"],
+        {"--fade": ["on", "off"]},
     ),
     "unified": (["--method", "unified"], {}),
     "traced": (["--method", "traced"], {}),
@@ -103,10 +104,14 @@ def judge(path, truth):
     def share(mask, among):
         return 100 * float(mask[among].mean()) if among.any() else float("nan")
 
+    def error(among):
+        return float(np.sqrt(((found - right_colors)[among] ** 2).mean()) / 255)
+
     return {
         "right": share(off <= WITHIN, judged),
         "known": share(off <= WITHIN, known),
-        "rmse": float(np.sqrt(((found - right_colors)[known] ** 2).mean()) / 255),
+        "rmse": error(known),
+        "rmse of all": error(judged),
         "hue": share(is_hue, known),
         "hidden right": share(off <= WITHIN, hidden),
         "hidden black": share(found.max(2) <= WITHIN, hidden),

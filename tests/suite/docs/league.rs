@@ -19,7 +19,7 @@ fn record<'a>(records: &'a [Value], contestant: &str, scene: &str, setting: &str
 fn shown(record: &Value, figure: &str) -> String {
     match record[figure].as_f64() {
         None => "–".to_owned(),
-        Some(value) if figure == "rmse" => format!("{value:.3}"),
+        Some(value) if figure.starts_with("rmse") => format!("{value:.3}"),
         Some(value) => format!("{value:.2}"),
     }
 }
@@ -27,7 +27,7 @@ fn shown(record: &Value, figure: &str) -> String {
 /// Every contestant on a scene: its defaults, and the best of its settings.
 pub fn scene(folder: &Path, scene: &str) -> Result<String> {
     let records = json(folder, "league.json")?;
-    let figures = ["right", "known", "rmse", "hue", "hidden right", "hidden black"];
+    let figures = ["right", "known", "rmse", "rmse of all", "hue", "hidden right", "hidden black"];
     let mut rows = Vec::new();
     for contestant in contestants(&records) {
         for setting in ["defaults", "best"] {
@@ -39,7 +39,7 @@ pub fn scene(folder: &Path, scene: &str) -> Result<String> {
             rows.push([format!("{contestant}, {setting}")].into_iter().chain(cells).collect());
         }
     }
-    table(&["", "right %", "known %", "RMSE of known", "hue %", "hidden right %", "hidden black %"], rows)
+    table(&["", "right %", "known %", "RMSE of known", "RMSE of all", "hue %", "hidden right %", "hidden black %"], rows)
 }
 
 /// Known pixels and their error on every scene, with the defaults or the best setting.
@@ -73,5 +73,5 @@ pub fn figure(folder: &Path, [contestant, setting, scene, figure]: [&str; 4]) ->
     let name = whole.or_else(begun).ok_or_else(|| format!("no contestant {contestant}"))?;
     let record = record(&records, name, scene, setting)?;
     let value = shown(record, figure);
-    Ok(if figure == "rmse" { value } else { format!("{value} %") })
+    Ok(if figure.starts_with("rmse") { value } else { format!("{value} %") })
 }
