@@ -28,7 +28,7 @@ const float VISIBLE_WITHIN = 0.02;
 // wide as they are there, since a surface may be curved. Along an edge, the pixels of the next surface lie farther off but for
 // the nearest of them.
 const float SAME_SURFACE = 0.1;
-// The same off the plane of the pixel that a ray hits, whose normal says how its surface goes on.
+// By how much it may lie off the plane of the pixel that a ray hits, whose normal says how its surface goes on: in texels, too.
 const float IN_PLANE = 0.03;
 // The least cosine at which a surface is taken to be seen where a length on it is found by that.
 const float LEAST_FACING = 0.05;

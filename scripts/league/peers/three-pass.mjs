@@ -19,10 +19,12 @@ export const settings = {
     thickness: [0.018, 0.005, 0.05, 0.1, 0.3],
     infiniteThick: [false, true],
     bouncing: [false, true],
+    logarithmicDepthBuffer: [false, true],
 };
 
 export async function render(canvas, scene, chosen) {
-    const renderer = new THREE.WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
+    const { logarithmicDepthBuffer = false, ...rest } = chosen ?? {};
+    const renderer = new THREE.WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true, logarithmicDepthBuffer });
     renderer.setPixelRatio(1);
     renderer.setSize(scene.width, scene.height, false);
     renderer.toneMapping = THREE.NoToneMapping;
@@ -39,7 +41,7 @@ export async function render(canvas, scene, chosen) {
     const pass = new SSRPass({
         renderer, scene: world, camera, width: scene.width, height: scene.height, selects: [meshes.get('floor')],
     });
-    for (const [name, value] of Object.entries(chosen))
+    for (const [name, value] of Object.entries(rest))
         pass[name] = value;
     composer.addPass(pass);
     composer.addPass(new OutputPass());

@@ -212,8 +212,9 @@ impl<'a> Traversal<'a> {
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
-        let mut levels =
-            vec![Level::from_fn(width, height, |x, y| blocks::block(gbuffer, &parameters, IVec2::new(x as i32, y as i32)))];
+        let mut levels = vec![Level::from_fn(width, height, |x, y| {
+            blocks::block(gbuffer, &parameters, IVec2::new(x as i32, y as i32))
+        })];
         for n in 0..parameters.top_level as usize {
             let below = &levels[n];
             levels.push(Level::from_fn(below.width / 2, below.height / 2, |x, y| {
