@@ -17,21 +17,17 @@ bool EndsInSky(Ray ray, Hit hit) {
     return FOLLOWED && hit.code == PATH_MISS && WhyMissed(ray) == PATH_MISS_SKY;
 }
 
-// Whether a ray that hit nothing went beyond the far plane in a pixel that shows sky, where no other image is asked; where it
-// did so then stands in `hit`.
-bool EndsOnSky(Ray ray, inout Hit hit) {
+// Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
+// If the screen shows sky there, it is the colour of the ray.
+bool GoesFar(Ray ray, inout Hit hit) {
     precise vec2 place = ray.start + ray.end * ray.rate.xy;
     place = clamp(place, vec2(0.0), vec2(unified.size));
-    ivec2 last = min(ivec2(place), unified.size - 1);
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
     precise vec2 sides = (vec2(side) - ray.start) * ray.inverse;
-    bool is_far = ray.rate.z < 0.0 && ray.end < min(sides.x, sides.y);
-    float front = BLOCK_AT(PixelTexel(last)).x;
-    bool shows_sky = !FOLLOWED && hit.code == PATH_MISS && is_far && front < 0.0;
-    hit.pixel = shows_sky ? last : hit.pixel;
-    hit.position = shows_sky ? place : hit.position;
-    hit.front = shows_sky ? front : hit.front;
-    return shows_sky;
+    bool is_far = !FOLLOWED && hit.code == PATH_MISS && ray.rate.z < 0.0 && ray.end < min(sides.x, sides.y);
+    hit.pixel = is_far ? min(ivec2(place), unified.size - 1) : hit.pixel;
+    hit.position = is_far ? place : hit.position;
+    return is_far;
 }
 
 #ifdef CONFIRMED

@@ -215,9 +215,11 @@ void main() {
     if (s < 0.0) {
         if (HITS)
             out_hit.w = float(path);
-        vec2 at;
-        if (path == PATH_LINEAR_MISS && MeetsSky(direction, at))
-            out_reflection = vec4(Sound(SkyShown(at)), dda.fade != 0 ? BorderFade(at, dda.fade_start, dda.fade_end) : 1.0);
+        vec2 end;
+        if (path == PATH_LINEAR_MISS && MeetsSky(direction, end)) {
+            float sky_fade = dda.fade != 0 ? BorderFade(end, dda.fade_start, dda.fade_end) : 1.0;
+            out_reflection = vec4(Sound(SkyShown(end)), sky_fade);
+        }
         return;
     }
 

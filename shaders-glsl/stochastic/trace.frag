@@ -67,7 +67,7 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal) {
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
-    vec3 color = ColorMirrored(hit, SkyAlong(direction));
+    vec3 color = MirroredAt(hit, SkyAlong(direction)).color;
     return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hits && faces, hit.position, hit.depth, color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);

@@ -61,7 +61,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 // pixel's own where there are none.
 vec3 ColorSeen(Hit hit, float footprint_level, vec3 along) {
     int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
-    Plane plane = PlaneOf(hit.pixel, hit.front);
+    Plane plane = PlaneOf(hit.pixel, BLOCK_AT(PixelTexel(hit.pixel)).x);
     float texel_width = exp2(float(level));
     // Some drivers take textureSize of one thread's level for all threads around it.
     ivec2 texels = max(unified.size >> level, ivec2(1));
@@ -76,7 +76,7 @@ vec3 ColorSeen(Hit hit, float footprint_level, vec3 along) {
         ivec2 middle = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
         vec4 seen = texelFetch(color_buffer, texel, level);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        bool counts = IsOn(plane, middle, texel_width) && (unified.sky == 0 || seen.a > 0.999);
+        bool counts = IsOn(plane, middle, BLOCK_AT(PixelTexel(middle)).x, texel_width) && (unified.sky == 0 || seen.a > 0.999);
         AddTexel(sum, counted, seen, counts, weight.x * weight.y);
     }
     vec4 own = texelFetch(color_buffer, hit.pixel, 0);
@@ -96,7 +96,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    bool on_sky = EndsOnSky(ray, hit);
+    bool on_sky = GoesFar(ray, hit) && BLOCK_AT(PixelTexel(hit.pixel)).x < 0.0;
     if (hit.code != PATH_HI_Z && !on_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);

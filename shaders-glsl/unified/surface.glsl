@@ -37,10 +37,9 @@ Plane PlaneOf(ivec2 pixel, float depth) {
     return Plane(vec2(pixel), depth, slope, off);
 }
 
-// Whether a pixel shows the surface of a plane. A pixel without a normal has no plane, and all that is not sky counts as its
+// Whether a pixel of a depth shows the surface of a plane, within a share of a texel that is so many pixels wide. A pixel without a normal has no plane, and all that is not sky counts as its
 // surface.
-bool IsOn(Plane plane, ivec2 pixel, float texel) {
-    float depth = BLOCK_AT(PixelTexel(pixel)).x;
+bool IsOn(Plane plane, ivec2 pixel, float depth, float texel) {
     precise vec2 across = plane.slope * (vec2(pixel) - plane.pixel);
     precise float apart = (depth - plane.depth) - (across.x + across.y);
     return (depth < 0.0) == (plane.depth < 0.0) && !(abs(apart) > plane.off * texel + DEPTH_ERROR);
@@ -55,23 +54,36 @@ void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float
     counted += share;
 }
 
-// The lit colour of the screen at a hit in full resolution: between those of the four pixels around it that show the surface of
-// the pixel that was hit, which is one of them. `along` is the sky along the ray, which sky and what shows it have: it is looked
-// up once, since a device that takes both ways of a branch pays for every look.
-vec3 ColorMirrored(Hit hit, vec3 along) {
-    Plane plane = PlaneOf(hit.pixel, hit.front);
+// What the screen shows at a hit in full resolution.
+struct Mirrored {
+    vec3 color;   // lit, between the four pixels around it that show the surface of the pixel that was hit, which is one of them
+    bool is_sky;  // that pixel shows sky
+};
+
+// `along` is the sky along the ray, which sky and what shows it have: it is looked up once, since a device that takes both ways of
+// a branch pays for every look. Loads stand before what they decide, so that the pixel that was hit is not loaded twice.
+Mirrored MirroredAt(Hit hit, vec3 along) {
     precise vec2 from_middle = hit.position - 0.5;
     vec2 low = floor(from_middle), part = from_middle - low;
+    ivec2 last = unified.size - 1;
+    float depths[4];
+    float own = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 here = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last);
+        depths[i] = BLOCK_AT(PixelTexel(here)).x;
+        own = here == hit.pixel ? depths[i] : own;
+    }
+    Plane plane = PlaneOf(hit.pixel, own);
     precise vec4 sum = vec4(0.0);
     precise float counted = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 here = clamp(ivec2(low) + next, ivec2(0), unified.size - 1);
+        ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        AddTexel(sum, counted, COLOR_AT(here), IsOn(plane, here, 1.0), weight.x * weight.y);
+        AddTexel(sum, counted, COLOR_AT(here), IsOn(plane, here, depths[i], 1.0), weight.x * weight.y);
     }
     float whole = 1.0 / counted;
-    return Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
+    return Mirrored(Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along, own < 0.0);
 }
 
 #endif

@@ -34,7 +34,6 @@ struct Hit {
     ivec2 pixel;     // that was hit
     vec2 position;   // continuous pixel coordinates, within that pixel
     float depth;     // reversed, of the ray there
-    float front;     // of the block of that pixel: its own depth, or that of EMPTY_BLOCK for sky
     int steps;       // cells looked at
     float s;         // of the hit, or of where a miss ends
 };
@@ -164,7 +163,7 @@ ivec2 Ahead(Ray ray) {
 #ifndef FACES
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0.0, 0, ray.end);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);
 
     // The first step leaves the starting pixel unseen.
@@ -194,7 +193,6 @@ Hit Traverse(Ray ray) {
         hit.pixel = walk.pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
-        hit.front = block.x;
         hit.s = s;
         bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
             && IsBehind(ray, walk.entry_depth, walk.pixel, block, NORMAL_AT(walk.pixel), ahead);

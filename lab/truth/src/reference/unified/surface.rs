@@ -1,4 +1,4 @@
-//! Twin of `unified/surface.glsl` and of `EndsOnSky`: which pixels show the surface that a ray hit, and the sky that the
+//! Twin of `unified/surface.glsl` and of `GoesFar`: which pixels show the surface that a ray hit, and the sky that the
 //! screen shows to a ray.
 
 use super::{Block, Code, Hit, Ray, Traversal, dot};
@@ -41,7 +41,7 @@ impl Traversal<'_> {
         (depth < 0.0) == (plane.depth < 0.0) && !is_far
     }
 
-    /// `EndsOnSky`: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.
+    /// `GoesFar`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.
     pub(super) fn ends_on_sky(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
         let position = (ray.start + ray.end * ray.rate.truncate()).clamp(Vec2::ZERO, size.as_vec2());
