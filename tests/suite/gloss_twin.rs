@@ -350,6 +350,13 @@ pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     }
 }
 
+/// A G-buffer with sky in six of ten pixels.
+fn under_sky(data: &GBufferData) -> GBufferData {
+    let stream = Stream::new(6, u64::from(data.width));
+    let depth = |(i, depth): (usize, &f32)| if stream.uniform(i as u64) < 0.6 { 0.0 } else { *depth };
+    GBufferData { depth: data.depth.iter().enumerate().map(depth).collect(), ..data.clone() }
+}
+
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -367,6 +374,7 @@ fn every_glossy_pass_is_its_twin() {
         cases.push((format!("noise, {extent:?}"), noise(extent), true));
         cases.push((format!("mixed noise, {extent:?}"), mixed(&noise(extent), 3), false));
     }
+    cases.push(("noise under a sky".to_owned(), under_sky(&noise([66, 65])), true));
     let take = if is_gpu_assisted() { 1 } else { usize::MAX };
     let mut totals = Counts::default();
     for (name, data, of_one_kind) in cases.iter().take(take) {
