@@ -20,6 +20,8 @@ struct Plane {
     float depth; // reversed, in the middle of the pixel; that of EMPTY_BLOCK for sky
     vec2 slope;  // what it changes by with each pixel to the right, and with each pixel down
     float off;   // by so much the depth of another pixel may differ from the plane's for each texel's width
+    vec3 normal; // of the pixel, of any length
+    float squared; // its squared length, times that of SAME_NORMAL
 };
 
 // `depth` is the pixel's own.
@@ -34,7 +36,8 @@ Plane PlaneOf(ivec2 pixel, float depth) {
     precise float rate = scale / facing;
     precise vec2 slope = rate * (2.0 * unified.pixel_to_view * vec2(normal.x, -normal.y));
     precise float off = abs(rate) * (size * (IN_PLANE * 2.0 * unified.pixel_to_view.y));
-    return Plane(vec2(pixel), depth, slope, off);
+    precise float squared = (SAME_NORMAL * SAME_NORMAL) * Dot(normal, normal);
+    return Plane(vec2(pixel), depth, slope, off, normal, squared);
 }
 
 // Whether a pixel of a depth shows the surface of a plane, within a share of a texel that is so many pixels wide. A pixel without a normal has no plane, and all that is not sky counts as its
@@ -42,7 +45,11 @@ Plane PlaneOf(ivec2 pixel, float depth) {
 bool IsOn(Plane plane, ivec2 pixel, float depth, float texel) {
     precise vec2 across = plane.slope * (vec2(pixel) - plane.pixel);
     precise float apart = (depth - plane.depth) - (across.x + across.y);
-    return (depth < 0.0) == (plane.depth < 0.0) && !(abs(apart) > plane.off * texel + DEPTH_ERROR);
+    vec3 normal = NORMAL_AT(pixel);
+    float along = Dot(plane.normal, normal);
+    precise float turned = along * along - plane.squared * Dot(normal, normal);
+    bool is_other = abs(apart) > plane.off * texel + DEPTH_ERROR || along < 0.0 || turned < 0.0;
+    return plane.depth < 0.0 ? depth < 0.0 : depth >= 0.0 && !is_other;
 }
 
 // Adds a texel to a weighted sum of colours if the pixel in its middle shows the surface. `a` is the part that is no sky.

@@ -2,7 +2,7 @@
 //! around the hit, those count that show the surface of the pixel that was hit.
 
 use super::surface::sky_color;
-use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING};
+use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING, SAME_NORMAL};
 use crate::scene::{GBufferData, ProjectionKind, Surface};
 use glam::{DVec2, DVec3};
 
@@ -97,8 +97,11 @@ impl<'a> SurfaceColors<'a> {
     fn is_on(&self, plane: Plane, pixel: usize, hit: usize) -> bool {
         let (g, depth) = (self.gbuffer, f64::from(self.gbuffer.depth[pixel]));
         let apart = depth - plane.depth - plane.slope.dot(self.place(pixel) - plane.pixel);
-        let is_far = apart.abs() > plane.off;
-        (depth > 0.0) == (plane.depth > 0.0) && g.surface[pixel] == g.surface[hit] && !is_far
+        let [normal, other] = [hit, pixel].map(|i| g.normal[i].as_dvec3());
+        let is_turned = normal.dot(other) < SAME_NORMAL * normal.length() * other.length();
+        let is_other = apart.abs() > plane.off || is_turned;
+        let is_same = if plane.depth > 0.0 { depth > 0.0 && !is_other } else { depth <= 0.0 };
+        is_same && g.surface[pixel] == g.surface[hit]
     }
 }
 

@@ -2,8 +2,8 @@
 //! screen shows to a ray.
 
 use super::{Block, Code, Hit, Ray, Traversal, dot};
-use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING};
-use glam::{IVec2, Vec2};
+use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING, SAME_NORMAL};
+use glam::{IVec2, Vec2, Vec3};
 
 const DEPTH_ERROR: f32 = 4.0 * ROUNDING as f32;
 
@@ -14,6 +14,8 @@ pub(super) struct Plane {
     depth: f32,
     slope: Vec2,
     off: f32,
+    normal: Vec3,
+    squared: f32,
 }
 
 impl Traversal<'_> {
@@ -29,7 +31,8 @@ impl Traversal<'_> {
         let rate = if is_linear { p.depth_offset } else { depth + p.depth_offset } / facing;
         let slope = rate * (2.0 * p.pixel_to_view * Vec2::new(normal.x, -normal.y));
         let off = rate.abs() * (size * (IN_PLANE as f32 * 2.0 * p.pixel_to_view.y));
-        Plane { pixel: pixel.as_vec2(), depth, slope, off }
+        let squared = (SAME_NORMAL as f32 * SAME_NORMAL as f32) * dot(normal, normal);
+        Plane { pixel: pixel.as_vec2(), depth, slope, off, normal, squared }
     }
 
     /// `IsOn`: whether a pixel shows the surface of a plane.
@@ -37,8 +40,11 @@ impl Traversal<'_> {
         let depth = self.block(pixel).front;
         let across = plane.slope * (pixel.as_vec2() - plane.pixel);
         let apart = (depth - plane.depth) - (across.x + across.y);
-        let is_far = apart.abs() > plane.off * texel + DEPTH_ERROR;
-        (depth < 0.0) == (plane.depth < 0.0) && !is_far
+        let normal = self.normal(pixel);
+        let along = dot(plane.normal, normal);
+        let turned = along * along - plane.squared * dot(normal, normal);
+        let is_other = apart.abs() > plane.off * texel + DEPTH_ERROR || along < 0.0 || turned < 0.0;
+        if plane.depth < 0.0 { depth < 0.0 } else { depth >= 0.0 && !is_other }
     }
 
     /// `GoesFar`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.
