@@ -28,11 +28,11 @@ const float VISIBLE_WITHIN = 0.02;
 // wide as they are there, since a surface may be curved. Along an edge, the pixels of the next surface lie farther off but for
 // the nearest of them.
 const float SAME_SURFACE = 0.1;
-// By how much it may lie off the plane of the pixel that a ray hits, whose normal says how its surface goes on: in texels, too.
-const float IN_PLANE = 0.03;
-// The least cosine between that normal and the normal of what is still its surface. Where two surfaces meet, the nearest pixels of
-// one may lie in the plane of the other.
-const float SAME_NORMAL = 0.9;
+// What the screen shows around a hit is no part of its colour if it stands before the pixel that was hit by more than so many
+// times its texel's width there,
+const float STANDS_BEFORE = 30.0;
+// or not by so much of that width above the plane of the surface that reflects.
+const float STANDS_ABOVE = 0.3;
 // The least cosine at which a surface is taken to be seen where a length on it is found by that.
 const float LEAST_FACING = 0.05;
 // What the traversal of `unified` takes for infinite: a time at which a ray never leaves a cell.

@@ -58,16 +58,16 @@ vec3 ColorBetween(vec2 position, vec3 along) {
 }
 #endif
 
-// From a pixel along a direction in view space, of unit length. `normal` is that of a mirror, else 0.
-End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal) {
+// From a pixel along a direction in view space, of unit length.
+End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
 #ifdef EXACT
     bool faces = true;
     Ray ray = RayAlong(pixel, depth, direction);
-    if (normal != vec3(0.0))
+    if (is_mirror)
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
-    vec3 color = MirroredAt(hit, SkyAlong(direction)).color;
+    vec3 color = MirroredAt(hit, ViewPoint(ray.start, depth), normal, SkyAlong(direction)).color;
     return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hits && faces, hit.position, hit.depth, color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
@@ -113,7 +113,7 @@ void main() {
     bool above = dot(direction, normal) > 0.0;
     if (!above && !(HITS && is_mirror))
         return;
-    End end = WalkAlong(pixel, depth, direction, is_mirror ? normal : vec3(0.0));
+    End end = WalkAlong(pixel, depth, direction, normal, is_mirror);
     if (end.shows && above) {
         vec2 uv = end.position * unified.pixel_to_clip;
         out_place = vec4(ViewPoint(end.position, end.depth), density);

@@ -73,7 +73,7 @@ bool Show(ivec2 pixel, out Shown shown) {
 #else
     bool is_far = GoesFar(ray, hit);
     vec3 along = SkyAlong(ray.direction);
-    Mirrored mirrored = MirroredAt(hit, along);
+    Mirrored mirrored = MirroredAt(hit, ViewPoint(ray.start, depth), normal, along);
     bool shows = is_hit || in_sky || (faces && is_far && mirrored.is_sky);
     if (shows) {
         float fade = Fade(hit.position * unified.pixel_to_clip);

@@ -1,5 +1,5 @@
-//! The colour of a hit on the screen is that of the surface that was hit, and where the screen shows sky, rays that go on for ever
-//! have its colour (docs/definitions.md, "The colour of a hit").
+//! The colour of a hit on the screen has nothing of the surface that reflects in it, and where the screen shows sky, rays that go on
+//! for ever have its colour (docs/definitions.md, "The colour of a hit").
 
 use crate::common::{Builder, Shown, camera, check_validation, gpu, show, unfaded};
 use glam::Vec3;

@@ -147,7 +147,7 @@ impl Pixels<'_> {
     /// sky behind all that stands, or where it leads below the surface.
     fn hit(&self, [x, y]: [u32; 2], direction: DVec3) -> Option<([u32; 2], DVec3)> {
         let rays = self.hierarchy.rays();
-        rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
+        let normal = rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
         let (pixel, position) = match self.hierarchy.trace_direction(x, y, direction).outcome {
             Outcome::Hit { pixel, position } => (pixel, position),
             Outcome::Miss { reason: MissReason::Far, .. } => {
@@ -161,7 +161,8 @@ impl Pixels<'_> {
         };
         let towards = self.view_to_world.transform_vector3(direction);
         let index = rays.gbuffer.index(pixel[0], pixel[1]);
-        Some((pixel, self.colors.shown(index, [position.x, position.y], towards)))
+        let from = rays.position(x, y).map(|point| (point, normal));
+        Some((pixel, self.colors.shown(index, [position.x, position.y], towards, from)))
     }
 }
 

@@ -1,65 +1,57 @@
-//! The colour of the surface that a ray hits on the screen (docs/definitions.md, "Image error"), in f64: of the four pixels
-//! around the hit, those count that show the surface of the pixel that was hit.
+//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64: of the four pixels
+//! around the hit, those count that the ray can have seen.
 
 use super::surface::sky_color;
-use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING, SAME_NORMAL};
-use crate::scene::{GBufferData, ProjectionKind, Surface};
+use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE};
+use crate::scene::{GBufferData, Surface};
 use glam::{DVec2, DVec3};
-
-/// By how much depth may be rounded: a rasteriser interpolates it between corners that may lie at the near plane, where it is 1.
-const DEPTH_ERROR: f64 = 4.0 * ROUNDING;
 
 /// The colours that a G-buffer's pixels show to rays.
 #[derive(Debug, Clone)]
 pub struct SurfaceColors<'a> {
     gbuffer: &'a GBufferData,
-    kind: ProjectionKind,
+    is_orthographic: bool,
     /// What makes the depth of a perspective, plus this, proportional to 1 / z; without perspective, the change of depth with each
     /// metre of z.
     depth_offset: f64,
+    /// The other number of the projection that depth depends on: z (depth + offset) of a perspective; without it the depth at z = 0.
+    depth_unit: f64,
     /// Half a pixel's width and height, at z = 1 in a perspective.
     pixel_to_view: DVec2,
     /// How far the image is shifted against the axis of the view, in half pixels.
     shift: DVec2,
 }
 
-/// The plane in which a pixel's surface lies: depth is linear on it over the image.
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    pixel: DVec2,
-    depth: f64,
-    /// The change of depth with each pixel to the right, and with each pixel down.
-    slope: DVec2,
-    /// By so much the depth of another pixel may differ from the plane's. NaN for a pixel without a normal, which has no plane.
-    off: f64,
-}
+/// A point of a surface that reflects, in view space and metres, and its unit normal.
+pub type Reflecting = (DVec3, DVec3);
 
 impl<'a> SurfaceColors<'a> {
     /// Reads the projection of a G-buffer.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
-        let (projection, kind) = (gbuffer.view_to_clip(), gbuffer.camera.kind());
+        let (projection, is_orthographic) = (gbuffer.view_to_clip(), gbuffer.camera.kind().is_orthographic());
         let size = DVec2::new(f64::from(gbuffer.width), f64::from(gbuffer.height));
-        let shift = if kind.is_orthographic() { projection.w_axis } else { projection.z_axis };
+        let shift = if is_orthographic { projection.w_axis } else { projection.z_axis };
         Self {
             gbuffer,
-            kind,
+            is_orthographic,
             depth_offset: -projection.z_axis.z,
+            depth_unit: projection.w_axis.z,
             pixel_to_view: 1.0 / (size * DVec2::new(projection.x_axis.x, projection.y_axis.y)),
             shift: size * shift.truncate().truncate(),
         }
     }
 
-    /// What the screen shows to a ray that ends at a place of a pixel, in continuous pixel coordinates: on a surface that shows the
-    /// environment, the environment along the ray's direction in the world; elsewhere the lit colour between the pixels around that
-    /// show the same surface, by their bilinear weights.
-    pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3) -> DVec3 {
+    /// What the screen shows to a ray from a surface that ends at a place of a pixel, in continuous pixel coordinates: on a surface
+    /// that shows the environment, the environment along the ray's direction in the world; elsewhere the lit colour between the
+    /// pixels around that the ray can have seen, by their bilinear weights. Where the surface is not known, nothing counts as its own.
+    pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, from: Option<Reflecting>) -> DVec3 {
         let g = self.gbuffer;
         if g.surface[pixel] == Surface::Sky {
             return sky_color(towards);
         }
-        let (plane, mut sum, mut counted) = (self.plane(pixel), DVec3::ZERO, 0.0);
+        let (mut sum, mut counted) = (DVec3::ZERO, 0.0);
         for (index, weight) in around(g, x, y) {
-            if index == pixel || self.is_on(plane, index, pixel) {
+            if index == pixel || g.surface[index] == Surface::Lit && self.is_seen(index, pixel, from) {
                 sum += weight * g.color[index].as_dvec3();
                 counted += weight;
             }
@@ -68,40 +60,36 @@ impl<'a> SurfaceColors<'a> {
         if counted > 0.0 { sum / counted } else { g.color[pixel].as_dvec3() }
     }
 
-    fn place(&self, pixel: usize) -> DVec2 {
-        let width = self.gbuffer.width as usize;
-        DVec2::new((pixel % width) as f64, (pixel / width) as f64)
-    }
-
-    fn plane(&self, pixel: usize) -> Plane {
-        let (place, depth) = (self.place(pixel), f64::from(self.gbuffer.depth[pixel]));
-        let normal = self.gbuffer.normal[pixel].as_dvec3();
-        let size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height));
-        let centre = (2.0 * place + 1.0 - size) * DVec2::new(1.0, -1.0) - self.shift;
-        let is_orthographic = self.kind.is_orthographic();
-        let sight = if is_orthographic { DVec3::Z } else { (centre * self.pixel_to_view).extend(1.0) };
-        let length = normal.length() * sight.length();
-        let least = LEAST_FACING * length;
-        let facing = normal.dot(sight);
-        let facing = if facing < 0.0 { facing.min(-least) } else { facing.max(least) };
-        let rate = if is_orthographic { self.depth_offset } else { depth + self.depth_offset } / facing;
-        Plane {
-            pixel: place,
-            depth,
-            slope: rate * 2.0 * self.pixel_to_view * DVec2::new(normal.x, -normal.y),
-            off: rate.abs() * length * IN_PLANE * 2.0 * self.pixel_to_view.y + DEPTH_ERROR,
+    /// The view-space z of a depth in metres.
+    fn z(&self, depth: f64) -> f64 {
+        if self.is_orthographic {
+            (self.depth_unit - depth) / self.depth_offset
+        } else {
+            self.depth_unit / (depth + self.depth_offset)
         }
     }
 
-    /// Whether a pixel shows the surface of a plane, which is that of the pixel `hit`.
-    fn is_on(&self, plane: Plane, pixel: usize, hit: usize) -> bool {
-        let (g, depth) = (self.gbuffer, f64::from(self.gbuffer.depth[pixel]));
-        let apart = depth - plane.depth - plane.slope.dot(self.place(pixel) - plane.pixel);
-        let [normal, other] = [hit, pixel].map(|i| g.normal[i].as_dvec3());
-        let is_turned = normal.dot(other) < SAME_NORMAL * normal.length() * other.length();
-        let is_other = apart.abs() > plane.off || is_turned;
-        let is_same = if plane.depth > 0.0 { depth > 0.0 && !is_other } else { depth <= 0.0 };
-        is_same && g.surface[pixel] == g.surface[hit]
+    /// The point of view space in the middle of a pixel, at a z.
+    fn point(&self, pixel: usize, z: f64) -> DVec3 {
+        let (width, height) = (self.gbuffer.width as usize, self.gbuffer.height as usize);
+        let place = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+        let size = DVec2::new(width as f64, height as f64);
+        let centred = (2.0 * place + 1.0 - size) * DVec2::new(1.0, -1.0) - self.shift;
+        (centred * self.pixel_to_view * if self.is_orthographic { 1.0 } else { z }).extend(z)
+    }
+
+    /// Whether a ray that hit the pixel `hit` can have seen what another one shows. On the screen something may stand before what
+    /// was hit, and beside it, that does not in the reflection. And nothing of the surface that reflects is seen, or of what is below
+    /// it. Sky lies behind all.
+    fn is_seen(&self, pixel: usize, hit: usize, from: Option<Reflecting>) -> bool {
+        let [depth, own] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
+        if depth <= 0.0 || own <= 0.0 {
+            return depth <= 0.0;
+        }
+        let [z, own] = [depth, own].map(|depth| self.z(depth));
+        let width = 2.0 * self.pixel_to_view.y * if self.is_orthographic { 1.0 } else { z };
+        let is_above = |(point, normal): Reflecting| normal.dot(self.point(pixel, z) - point) > STANDS_ABOVE * width;
+        z + STANDS_BEFORE * width >= own && from.is_none_or(is_above)
     }
 }
 
@@ -126,76 +114,67 @@ fn around(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::ray::RaySetup;
     use crate::reference::testing::{flat, floor_and_wall};
     use glam::Vec3;
 
-    /// The first row of the floor of [`floor_and_wall`].
-    fn first_floor_row(g: &GBufferData) -> u32 {
-        (0..g.height).find(|y| g.normal[g.index(0, *y)] == Vec3::Y).expect("a floor")
-    }
-
-    #[test]
-    fn surfaces_that_meet_do_not_mix() {
+    /// The floor and the wall with a colour each, the floor's first row, and what its second row reflects from.
+    fn stage() -> (GBufferData, u32, Reflecting) {
         let mut g = floor_and_wall(32, 18);
         for (color, normal) in g.color.iter_mut().zip(&g.normal) {
             *color = if *normal == Vec3::Y { Vec3::X } else { Vec3::Z };
         }
-        let (colors, foot) = (SurfaceColors::new(&g), first_floor_row(&g));
+        let foot = (0..g.height).find(|y| g.normal[g.index(0, *y)] == Vec3::Y).expect("a floor");
+        let from = RaySetup::new(&g).position(16, foot + 1).expect("no sky");
+        (g, foot, (from, DVec3::Y))
+    }
+
+    #[test]
+    fn the_foot_of_a_wall_has_nothing_of_the_floor_that_reflects_it() {
+        let (g, foot, from) = stage();
+        let colors = SurfaceColors::new(&g);
         for x in 0..32 {
-            let shown = |row: u32, y: f64| colors.shown(g.index(x, row), [f64::from(x) + 0.8, y], DVec3::Z);
-            assert_eq!(shown(foot - 1, f64::from(foot) - 0.1), DVec3::Z, "the wall at {x}");
-            assert_eq!(shown(foot, f64::from(foot) + 0.1), DVec3::X, "the floor at {x}");
+            let place = [f64::from(x) + 0.8, f64::from(foot) - 0.1];
+            let pixel = g.index(x, foot - 1);
+            assert_eq!(colors.shown(pixel, place, DVec3::Z, Some(from)), DVec3::Z, "{x}");
+            let mixed = colors.shown(pixel, place, DVec3::Z, None);
+            assert!(mixed.x > 0.3 && mixed.z > 0.3, "{x}: {mixed} from a surface that nobody knows");
         }
     }
 
     #[test]
-    fn a_plane_is_interpolated_at_any_angle() {
-        // Colours that are linear over the image stay so, on the wall and on the floor, but where another surface is beside.
-        let mut g = floor_and_wall(32, 18);
+    fn colours_go_on_evenly_where_all_can_be_seen() {
+        let (mut g, foot, from) = stage();
         for (i, color) in g.color.iter_mut().enumerate() {
             *color = Vec3::new((i % 32) as f32, (i / 32) as f32, 0.0);
         }
-        let (colors, foot) = (SurfaceColors::new(&g), first_floor_row(&g));
-        for (x, row) in (1..31).flat_map(|x| (1..17).map(move |y| (x, y))).filter(|(_, y)| *y != foot && *y != foot - 1)
-        {
+        let colors = SurfaceColors::new(&g);
+        for (x, row) in (1..31).flat_map(|x| (1..foot - 1).map(move |y| (x, y))) {
             let place = [f64::from(x) + 0.7, f64::from(row) + 0.2];
-            let shown = colors.shown(g.index(x, row), place, DVec3::Z);
+            let shown = colors.shown(g.index(x, row), place, DVec3::Z, Some(from));
             assert!((shown - DVec3::new(place[0] - 0.5, place[1] - 0.5, 0.0)).length() < 1e-9, "({x}, {row}): {shown}");
         }
     }
 
     #[test]
-    fn what_stands_before_a_parallel_wall_and_sky_do_not_mix_with_it() {
-        // The left half nearer than the right one, with the same normal; one pixel of sky.
-        let mut g = flat(4, 2, 4.0);
-        let near = flat(4, 2, 3.5).depth[0];
-        for y in 0..2 {
-            for x in 0..4 {
+    fn what_stands_far_before_a_hit_is_no_part_of_it_and_what_stands_behind_is() {
+        // The left half stands so near that 30 pixels measure less than the way between.
+        let mut g = flat(64, 36, 40.0);
+        let near = flat(64, 36, 1.0).depth[0];
+        for y in 0..36 {
+            for x in 0..64 {
                 let i = g.index(x, y);
-                g.color[i] = if x < 2 { Vec3::X } else { Vec3::Y };
-                g.depth[i] = if x < 2 { near } else { g.depth[i] };
+                g.color[i] = if x < 32 { Vec3::X } else { Vec3::Y };
+                g.depth[i] = if x < 32 { near } else { g.depth[i] };
             }
         }
-        let sky = g.index(3, 0);
+        let sky = g.index(40, 0);
         (g.depth[sky], g.normal[sky], g.color[sky]) = (0.0, Vec3::ZERO, Vec3::Z);
         let colors = SurfaceColors::new(&g);
-        let shown = |x: u32, place: [f64; 2]| colors.shown(g.index(x, 0), place, DVec3::Z);
-        assert_eq!(shown(1, [1.9, 0.9]), DVec3::X);
-        assert_eq!(shown(2, [2.1, 0.9]), DVec3::Y);
-        assert_eq!(shown(2, [2.9, 0.9]), DVec3::Y);
-        assert_eq!(shown(3, [3.1, 0.9]), DVec3::Z, "sky is a surface of its own");
-    }
-
-    #[test]
-    fn without_a_normal_all_around_counts_but_sky() {
-        let mut g = flat(3, 1, 4.0);
-        for (i, color) in g.color.iter_mut().enumerate() {
-            *color = Vec3::splat(i as f32);
-        }
-        g.normal[1] = Vec3::ZERO;
-        g.depth[2] *= 0.5;
-        assert_eq!(SurfaceColors::new(&g).shown(1, [1.75, 0.5], DVec3::Z), DVec3::splat(1.25));
-        g.depth[2] = 0.0;
-        assert_eq!(SurfaceColors::new(&g).shown(1, [1.75, 0.5], DVec3::Z), DVec3::splat(1.0));
+        let shown = |x: u32, place: [f64; 2]| colors.shown(g.index(x, 0), place, DVec3::Z, None);
+        assert_eq!(shown(32, [32.25, 0.5]), DVec3::Y, "what stands before is left out");
+        assert!((shown(31, [31.75, 0.5]) - DVec3::new(0.75, 0.25, 0.0)).length() < 1e-9, "what stands behind is not");
+        assert!((shown(39, [39.75, 0.5]) - DVec3::new(0.0, 0.75, 0.25)).length() < 1e-9, "nor is sky");
+        assert_eq!(shown(40, [40.25, 0.5]), DVec3::Z, "before the sky stands everything");
     }
 }

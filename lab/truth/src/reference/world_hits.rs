@@ -98,7 +98,7 @@ impl<'a> ShownPlaces<'a> {
     pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
         let (pixel, _, visible) = self.judge(end);
         let p = pixel.filter(|_| visible)?;
-        Some(self.colors.shown(self.index(p)?, p.to_array(), towards))
+        Some(self.colors.shown(self.index(p)?, p.to_array(), towards, None))
     }
 
     /// The index of the pixel at continuous coordinates; `None` off screen.

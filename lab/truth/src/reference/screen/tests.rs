@@ -24,9 +24,11 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     (g, mask)
 }
 
-/// The lit colour where a ray hits a pixel.
-fn shown(g: &GBufferData, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
-    SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z)
+/// The lit colour where a ray from a pixel hits another.
+fn shown(g: &GBufferData, from: [u32; 2], [x, y]: [u32; 2], position: DVec3) -> DVec3 {
+    let rays = RaySetup::new(g);
+    let from = rays.position(from[0], from[1]).zip(rays.normal(from[0], from[1]));
+    SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z, from)
 }
 
 /// The camera ray of a sample through the pixel, as the reference draws it.
@@ -58,7 +60,7 @@ fn a_ray_goes_on_where_it_was_reflected() {
             let normal = rays.normal(from[0], from[1]).expect("a normal");
             let hit = oracle.trace_direction(from[0], from[1], direction).outcome;
             let (Outcome::Hit { pixel, position }, true) = (hit, direction.dot(normal) > 0.0) else { break };
-            sum += share * shown(&g, pixel, position);
+            sum += share * shown(&g, from, pixel, position);
             share *= f64::from(g.reflectivity[g.index(pixel[0], pixel[1])]);
             let normal = rays.normal(pixel[0], pixel[1]).expect("a normal");
             (from, direction) = (pixel, direction - 2.0 * direction.dot(normal) * normal);
@@ -134,7 +136,7 @@ fn directions_below_the_surface_carry_nothing_and_count() {
             below += 1;
             would_hit += usize::from(matches!(hit, Outcome::Hit { .. }));
         } else if let Outcome::Hit { pixel, position } = hit {
-            sum += shown(&g, pixel, position);
+            sum += shown(&g, [x, y], pixel, position);
         }
     }
     assert!(below > 10 && would_hit > 5, "{below} rays below the surface, {would_hit} of which would hit the floor");
@@ -213,7 +215,8 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
         (3.0, 1.0, 8.5),
     ] {
         let pixel = [x.min(2.5), y.min(1.5)].map(|v: f64| v as u32);
-        assert_eq!(shown(&g, pixel, DVec3::new(x, y, 0.0)), DVec3::splat(expected), "({x}, {y})");
+        let found = SurfaceColors::new(&g).shown(g.index(pixel[0], pixel[1]), [x, y], DVec3::Z, None);
+        assert_eq!(found, DVec3::splat(expected), "({x}, {y})");
     }
 }
 
@@ -232,7 +235,9 @@ fn rays_are_drawn_by_their_numbers() {
                 let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
                 let direction = lobe_direction(mirror, phong::exponent(f64::from(roughness)), u);
                 match hierarchy.trace_direction(x, y, direction).outcome {
-                    Outcome::Hit { pixel, position } if direction.dot(normal) > 0.0 => shown(&g, pixel, position),
+                    Outcome::Hit { pixel, position } if direction.dot(normal) > 0.0 => {
+                        shown(&g, [x, y], pixel, position)
+                    }
                     _ => DVec3::ZERO,
                 }
             });

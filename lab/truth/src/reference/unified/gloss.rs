@@ -2,6 +2,7 @@
 //! pixels and cells are narrow, wide, or drawn at all.
 
 use super::gloss_trace::cell_pixel;
+use super::surface::Seeing;
 use super::{Hit, Traversal};
 use crate::math::constants;
 use crate::reference::Level;
@@ -119,10 +120,12 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level.
-    pub(super) fn color_seen(&self, hit: &Hit, footprint_level: f32) -> Vec3 {
+    /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level, from a
+    /// point of a surface with a normal.
+    pub(super) fn color_seen(&self, hit: &Hit, point: Vec3, normal: Vec3, footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
-        let (plane, size) = (self.traversal.plane(hit.pixel), self.traversal.parameters.size);
+        let from = Seeing::new(point, normal, self.traversal.front(hit.pixel));
+        let size = self.traversal.parameters.size;
         let image = &self.chain[level];
         let texels = IVec2::new(image.width as i32, image.height as i32);
         let to_texels = texels.as_vec2() / size.as_vec2();
@@ -134,7 +137,7 @@ impl<'a> Gloss<'a> {
             let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
             let middle = ((texel.as_vec2() + 0.5) / to_texels).as_ivec2().min(size - 1);
             let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if self.traversal.is_on(&plane, middle, (level as f32).exp2()) {
+            if middle == hit.pixel || self.traversal.is_seen(&from, middle, (level as f32).exp2()) {
                 let share = weight.x * weight.y;
                 sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
                 counted += share;

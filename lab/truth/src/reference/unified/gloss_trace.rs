@@ -95,7 +95,7 @@ impl Gloss<'_> {
         let hit = self.traversal.ends_on_sky(&ray, &hit).or((hit.code == Code::Surface).then_some(hit))?;
         let p = &self.traversal.parameters;
         let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
-        let color = self.color_seen(&hit, level).map(super::sound);
+        let color = self.color_seen(&hit, aim.point, aim.lobe.normal, level).map(super::sound);
         Some((hit, color.extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 

@@ -1,56 +1,49 @@
-//! Twin of `unified/surface.glsl` and of `GoesFar`: which pixels show the surface that a ray hit, and the sky that the
-//! screen shows to a ray.
+//! Twin of `unified/surface.glsl` and of `GoesFar`: which pixels a ray can have seen around its hit, and the sky that the screen
+//! shows to a ray.
 
 use super::{Block, Code, Hit, Ray, Traversal, dot};
-use crate::math::constants::{IN_PLANE, LEAST_FACING, ROUNDING, SAME_NORMAL};
-use glam::{IVec2, Vec2, Vec3};
+use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE};
+use glam::{IVec2, Vec3};
 
-const DEPTH_ERROR: f32 = 4.0 * ROUNDING as f32;
-
-/// `Plane`: the plane in which a pixel's surface lies.
+/// `Seeing`: the surface that reflects, and the pixel that its ray hit.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plane {
-    pixel: Vec2,
-    depth: f32,
-    slope: Vec2,
-    off: f32,
+pub(super) struct Seeing {
+    point: Vec3,
     normal: Vec3,
-    squared: f32,
+    size: f32,
+    own: f32,
+}
+
+impl Seeing {
+    /// `SeeingFrom`.
+    pub(super) fn new(point: Vec3, normal: Vec3, own: f32) -> Self {
+        Self { point, normal, size: dot(normal, normal).sqrt(), own }
+    }
 }
 
 impl Traversal<'_> {
-    /// `PlaneOf` a pixel.
-    pub(super) fn plane(&self, pixel: IVec2) -> Plane {
-        let (p, depth, normal) = (&self.parameters, self.block(pixel).front, self.normal(pixel));
-        let is_linear = p.kind.is_orthographic();
-        let (view, _) = self.pixel_point(pixel);
-        let sight = view.extend(1.0);
-        let size = (dot(normal, normal) * dot(sight, sight)).sqrt();
-        let (facing, least) = (dot(normal, sight), LEAST_FACING as f32 * size);
-        let facing = if facing < 0.0 { facing.min(-least) } else { facing.max(least) };
-        let rate = if is_linear { p.depth_offset } else { depth + p.depth_offset } / facing;
-        let slope = rate * (2.0 * p.pixel_to_view * Vec2::new(normal.x, -normal.y));
-        let off = rate.abs() * (size * (IN_PLANE as f32 * 2.0 * p.pixel_to_view.y));
-        let squared = (SAME_NORMAL as f32 * SAME_NORMAL as f32) * dot(normal, normal);
-        Plane { pixel: pixel.as_vec2(), depth, slope, off, normal, squared }
+    /// A pixel's depth; that of an empty block for sky.
+    pub(super) fn front(&self, pixel: IVec2) -> f32 {
+        self.block(pixel).front
     }
 
-    /// `IsOn`: whether a pixel shows the surface of a plane.
-    pub(super) fn is_on(&self, plane: &Plane, pixel: IVec2, texel: f32) -> bool {
-        let depth = self.block(pixel).front;
-        let across = plane.slope * (pixel.as_vec2() - plane.pixel);
-        let apart = (depth - plane.depth) - (across.x + across.y);
-        let normal = self.normal(pixel);
-        let along = dot(plane.normal, normal);
-        let turned = along * along - plane.squared * dot(normal, normal);
-        let is_other = apart.abs() > plane.off * texel + DEPTH_ERROR || along < 0.0 || turned < 0.0;
-        if plane.depth < 0.0 { depth < 0.0 } else { depth >= 0.0 && !is_other }
+    /// `IsSeen`: whether a ray can have seen what a pixel shows in the middle of a texel that is so many pixels wide.
+    pub(super) fn is_seen(&self, from: &Seeing, pixel: IVec2, texel: f32) -> bool {
+        let (p, depth) = (&self.parameters, self.front(pixel));
+        let is_linear = p.kind.is_orthographic();
+        let width = 2.0 * p.pixel_to_view.y * texel;
+        let before = STANDS_BEFORE as f32 * width;
+        let nearest = from.own + if is_linear { before * p.depth_offset } else { (from.own + p.depth_offset) * before };
+        let there = p.view_point(pixel.as_vec2() + 0.5, depth.max(0.0));
+        let least = STANDS_ABOVE as f32 * width * if is_linear { 1.0 } else { there.z } * from.size;
+        let (is_before, is_above) = (depth > nearest, dot(from.normal, there - from.point) > least);
+        depth < 0.0 || from.own >= 0.0 && !is_before && is_above
     }
 
     /// `GoesFar`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.
     pub(super) fn ends_on_sky(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
-        let position = (ray.start + ray.end * ray.rate.truncate()).clamp(Vec2::ZERO, size.as_vec2());
+        let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
         let pixel = position.as_ivec2().min(size - 1);
         let side = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
         let sides = (side.as_vec2() - ray.start) * ray.inverse;
