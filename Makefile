@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars league test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -49,6 +49,12 @@ gpu-study: build
 bars: PROFILE = release
 bars: build
 	scripts/bars.sh $(OUT)/bars $(SCENES)
+
+# three.js and Babylon.js in Debian's Chromium beside this program's methods, on scenes whose truth is exact; an hour on two cores.
+# METHODS names folders of further methods.
+league: PROFILE = release
+league: build
+	scripts/league.sh "$(BIN)" $(OUT)/league $(METHODS)
 
 # The interface for C is tested apart: so it is built without what the laboratory turns on.
 test: setup

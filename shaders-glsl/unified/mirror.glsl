@@ -18,7 +18,8 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
+#define COLOR_AT(pixel) imageLoad(color_buffer, pixel)
 
 #include "unified/depth.glsl"
 #ifdef AMONG_TRIANGLES
@@ -37,7 +38,7 @@ struct Shown {
 
 // The colour that is reflected onto. It is loaded after the ray was followed, since a walk has no register to spare.
 vec4 LitColorAt(ivec2 pixel) {
-    return COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
+    return COMPOSITE ? COLOR_AT(pixel) : vec4(0.0);
 }
 
 // False for a pixel that is left as it is.
@@ -81,12 +82,13 @@ bool Show(ivec2 pixel, out Shown shown) {
         PushFromPixel(uvec2(pixel), ray, spread);
     }
 #else
-    bool shows = is_hit || in_sky;
+    bool is_far = GoesFar(ray, hit);
+    vec3 along = SkyAlong(ray.direction);
+    Mirrored mirrored = MirroredAt(hit, ViewPoint(ray.start, depth), normal, along);
+    bool shows = is_hit || in_sky || (faces && is_far && mirrored.is_sky);
     if (shows) {
-        vec3 along = SkyAlong(ray.direction);
-        shown.reflection = in_sky ? vec4(along, 1.0)
-                                  : vec4(ColorMirrored(hit.position, along),
-                                         Fade(hit.position * unified.pixel_to_clip));
+        float fade = Fade(hit.position * unified.pixel_to_clip);
+        shown.reflection = in_sky ? vec4(along, 1.0) : vec4(mirrored.color, fade);
     } else if (faces) {
         // A mirror's footprint is the pixel's, which has widened since the eye.
         float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;

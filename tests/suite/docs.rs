@@ -19,6 +19,7 @@ mod gpu;
 mod headline;
 mod large_gltf;
 mod layers;
+mod league;
 mod listings;
 mod measured;
 mod motion;

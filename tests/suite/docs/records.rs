@@ -6,7 +6,7 @@ use super::figures::{
 };
 use super::{
     beside, beyond, captions, claims, complaints, coverage, dda, embedding, ends, errata, films, follow, gpu,
-    large_gltf, layers, measured, motion, outlook, stochastic, stress, thesis,
+    large_gltf, layers, league, measured, motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -116,6 +116,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["bevy"] => embedding::bevy(first, false)?,
         ["bevy", "lit"] => embedding::bevy(first, true)?,
         ["bevy", with, figure] => embedding::bevy_figure(first, with, figure)?,
+        ["league", scene] => league::scene(first, scene)?,
+        ["league-scenes", setting] => league::scenes(first, setting)?,
+        ["league", contestant, setting, scene, figure] => league::figure(first, [contestant, setting, scene, figure])?,
         ["stress"] => stress::stress(first)?,
         ["complaints"] => complaints::complaints(first)?,
         ["complaint", case, method] => complaints::complaint(first, case, method)?,
