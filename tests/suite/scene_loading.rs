@@ -3,6 +3,7 @@
 
 mod allowed;
 mod errors;
+mod exporters;
 mod far_away;
 mod geometry;
 mod gltf;

@@ -18,6 +18,7 @@ pub mod gbuffer_map;
 pub mod gltf;
 pub mod library;
 pub mod material_terms;
+mod metallic;
 pub mod obj;
 pub mod path;
 pub mod pattern;

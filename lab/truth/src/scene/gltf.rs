@@ -29,10 +29,11 @@ pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
-const READ: [&str; 6] = [
+const READ: [&str; 7] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -47,8 +48,8 @@ pub fn is_named(path: &Path) -> bool {
 ///
 /// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z
 ///   is negated. A mesh that several nodes place stands there several times.
-/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior` and the metallic
-///   factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
+/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`, `KHR_materials_specular`
+///   and the metallic factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
 ///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour,
 ///   metallic-roughness, normals and emission count; those of occlusion do not.
 /// - Emission, and `KHR_materials_unlit`, are lit colour that no light changes; brighter than 1 counts as 1.
