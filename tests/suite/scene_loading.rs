@@ -4,6 +4,7 @@
 mod allowed;
 mod errors;
 mod exporters;
+mod extensions;
 mod far_away;
 mod geometry;
 mod gltf;

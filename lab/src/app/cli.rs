@@ -83,7 +83,8 @@ pub struct SceneOptions {
     pub far: Option<f32>,
     /// Roughness of every material: 0 a mirror, 1 diffuse
     ///
-    /// Without it, materials keep their own, unless the command says otherwise. Commands that measure take several values,
+    /// It replaces the materials' own numbers and maps. What a material reflects stays as it is: a metal keeps its
+    /// reflectivity, and has no tint with this option or without it. Without it, materials keep their own, unless the command says otherwise. Commands that measure take several values,
     /// with commas between them.
     #[arg(long, value_name = "R", value_delimiter = ',')]
     pub roughness: Vec<f32>,

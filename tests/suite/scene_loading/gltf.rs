@@ -367,7 +367,7 @@ fn what_is_not_supported_is_said_once() {
     let scene = scene(&document);
     let said = [
         "the extension KHR_materials_clearcoat is not supported and was ignored",
-        "the extension KHR_draco_mesh_compression is not supported and was ignored",
+        "meshes are drawn from their uncompressed copies, since the extension KHR_draco_mesh_compression is not supported",
         "points and lines are not drawn",
         "images that are given neither as PNG nor as JPEG (KTX2, for example) are not supported and were left out",
     ];

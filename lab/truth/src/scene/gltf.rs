@@ -29,13 +29,15 @@ pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
-const READ: [&str; 7] = [
+const READ: [&str; 9] = [
+    nodes::INSTANCING,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    nodes::VISIBILITY,
     "KHR_texture_transform",
 ];
 
@@ -47,7 +49,8 @@ pub fn is_named(path: &Path) -> bool {
 /// Loads a glTF file as a scene, named after the file.
 ///
 /// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z
-///   is negated. A mesh that several nodes place stands there several times.
+///   is negated. A mesh that several nodes place stands there several times, and so
+///   do the copies of `EXT_mesh_gpu_instancing`. What `KHR_node_visibility` hides is not there.
 /// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`, `KHR_materials_specular`
 ///   and the metallic factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
 ///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour,

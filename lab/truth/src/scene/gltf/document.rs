@@ -195,9 +195,26 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
     // What is read here, the crate need not know.
     json.extensions_required.clear();
     for name in json.extensions_used.iter().filter(|name| !known(name)) {
-        notes.add(name, format!("the extension {name} is not supported and was ignored"));
+        let sentence = match changed_geometry(name) {
+            Some(lost) => format!("{lost}, since the extension {name} is not supported"),
+            None => format!("the extension {name} is not supported and was ignored"),
+        };
+        notes.add(name, sentence);
     }
     Ok(())
+}
+
+/// What is moved or missing without an extension that places geometry; `None` for one that does not.
+fn changed_geometry(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "MSFT_lod" => "only the finest level of detail of each thing is drawn",
+        "CESIUM_RTC" => "the scene stands at the origin and not around its centre",
+        "AGI_articulations" => "parts that the file lets others move stand as the nodes say",
+        "KHR_draco_mesh_compression" => "meshes are drawn from their uncompressed copies",
+        "KHR_gaussian_splatting" | "KHR_gaussian_splatting_compression_spz_2" => "splats are missing",
+        "KHR_materials_displacement" => "surfaces are flat where images should displace them",
+        _ => return None,
+    })
 }
 
 /// What whoever has a file with this extension can do.

@@ -1,12 +1,14 @@
 //! Walks the tree of nodes: places meshes, cameras and lights in the world.
 
 mod animations;
+mod instances;
 
 use super::data::Data;
 use super::geometry::{self, Tally};
 use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
 use super::{Notes, materials};
+pub(super) use instances::{INSTANCING, VISIBILITY};
 use crate::error::Result;
 use crate::math::constants;
 use crate::scene::assemble::{self, MeshPart};
@@ -88,12 +90,14 @@ fn parts(
     for (node, to_world) in &nodes.shown {
         let Some(mesh) = node.mesh() else { continue };
         let name = names.get(&node.index()).map_or("", String::as_str);
-        let placement = match node.skin() {
-            Some(skin) => nodes.skin(data, &skin)?,
-            None => MeshPlacement::Node(ToWorld::new(*to_world)),
+        let placements = match node.skin() {
+            Some(skin) => vec![nodes.skin(data, &skin)?],
+            None => instances::instances(data, node)?
+                .into_iter()
+                .map(|copy| MeshPlacement::Node(ToWorld::new(*to_world * copy)))
+                .collect(),
         };
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-        let placed = PlacedMesh { name, placement: &placement, weights, origin };
         for primitive in mesh.primitives() {
             let material = primitive.material();
             let at = *index_of.entry(material.index()).or_insert_with(|| {
@@ -101,7 +105,10 @@ fn parts(
                 coordinates.push(materials::coordinates(&material, notes));
                 used.len() - 1
             });
-            parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+            for placement in &placements {
+                let placed = PlacedMesh { name, placement, weights, origin };
+                parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+            }
         }
     }
     Ok((parts, used, tally.bounds))
@@ -192,7 +199,7 @@ impl<'a> Nodes<'a> {
         parents
     }
 
-    /// The nodes below some, and where they stand.
+    /// The nodes below some, and where they stand, without those that are hidden.
     ///
     /// # Errors
     /// The index of a node that was visited before.
@@ -203,16 +210,19 @@ impl<'a> Nodes<'a> {
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
         let mut walked = Vec::new();
         // The last one is visited first.
-        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root)).collect();
-        while let Some((node, parent)) = left.pop() {
+        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
+        while let Some((node, parent, is_hidden)) = left.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
                 return Err(node.index());
             }
             let to_world = parent * local(&node);
             self.to_world[node.index()] = to_world;
+            let is_hidden = is_hidden || instances::is_hidden(&node);
             let children: Vec<_> = node.children().collect();
-            left.extend(children.into_iter().rev().map(|child| (child, to_world)));
-            walked.push((node, to_world));
+            left.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
+            if !is_hidden {
+                walked.push((node, to_world));
+            }
         }
         Ok(walked)
     }
