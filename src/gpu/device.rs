@@ -1,6 +1,7 @@
 //! The device's handle, and what its clones share.
 
 mod features;
+mod no_driver;
 mod open;
 mod ray_queries;
 

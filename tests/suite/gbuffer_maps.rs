@@ -3,9 +3,11 @@
 //! nothing was rounded, else within what the format rounds. The example maps read files of the layouts that they are
 //! for.
 
+mod agreement;
 mod errors;
 mod examples;
 mod files;
+mod formats;
 mod lenses;
 mod materials;
 mod page;

@@ -2,6 +2,7 @@
 //! error with its sentence, the shared scenes where they are there, and mutated files.
 
 mod allowed;
+mod compressed;
 mod errors;
 mod exporters;
 mod extensions;

@@ -1,6 +1,7 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
 use super::cli::{DeviceOptions, SceneOptions};
+use super::parameters::TypedVariant;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
@@ -9,6 +10,7 @@ use crate::scene::path::{self, VIEWS};
 use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
 use crate::stage::Globals;
 use crate::study::error::Variant;
+use crate::study::exhibit::distinct;
 use crate::study::sweep;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -189,7 +191,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     if options.roughness.is_empty() {
         return Ok(vec![of(None)]);
     }
-    options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
+    listed(&options.roughness).into_iter().map(|r| Ok(of(Some(in_unit("--roughness", r)?)))).collect()
 }
 
 /// The global factors where only one roughness makes sense; `why` says so.
@@ -198,6 +200,32 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
         [one] => Ok(one),
         _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
     }
+}
+
+/// The values of a list, each once, in the order in which they were first named.
+pub fn listed<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
+    distinct(values.iter().cloned())
+}
+
+/// The values of a list, each once; `usual` without any.
+pub fn listed_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T> {
+    if values.is_empty() { vec![usual] } else { listed(values) }
+}
+
+/// The variants that were typed, each once, over a base.
+///
+/// # Errors
+/// Errors of [`TypedVariant::over`].
+pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Variant>> {
+    let mut variants: Vec<Variant> = Vec::new();
+    for variant in typed.iter().map(|typed| typed.over(base)) {
+        let variant = variant?;
+        let is_same = |known: &Variant| known.method.name == variant.method.name && known.setup == variant.setup;
+        if !variants.iter().any(is_same) {
+            variants.push(variant);
+        }
+    }
+    Ok(variants)
 }
 
 /// The methods of some names; without names, every method that can be set up so and that takes the cameras.
@@ -227,7 +255,7 @@ pub fn lenses<'a>(scene: &Scene, views: impl IntoIterator<Item = &'a View>) -> V
 /// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
 pub fn variants(options: &VariantOptions, base: &Setup, lenses: &[Lens], swept: bool) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
-        return options.variant.iter().map(|typed| typed.over(base)).collect();
+        return typed_variants(&options.variant, base);
     }
     let methods = methods(&options.method, base, lenses)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };

@@ -12,6 +12,7 @@ pub mod capture_file;
 mod encoding;
 mod exr_channels;
 mod exr_parts;
+mod exr_window;
 mod far_away;
 pub mod gbuffer_file;
 pub mod gbuffer_map;

@@ -4,15 +4,18 @@
 //! [`GBufferMap::parse`] checks a map without any file of a frame; an error has the line of the mistake.
 //! [`GBufferMap::read`] then reads frames. The submodules find files and channels (`files`, `source`), make the camera
 //! (`camera`, `axes`, `numbers`), and turn what the channels hold into ours (`depth`, `normals`, `surface`); `keys`
-//! takes the keys of a section.
+//! takes the keys of a section. [`GBufferMap::check`] holds what was read against itself (`check`, `agreement`, `readings`).
 
+mod agreement;
 mod axes;
 mod camera;
+mod check;
 mod depth;
 mod files;
 mod keys;
 mod normals;
 mod numbers;
+mod readings;
 mod source;
 mod surface;
 
@@ -21,6 +24,8 @@ use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};
 use axes::MapConventions;
 use camera::MapCamera;
+use check::MapPosition;
+pub use check::disagreement;
 use depth::MapDepth;
 use files::MapFiles;
 use keys::{MapKeys, MapSection};
@@ -45,6 +50,7 @@ pub struct GBufferMap {
     reflectivity: MapReflectivity,
     color: Vec<MapColour>,
     sky: Option<MapSky>,
+    position: Option<MapPosition>,
 }
 
 #[derive(Deserialize)]
@@ -64,6 +70,7 @@ struct Sections {
     #[serde(default)]
     color: Vec<MapSection>,
     sky: Option<MapSection>,
+    position: Option<MapSection>,
 }
 
 /// Where the first row of the files is.
@@ -115,7 +122,15 @@ impl GBufferMap {
             reflectivity,
             color: color.collect::<Result<_>>()?,
             sky: sections.sky.map(|sky| MapSky::take(MapKeys::new(&text, "[sky]", sky))).transpose()?,
+            position: sections
+                .position
+                .map(|position| MapPosition::take(MapKeys::new(&text, "[position]", position)))
+                .transpose()?,
         };
+        if map.position.as_ref().is_some_and(MapPosition::need_world) && !map.camera.has_place() {
+            let message = "[camera]: places in world space need the camera's place, as normals in world space do";
+            return Err(Error::malformed(path, Some(map.camera.line), message));
+        }
         if map.normals.need_world() && !map.camera.has_place() {
             let message = "[camera]: normals in world space need the camera's place: world-to-view, view-to-world, or \
                            eye with look-at or forward";

@@ -7,11 +7,14 @@
 //!
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
+mod compression;
+mod compression;
 mod data;
 mod document;
 mod geometry;
 mod materials;
 mod nodes;
+mod typed;
 mod vertices;
 
 use super::{LoadOptions, Probe, Scene, bounded, viewpoint};
@@ -29,14 +32,17 @@ pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
-const READ: [&str; 9] = [
+const READ: [&str; 12] = [
     nodes::INSTANCING,
+    compression::NAMES[0],
+    document::WEBP,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    compression::NAMES[1],
     nodes::VISIBILITY,
     "KHR_texture_transform",
 ];

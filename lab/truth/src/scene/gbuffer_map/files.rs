@@ -33,15 +33,20 @@ pub(super) struct ChannelSource {
     pub line: usize,
 }
 
+/// Files that were read, by their paths.
+pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
+
 /// The files of one frame.
 pub(super) struct MapFiles<'a> {
     /// The path of the map, for errors.
     pub map: &'a Path,
     main: &'a Path,
     bottom_up: bool,
-    open: BTreeMap<PathBuf, Vec<ExrPart>>,
+    open: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
+    /// The width of a pixel over its height, by the header of that file.
+    pixel_aspect: f64,
     main_is_used: bool,
 }
 
@@ -49,7 +54,17 @@ impl<'a> MapFiles<'a> {
     /// The files beside `main`, none of them read yet. `map` is the path of the map, for errors; `bottom_up` says
     /// whether the first row of the files is the lowest.
     pub fn new(map: &'a Path, main: &'a Path, bottom_up: bool) -> Self {
-        Self { map, main, bottom_up, open: BTreeMap::new(), size: None, main_is_used: false }
+        Self::with(map, main, bottom_up, OpenFiles::new())
+    }
+
+    /// Makes the files as [`Self::new`] does, some of which were read before.
+    pub fn with(map: &'a Path, main: &'a Path, bottom_up: bool, open: OpenFiles) -> Self {
+        Self { map, main, bottom_up, open, size: None, pixel_aspect: 1.0, main_is_used: false }
+    }
+
+    /// The files that were read.
+    pub fn into_open(self) -> OpenFiles {
+        self.open
     }
 
     /// An error at a line of the map.
@@ -68,6 +83,11 @@ impl<'a> MapFiles<'a> {
     /// Width and height of the image; 0 until a channel was read.
     pub fn size(&self) -> [u32; 2] {
         self.size.as_ref().map_or([0; 2], |(size, _)| *size)
+    }
+
+    /// The width of a pixel over its height; 1 until a channel was read.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_aspect
     }
 
     /// How many pixels the image has; 0 until a channel was read.
@@ -93,7 +113,7 @@ impl<'a> MapFiles<'a> {
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
                 "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must be compressed \
-                 without loss"
+                 without loss (in Blender, Output, Codec: ZIP)"
             )));
         }
         let [width, height] = part.size;
@@ -108,7 +128,10 @@ impl<'a> MapFiles<'a> {
         } else {
             channel.values.clone()
         };
-        self.size.get_or_insert(([width, height], shown));
+        if self.size.is_none() {
+            self.pixel_aspect = pixel_aspect(part);
+            self.size = Some(([width, height], shown));
+        }
         Ok(values)
     }
 
@@ -176,6 +199,14 @@ impl<'a> MapFiles<'a> {
         };
         self.open.insert(path, parts);
         Ok(())
+    }
+}
+
+/// The width of a pixel over its height, as the header of a part has it; 1 for what can be none.
+fn pixel_aspect(part: &ExrPart) -> f64 {
+    match part.attributes.get("pixelAspectRatio") {
+        Some(AttributeValue::F32(aspect)) if aspect.is_finite() && *aspect > 0.0 => f64::from(*aspect),
+        _ => 1.0,
     }
 }
 

@@ -12,6 +12,7 @@
 
 use super::Notes;
 use super::data::{Data, ImageBytes};
+use super::document::remedy;
 use crate::error::Error;
 use crate::scene::material_terms::{self, F0, roughness_of_perceptual};
 use crate::scene::metallic::{Factors, TexelInputs, grey, texels, white};
@@ -83,11 +84,14 @@ impl<'a> Use<'a> {
     }
 
     /// The index of its image; none if the file gives it only in a format that is not read.
-    fn image(&self, notes: &mut Notes) -> Option<usize> {
+    fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
-            let what = "images that are given neither as PNG nor as JPEG (KTX2, for example) are not supported";
-            notes.add("formats", format!("{what} and were left out"));
+            let json = self.texture.index();
+            let others = data.document.as_json().textures.get(json).and_then(|t| t.extensions.as_ref());
+            let extension = others.and_then(|e| e.others.keys().next().cloned()).unwrap_or_default();
+            let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
+            notes.add("formats", format!("{what}; {}", remedy(&extension)));
         }
         image
     }
@@ -132,7 +136,23 @@ enum Baked {
     Reflectivity {
         base: Option<Image>,
         metallic: Option<Image>,
-        /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
+        /// Notes factors that lie where none can: each counts as the nearest that can be.
+fn note_range(material: &gltf::Material, notes: &mut Notes) {
+    let pbr = material.pbr_metallic_roughness();
+    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
+    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
+    for (name, value) in colours.into_iter().chain(numbers) {
+        if (0.0..=1.0).contains(&value) {
+            continue;
+        }
+        let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
+        let nearest = value.clamp(0.0, 1.0);
+        let sentence = format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
+        notes.add(&format!("{place} {name}"), sentence);
+    }
+}
+
+/// The images of `KHR_materials_specular`: strength, in alpha, and colour.
         specular: [Option<Image>; 2],
         of: Factors,
     },
@@ -265,7 +285,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     let pbr = material.pbr_metallic_roughness();
     let of = factors(material);
     let specular = specular_images(data, material);
-    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(notes));
+    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let rough = image(pbr.metallic_roughness_texture());
     let metallic = rough.filter(|_| of.metallic > 0.0 && !of.unlit);
@@ -274,11 +294,12 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     if of.emission.max_element() > 1.0 {
         notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
     }
+    note_range(material, notes);
     let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
     if !of.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
         notes.add("rough", material_terms::TOO_ROUGH.to_owned());
     }
-    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(notes)?, n.scale())));
+    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(data, notes)?, n.scale())));
     if material.alpha_mode() == AlphaMode::Blend {
         notes.add(
             "blend",
