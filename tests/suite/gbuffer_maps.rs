@@ -11,6 +11,7 @@ mod formats;
 mod lenses;
 mod materials;
 mod page;
+mod views;
 
 use crate::common::folder::Folder;
 use crate::common::gpu;

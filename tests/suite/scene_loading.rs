@@ -10,6 +10,7 @@ mod far_away;
 mod geometry;
 mod gltf;
 mod lenient;
+mod lights;
 mod materials;
 mod motions;
 mod mutations;

@@ -94,6 +94,9 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     for warning in &scene.warnings {
         eprintln!("ssct: warning: {}", super::printable(warning));
     }
+    for note in &scene.notes {
+        eprintln!("ssct: {}", super::printable(note));
+    }
     Ok(scene)
 }
 

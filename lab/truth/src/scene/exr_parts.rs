@@ -18,6 +18,8 @@ use std::path::Path;
 pub(super) struct ExrPart {
     /// Its name; files of one part may have none.
     pub name: Option<String>,
+    /// The view that it is of, as of one eye.
+    pub view: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Sorted by name.
@@ -81,6 +83,7 @@ fn part(
         (name, ExrChannel { values: shown.crop(values), rounded_by: rounded.then_some(compression) })
     };
     Ok(ExrPart {
+        view: layer.attributes.view_name.as_ref().map(ToString::to_string),
         name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
         size: shown.size.map(|side| side as u32),
         channels: layer.channel_data.list.into_iter().map(channel).collect(),

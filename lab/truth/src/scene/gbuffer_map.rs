@@ -27,7 +27,7 @@ use camera::MapCamera;
 use check::MapPosition;
 pub use check::disagreement;
 use depth::MapDepth;
-use files::MapFiles;
+use files::{Arrangement, MapFiles};
 use keys::{MapKeys, MapSection};
 use normals::MapNormals;
 use serde::Deserialize;
@@ -42,6 +42,7 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct GBufferMap {
     path: PathBuf,
     bottom_up: bool,
+    view: Option<String>,
     conventions: MapConventions,
     camera: MapCamera,
     depth: MapDepth,
@@ -58,6 +59,7 @@ pub struct GBufferMap {
 struct Sections {
     #[serde(default)]
     origin: MapOrigin,
+    view: Option<String>,
     conventions: Option<MapSection>,
     camera: Option<MapSection>,
     depth: Option<MapSection>,
@@ -114,6 +116,7 @@ impl GBufferMap {
         let map = Self {
             path: path.to_owned(),
             bottom_up: sections.origin == MapOrigin::BottomLeft,
+            view: sections.view,
             conventions: MapConventions::take(MapKeys::or_empty(&text, "[conventions]", sections.conventions))?,
             camera: MapCamera::take(needed(&text, "[camera]", sections.camera)?)?,
             depth: MapDepth::take(needed(&text, "[depth]", sections.depth)?)?,
@@ -139,6 +142,10 @@ impl GBufferMap {
         Ok(map)
     }
 
+    fn arrangement(&self) -> Arrangement<'_> {
+        Arrangement { bottom_up: self.bottom_up, view: self.view.as_deref() }
+    }
+
     /// Reads a frame. `main` is the main file; the other files that the map names lie in its folder.
     ///
     /// # Errors
@@ -146,7 +153,7 @@ impl GBufferMap {
     /// [`Error::Malformed`] with the line of the map for a file, part, channel or attribute that is not there, for
     /// files of several sizes, for a camera that cannot be used, and for the first pixel whose value is out of range.
     pub fn read(&self, main: &Path) -> Result<GBufferData> {
-        let mut files = MapFiles::new(&self.path, main, self.bottom_up);
+        let mut files = MapFiles::new(&self.path, main, self.arrangement());
         let planes = self.depth.read(&mut files)?;
         let [width, height] = files.size();
         let (camera, coding) = self.camera.get(&self.conventions, &self.depth, &mut files)?;

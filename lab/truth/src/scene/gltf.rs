@@ -70,6 +70,8 @@ pub fn is_named(path: &Path) -> bool {
 ///   targets are not played.
 /// - Tangents come from the file or else from MikkTSpace. `KHR_texture_transform` is applied to the coordinates.
 ///
+/// What was chosen where the file has no light or no camera, and the exposure of its lights, stand in [`Scene::notes`].
+///
 /// What is not supported adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
@@ -80,6 +82,9 @@ pub fn is_named(path: &Path) -> bool {
 /// out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
+    if let Some(chosen) = chosen(&scene) {
+        scene.notes.push(format!("{}: {chosen}", path.display()));
+    }
     if scene.views.is_empty() {
         scene.views = vec![viewpoint::default_view(&scene)];
     }
@@ -88,6 +93,18 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     Ok(scene)
+}
+
+/// What is chosen for a file without lights or cameras; `None` for one with both.
+fn chosen(scene: &Scene) -> Option<String> {
+    let light = "one directional light shines from above";
+    let view = "the view shows all of the scene";
+    match (scene.lights.is_empty(), scene.views.is_empty()) {
+        (true, true) => Some(format!("it has neither lights nor cameras; {light}, and {view}")),
+        (true, false) => Some(format!("it has no lights; {light}")),
+        (false, true) => Some(format!("it has no cameras; {view}")),
+        (false, false) => None,
+    }
 }
 
 /// Loads a scene as [`load`] does, with the views and lights of the file alone, and without a probe. From every place
@@ -121,10 +138,15 @@ impl Notes {
         Self { file: path.display().to_string(), kinds: HashSet::new(), sentences: Vec::new() }
     }
 
+    /// A sentence about the file.
+    fn about(&self, sentence: &str) -> String {
+        format!("{}: {sentence}", self.file)
+    }
+
     /// Adds a sentence, unless there is one of this kind.
     fn add(&mut self, kind: &str, sentence: String) {
         if self.kinds.insert(kind.to_owned()) {
-            self.sentences.push(format!("{}: {sentence}", self.file));
+            self.sentences.push(self.about(&sentence));
         }
     }
 }

@@ -169,7 +169,7 @@ impl GBufferMap {
 
     /// How much of a frame disagrees, and the files that were opened.
     fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
-        let mut files = MapFiles::with(&self.path, main, self.bottom_up, open);
+        let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
         let measured = self.measure(&mut files);
         (measured, files.into_open())
     }
