@@ -10,6 +10,7 @@ mod files;
 mod formats;
 mod lenses;
 mod materials;
+mod mitsuba;
 mod page;
 mod views;
 

@@ -46,6 +46,7 @@ mod impostors;
 mod interrupted;
 mod layers;
 mod library;
+mod lists;
 mod many;
 mod mirror;
 mod moving;

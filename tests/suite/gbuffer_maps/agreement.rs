@@ -6,6 +6,7 @@ use super::named;
 use crate::common::folder::Folder;
 use exr::image::FlatSamples;
 use exr::meta::attribute::IntegerBounds;
+use exr::prelude::WritableImage;
 use glam::DVec3;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 
@@ -157,7 +158,7 @@ fn pixels_that_are_not_square_are_read_from_the_header() {
     let mut attributes = exr::meta::header::ImageAttributes::new(window);
     attributes.pixel_aspect = 2.0;
     let image = exr::image::Image::from_layers(attributes, [layer(part)].to_vec());
-    exr::prelude::WritableImage::to_file(image.write(), folder.path("f.exr")).unwrap();
+    image.write().to_file(folder.path("f.exr")).unwrap();
     assert_eq!(said(&folder, &map(&[], POSITION)), None);
     folder.write("map.toml", map(&[], ""));
     let data = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();

@@ -8,7 +8,6 @@
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
 mod compression;
-mod compression;
 mod data;
 mod document;
 mod geometry;

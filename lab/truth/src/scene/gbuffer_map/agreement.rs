@@ -11,6 +11,9 @@ use glam::{DVec2, DVec3};
 /// Normals and slopes that are further apart than this disagree.
 const MOST_DEGREES: f64 = 8.0;
 
+/// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
+const GROSS_DEGREES: f64 = 45.0;
+
 /// Pixels that are compared at most, and at least for the comparison to mean something.
 const MOST_SAMPLES: usize = 20_000;
 const FEWEST_SAMPLES: usize = 100;
@@ -122,8 +125,18 @@ impl Slopes {
 
     /// The share of the compared pixels that disagree; `None` if too few can be compared.
     pub(super) fn disagreeing(&self) -> Option<f64> {
-        let apart = self.samples.iter().filter(|s| !(self.opened.degrees_apart(s) <= MOST_DEGREES)).count();
-        (self.samples.len() >= FEWEST_SAMPLES).then(|| apart as f64 / self.samples.len() as f64)
+        self.share_beyond(MOST_DEGREES)
+    }
+
+    /// The share of the compared pixels whose normals have nothing to do with their slopes; `None` if too few can be compared.
+    pub(super) fn unrelated(&self) -> Option<f64> {
+        self.share_beyond(GROSS_DEGREES)
+    }
+
+    fn share_beyond(&self, degrees: f64) -> Option<f64> {
+        let is_near = |sample: &&Sample| self.opened.degrees_apart(sample) <= degrees;
+        let near = self.samples.iter().filter(is_near).count();
+        (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
 
     /// The lens with which most pixels agree, in words, and the share that disagrees then.

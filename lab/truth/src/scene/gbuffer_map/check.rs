@@ -19,8 +19,8 @@ const LITTLE: f64 = 0.05;
 /// Another reading is believed if it leaves at most this share of what disagrees.
 const MUCH_BETTER: f64 = 0.5;
 
-/// From this share on, something is said even if no other reading is better.
-const MOST: f64 = 0.8;
+/// From this share of unrelated normals or wrong places on, something is said even if no other reading is better.
+const MOST: f64 = 0.4;
 
 /// How far a place may lie beside its pixel's, as a share of its distance: more than 16-bit floats round.
 const MOST_OFF: f64 = 0.01;
@@ -80,6 +80,8 @@ struct Frame {
 #[derive(Debug, Clone, Copy)]
 struct Disagreement {
     slopes: f64,
+    /// Normals that have nothing to do with the slopes.
+    unrelated: f64,
     places: f64,
 }
 
@@ -107,8 +109,11 @@ impl Disagreement {
 pub fn disagreement(data: &GBufferData) -> Option<String> {
     let slopes = Slopes::of_data(data);
     let share = slopes.disagreeing()?;
-    let own = Disagreement { slopes: share, places: 0.0 };
-    let lens = slopes.best_lens(&data.camera).map(|(words, slopes)| (words, Disagreement { slopes, places: 0.0 }));
+    if share <= LITTLE {
+        return None;
+    }
+    let own = Disagreement { slopes: share, unrelated: slopes.unrelated()?, places: 0.0 };
+    let lens = slopes.best_lens(&data.camera).map(|(words, slopes)| (words, Disagreement { slopes, ..own }));
     said(own, lens, false)
 }
 
@@ -120,7 +125,7 @@ fn said(own: Disagreement, best: Option<(String, Disagreement)>, has_places: boo
         Some((words, other)) if own.worst() > LITTLE => {
             Some(format!("{what}; with {words} it would be {:.0} %", 100.0 * other.worst()))
         }
-        _ if own.worst() > MOST => {
+        _ if own.unrelated.max(own.places) > MOST => {
             let asked = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind of depth wrong?";
             Some(format!("{what}, and no other reading of lens, axes or depth that was tried is much better; {asked}"))
         }
@@ -181,12 +186,13 @@ impl GBufferMap {
         let depth = self.depth.reversed(&planes, &camera, coding, self.conventions.metres, size)?;
         let normal = self.normals.read(files, &self.conventions, &camera, &depth)?;
         let frame = Frame { size, camera, depth, normal };
-        let slopes = Slopes::new(&frame.camera, size, &frame.depth, &frame.normal).disagreeing();
+        let slopes = Slopes::new(&frame.camera, size, &frame.depth, &frame.normal);
         let places = match &self.position {
             Some(position) => position.off(files, &self.conventions, &frame)?,
             None => 0.0,
         };
         // A reading that leaves too few pixels to compare explains nothing.
-        Ok(Disagreement { slopes: slopes.unwrap_or(1.0), places })
+        let [slopes, unrelated] = [slopes.disagreeing(), slopes.unrelated()].map(|share| share.unwrap_or(1.0));
+        Ok(Disagreement { slopes, unrelated, places })
     }
 }

@@ -136,23 +136,7 @@ enum Baked {
     Reflectivity {
         base: Option<Image>,
         metallic: Option<Image>,
-        /// Notes factors that lie where none can: each counts as the nearest that can be.
-fn note_range(material: &gltf::Material, notes: &mut Notes) {
-    let pbr = material.pbr_metallic_roughness();
-    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
-    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
-    for (name, value) in colours.into_iter().chain(numbers) {
-        if (0.0..=1.0).contains(&value) {
-            continue;
-        }
-        let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
-        let nearest = value.clamp(0.0, 1.0);
-        let sentence = format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
-        notes.add(&format!("{place} {name}"), sentence);
-    }
-}
-
-/// The images of `KHR_materials_specular`: strength, in alpha, and colour.
+        /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
         specular: [Option<Image>; 2],
         of: Factors,
     },
@@ -257,6 +241,22 @@ fn factors(material: &gltf::Material) -> Factors {
         f0: tint * ior.map_or(F0, material_terms::f0_of_ior),
         specular: weight,
         unlit: material.unlit(),
+    }
+}
+
+/// Notes factors that lie where none can: each counts as the nearest that can be.
+fn note_range(material: &gltf::Material, notes: &mut Notes) {
+    let pbr = material.pbr_metallic_roughness();
+    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
+    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
+    for (name, value) in colours.into_iter().chain(numbers) {
+        if (0.0..=1.0).contains(&value) {
+            continue;
+        }
+        let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
+        let nearest = value.clamp(0.0, 1.0);
+        let sentence = format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
+        notes.add(&format!("{place} {name}"), sentence);
     }
 }
 
