@@ -1,7 +1,7 @@
 //! Numbers on the command line: wrong ones and negative ones reach the sentence about their value, however they are spelt.
 
-use clap::builder::ValueParser;
 use clap::Command;
+use clap::builder::ValueParser;
 use std::any::TypeId;
 
 /// A command line whose options take `-0.1` behind a blank as they take it behind `=`, and that say what is no number.

@@ -145,8 +145,11 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
         return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
     let known = table_5_8::ROUGHNESS;
-    let wanted =
-        if options.common.place.roughness.is_empty() { known.to_vec() } else { resolve::listed(&options.common.place.roughness) };
+    let wanted = if options.common.place.roughness.is_empty() {
+        known.to_vec()
+    } else {
+        resolve::listed(&options.common.place.roughness)
+    };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
     }

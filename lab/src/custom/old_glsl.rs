@@ -51,8 +51,7 @@ pub fn check(path: &Path, source: &str) -> Result<()> {
 /// What to write in the place of the old names that a text has.
 fn replacements(text: &str) -> String {
     let is_there = |name: &&(&str, &str)| words(text).any(|word| word == name.0);
-    let each: String = NAMES.iter().filter(is_there).map(|(name, instead)| format!("; for {name}, {instead}")).collect();
-    each
+    NAMES.iter().filter(is_there).map(|(name, instead)| format!("; for {name}, {instead}")).collect()
 }
 
 /// The line of the version, its number, and whether it is of GLSL ES; `None` without one that is a number.
@@ -74,8 +73,8 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 fn without_comments(source: &str) -> String {
     let mut text = String::with_capacity(source.len());
     let mut rest = source;
-    while let Some(at) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
-        let (before, comment) = rest.split_at(at);
+    while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+        let (before, comment) = rest.split_at(start);
         text.push_str(before);
         let end = match comment.starts_with("//") {
             true => comment.find('\n').unwrap_or(comment.len()),

@@ -176,8 +176,8 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
         match class {
             class::UNIFORM_CONSTANT | class::UNIFORM | class::STORAGE_BUFFER => {
                 let place = [decoration::SET, decoration::BINDING].map(|d| code.decoration(id, d).unwrap_or(0));
-                let of = resource(&code, (id, class, pointee), place)?;
-                bound.push((place, id, of));
+                let variable = resource(&code, (id, class, pointee), place)?;
+                bound.push((place, id, variable));
             }
             class::PUSH_CONSTANT => {
                 let layout = BlockLayout::of(&code, pointee, id)?;

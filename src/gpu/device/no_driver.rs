@@ -56,6 +56,9 @@ mod tests {
         let there = sentence(Some(("VK_DRIVER_FILES", here)), failed);
         assert_eq!(there, format!("a driver is there and finds no card (VK_DRIVER_FILES={here}); {HINT}"));
         let absent = sentence(Some(("VK_ICD_FILENAMES", "/nowhere/a.json")), none);
-        assert_eq!(absent, format!("VK_ICD_FILENAMES=/nowhere/a.json names no file: /nowhere/a.json is not there; {HINT}"));
+        assert_eq!(
+            absent,
+            format!("VK_ICD_FILENAMES=/nowhere/a.json names no file: /nowhere/a.json is not there; {HINT}")
+        );
     }
 }

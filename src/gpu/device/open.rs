@@ -27,7 +27,9 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     // SAFETY: enumeration has no preconditions.
     let (layers, extensions) = unsafe {
         (
-            entry.enumerate_instance_layer_properties().map_err(no_driver::failed("vkEnumerateInstanceLayerProperties"))?,
+            entry
+                .enumerate_instance_layer_properties()
+                .map_err(no_driver::failed("vkEnumerateInstanceLayerProperties"))?,
             entry
                 .enumerate_instance_extension_properties(None)
                 .map_err(no_driver::failed("vkEnumerateInstanceExtensionProperties"))?,
@@ -76,7 +78,8 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
 /// Every device of an instance.
 pub(super) fn list(instance: &ash::Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
-    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(no_driver::failed("vkEnumeratePhysicalDevices"))?;
+    let physical =
+        unsafe { instance.enumerate_physical_devices() }.map_err(no_driver::failed("vkEnumeratePhysicalDevices"))?;
     if physical.is_empty() {
         return Err(no_driver::no_device(vk::Result::ERROR_INITIALIZATION_FAILED));
     }

@@ -20,7 +20,11 @@ const NEAR: f64 = 0.5;
 /// What a pixel sees of a tilted floor, a wall and a ball: its place and its normal in a left-handed view space with y up.
 fn seen(x: f64, y: f64, aspect: f64) -> (DVec3, DVec3) {
     let tan = (0.5 * FOV_Y_DEG).to_radians().tan();
-    let ray = DVec3::new((2.0 * x / f64::from(SIZE[0]) - 1.0) * tan * aspect, (1.0 - 2.0 * y / f64::from(SIZE[1])) * tan, 1.0);
+    let ray = DVec3::new(
+        (2.0 * x / f64::from(SIZE[0]) - 1.0) * tan * aspect,
+        (1.0 - 2.0 * y / f64::from(SIZE[1])) * tan,
+        1.0,
+    );
     let planes = [
         (DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.1, 0.95, -0.1).normalize()),
         (DVec3::new(0.0, 0.0, 8.0), DVec3::new(-0.3, 0.1, -0.9).normalize()),
@@ -103,7 +107,11 @@ fn each_wrong_convention_is_found() {
         (&(|p: DVec3| p.length()) as &dyn Fn(DVec3) -> f64, &[][..], "kind = \"distance\" in [depth]"),
         (&from_near, &[], "kind = \"distance-from-near\" in [depth]"),
         (&|p: DVec3| p.z, &[("\"view-z\"", "\"distance\"")], "kind = \"view-z\" in [depth]"),
-        (&|p: DVec3| p.z, &[("[depth]", "[conventions]\nview = \"right\"\n[depth]")], "view = \"left\" in [conventions]"),
+        (
+            &|p: DVec3| p.z,
+            &[("[depth]", "[conventions]\nview = \"right\"\n[depth]")],
+            "view = \"left\" in [conventions]",
+        ),
         (&|p: DVec3| p.z, &[("fov-y-deg", "fov-x-deg")], "an angle from top to bottom (fov-y)"),
         (&|p: DVec3| p.z, &[("[camera]", "origin = \"bottom-left\"\n[camera]")], "origin = \"top-left\""),
     ] {
@@ -126,7 +134,9 @@ fn a_wrong_lens_is_estimated() {
 fn a_cropped_picture_is_told_apart_from_a_whole_one() {
     // The right upper quarter of the picture, as a border render with crop leaves it.
     let folder = Folder::new();
-    let quarter = |x: u32, y: u32| seen(0.5 * (f64::from(x) + 0.5) + 0.5 * f64::from(SIZE[0]), 0.5 * (f64::from(y) + 0.5), aspect());
+    let quarter = |x: u32, y: u32| {
+        seen(0.5 * (f64::from(x) + 0.5) + 0.5 * f64::from(SIZE[0]), 0.5 * (f64::from(y) + 0.5), aspect())
+    };
     let pixels: Vec<_> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| quarter(x, y))).collect();
     let channel = |value: &dyn Fn(&(DVec3, DVec3)) -> f64| floats(pixels.iter().map(value));
     let mut samples = vec![channel(&|p| p.0.z), channel(&|p| p.1.x), channel(&|p| p.1.y), channel(&|p| p.1.z)];

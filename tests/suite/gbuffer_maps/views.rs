@@ -13,11 +13,23 @@ const PASSES: [(&str, &[&str]); 4] =
 
 fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     match (pass, component) {
-        ("Depth", _) => if is_left { 2.0 } else { 3.0 },
+        ("Depth", _) => {
+            if is_left {
+                2.0
+            } else {
+                3.0
+            }
+        }
         ("Normal", "Z") => -1.0,
         ("Normal", _) => 0.0,
         ("rough", _) => 0.25,
-        _ => if is_left { 0.5 } else { 0.75 },
+        _ => {
+            if is_left {
+                0.5
+            } else {
+                0.75
+            }
+        }
     }
 }
 
@@ -93,7 +105,8 @@ fn a_file_of_several_views_says_which_there_are() {
 #[test]
 fn parts_without_a_view_belong_to_every_view() {
     let folder = Folder::new();
-    let channels = ["L.Depth.Z", "L.Normal.X", "L.Normal.Y", "L.Normal.Z", "L.rough.V", "L.Light.R", "L.Light.G", "L.Light.B"];
+    let channels =
+        ["L.Depth.Z", "L.Normal.X", "L.Normal.Y", "L.Normal.Z", "L.rough.V", "L.Light.R", "L.Light.G", "L.Light.B"];
     let values = [2.0, 0.0, 0.0, -1.0, 0.25, 0.5, 0.5, 0.5].map(|v| floats(vec![v; 12]));
     write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&channels, values))]);
     let with = read(&folder, &map("view = \"left\"\n"), "plain.exr").unwrap();

@@ -29,7 +29,9 @@ fn compressed(name: &str, change: impl FnOnce(&mut Value)) -> Value {
                 ("TRIANGLES", 2, meshopt::encode_index_buffer(&indices, 4).unwrap())
             }
             2 => ("ATTRIBUTES", 8, meshopt::encode_vertex_buffer(bytemuck::cast_slice::<u8, [u8; 8]>(bytes)).unwrap()),
-            _ => ("ATTRIBUTES", 12, meshopt::encode_vertex_buffer(bytemuck::cast_slice::<u8, [u8; 12]>(bytes)).unwrap()),
+            _ => {
+                ("ATTRIBUTES", 12, meshopt::encode_vertex_buffer(bytemuck::cast_slice::<u8, [u8; 12]>(bytes)).unwrap())
+            }
         };
         document["bufferViews"][index]["extensions"] = json!({name: {
             "buffer": 1, "byteOffset": encoded.len(), "byteLength": stored.len(), "byteStride": stride,
@@ -80,8 +82,11 @@ fn filters_of_meshopt_are_undone() {
     let bytes: Vec<[i8; 4]> = meshopt::encode_filter_oct(&towards, 8);
     let shorts: Vec<[i16; 4]> = meshopt::encode_filter_oct(&towards, 16);
     let floats: Vec<f32> = towards.iter().flat_map(|v| &v[..3]).copied().collect();
-    let exponents: Vec<[u32; 3]> =
-        meshopt::encode_filter_exp(bytemuck::cast_slice::<f32, [f32; 3]>(&floats), 15, meshopt::EncodeExpMode::Separate);
+    let exponents: Vec<[u32; 3]> = meshopt::encode_filter_exp(
+        bytemuck::cast_slice::<f32, [f32; 3]>(&floats),
+        15,
+        meshopt::EncodeExpMode::Separate,
+    );
     for (document, near) in [
         (with("OCTAHEDRAL", "VEC3", 5120, 4, meshopt::encode_vertex_buffer(&bytes).unwrap()), 0.02),
         (with("OCTAHEDRAL", "VEC3", 5122, 8, meshopt::encode_vertex_buffer(&shorts).unwrap()), 1e-3),
@@ -96,7 +101,8 @@ fn filters_of_meshopt_are_undone() {
 
 #[test]
 fn damaged_views_of_meshopt_get_a_sentence() {
-    let view = |change: fn(&mut Value)| error(&compressed(EXT, |d| change(&mut d["bufferViews"][0]["extensions"][EXT])));
+    let view =
+        |change: fn(&mut Value)| error(&compressed(EXT, |d| change(&mut d["bufferViews"][0]["extensions"][EXT])));
     for (change, said) in [
         ((|v| v["count"] = 5.into()) as fn(&mut Value), "its compressed bytes are damaged"),
         (|v| v["byteLength"] = 3.into(), "its compressed bytes are damaged"),
@@ -156,11 +162,16 @@ fn what_is_refused_says_which_command_makes_it_readable() {
     let alone = error(&square(json!({}), |d| {
         d["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
         d["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-        d["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}});
+        d["meshes"][0]["primitives"][0]["extensions"] =
+            json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}});
     }));
     assert!(alone.contains("meshes[0] has no bytes but those of KHR_draco_mesh_compression; `npx"), "{alone}");
     let older = scene(&square(json!({}), |d| d["extensionsUsed"] = json!(["KHR_materials_pbrSpecularGlossiness"])));
-    assert!(sentences(&older)[0].contains("`npx @gltf-transform/cli metalrough IN.glb OUT.glb`"), "{:?}", older.warnings);
+    assert!(
+        sentences(&older)[0].contains("`npx @gltf-transform/cli metalrough IN.glb OUT.glb`"),
+        "{:?}",
+        older.warnings
+    );
 }
 
 #[test]
@@ -169,7 +180,8 @@ fn extras_may_be_any_value_of_any_object() {
     for extras in [json!(7), json!("a text"), json!([1, 2]), json!(false), json!({"a": {"b": 1}})] {
         let document = square(json!({"extras": extras, "pbrMetallicRoughness": {"extras": extras}}), |d| {
             d["extras"] = extras.clone();
-            for path in ["/asset", "/nodes/0", "/meshes/0", "/meshes/0/primitives/0", "/accessors/0", "/bufferViews/0"] {
+            for path in ["/asset", "/nodes/0", "/meshes/0", "/meshes/0/primitives/0", "/accessors/0", "/bufferViews/0"]
+            {
                 d.pointer_mut(path).unwrap()["extras"] = extras.clone();
             }
         });
@@ -190,12 +202,28 @@ fn wrong_types_are_said_in_the_words_of_gltf() {
         ("", "scene", json!("main"), "scene: a text where a whole number of at least 0 belongs"),
         ("/nodes/0", "mesh", json!(-1), "nodes[0].mesh: the number -1 where a whole number of at least 0 belongs"),
         ("/meshes/0", "primitives", json!(3), "meshes[0].primitives: the number 3 where a list belongs"),
-        ("/nodes/0", "children", json!([0.5]), "nodes[0].children[0]: the number 0.5 where a whole number of at least 0 belongs"),
+        (
+            "/nodes/0",
+            "children",
+            json!([0.5]),
+            "nodes[0].children[0]: the number 0.5 where a whole number of at least 0 belongs",
+        ),
         ("/materials/0", "doubleSided", json!("yes"), "materials[0].doubleSided: a text where true or false belongs"),
-        ("/nodes/0", "translation", json!([1, 2]), "nodes[0].translation: a list of 2 where a list of 3 numbers belongs"),
-        ("/nodes/0", "extensions", json!({"KHR_lights_punctual": {"light": 3}}), "nodes[0].extensions.KHR_lights_punctual.light refers to what is not there"),
+        (
+            "/nodes/0",
+            "translation",
+            json!([1, 2]),
+            "nodes[0].translation: a list of 2 where a list of 3 numbers belongs",
+        ),
+        (
+            "/nodes/0",
+            "extensions",
+            json!({"KHR_lights_punctual": {"light": 3}}),
+            "nodes[0].extensions.KHR_lights_punctual.light refers to what is not there",
+        ),
     ] {
-        let document = square(json!({"pbrMetallicRoughness": {}}), |d| d.pointer_mut(path).unwrap()[key] = value.clone());
+        let document =
+            square(json!({"pbrMetallicRoughness": {}}), |d| d.pointer_mut(path).unwrap()[key] = value.clone());
         assert_eq!(error(&document), format!("is not glTF 2.0: {said}"), "{path} {key} {value}");
     }
     assert!(load(&square(json!({"emissiveTexture": {}}), |_| ())).is_err());
@@ -203,7 +231,8 @@ fn wrong_types_are_said_in_the_words_of_gltf() {
 
 #[test]
 fn factors_out_of_range_are_named_and_clamped() {
-    let scene = scene(&square(json!({"pbrMetallicRoughness": {"roughnessFactor": 900, "metallicFactor": -0.5}}), |_| ()));
+    let scene =
+        scene(&square(json!({"pbrMetallicRoughness": {"roughnessFactor": 900, "metallicFactor": -0.5}}), |_| ()));
     let said = sentences(&scene);
     assert_eq!(said[0], "materials[0].pbrMetallicRoughness.metallicFactor: -0.5 lies outside 0 to 1 and counts as 0");
     assert_eq!(said[1], "materials[0].pbrMetallicRoughness.roughnessFactor: 900 lies outside 0 to 1 and counts as 1");

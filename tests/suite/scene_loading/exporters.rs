@@ -185,7 +185,8 @@ fn older_versions_of_blender_have_the_level_alone() {
 
 #[test]
 fn pbr_keys_of_other_exporters_are_those_of_gltf() {
-    let folder = with_library("# Somebody's exporter\nnewmtl m\nKd 0.9 0.7 0.3\nKs 1 1 1\nPm 1\nPr 0.2\nmap_Ks level.png\n");
+    let folder =
+        with_library("# Somebody's exporter\nnewmtl m\nKd 0.9 0.7 0.3\nKs 1 1 1\nPm 1\nPr 0.2\nmap_Ks level.png\n");
     let scene = folder.scene();
     let m = &scene.materials[0];
     assert_eq!((m.albedo, m.roughness), (Vec3::ZERO, roughness_of_perceptual(0.2)));

@@ -54,7 +54,9 @@ fn rotations_of_copies_may_be_quantised() {
     made.accessors[4]["normalized"] = true.into();
     let scene = scene(&copies(made, json!({"ROTATION": 4})));
     let [first, second] = bounds(&scene)[..] else { panic!("{}", scene.meshes.len()) };
-    assert!(first[1].distance(Vec3::new(12.0, 1.0, 0.0)) < 1e-3 && second[1].distance(Vec3::new(10.0, 2.0, 0.0)) < 1e-3);
+    assert!(
+        first[1].distance(Vec3::new(12.0, 1.0, 0.0)) < 1e-3 && second[1].distance(Vec3::new(10.0, 2.0, 0.0)) < 1e-3
+    );
 }
 
 #[test]
@@ -95,7 +97,10 @@ fn hidden_nodes_and_what_hangs_from_them_are_not_drawn() {
 #[test]
 fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
     for (name, said) in [
-        ("MSFT_lod", "only the finest level of detail of each thing is drawn, since the extension MSFT_lod is not supported"),
+        (
+            "MSFT_lod",
+            "only the finest level of detail of each thing is drawn, since the extension MSFT_lod is not supported",
+        ),
         (
             "CESIUM_RTC",
             "the scene stands at the origin and not around its centre, since the extension CESIUM_RTC is not supported",

@@ -22,9 +22,10 @@ fn lit(light: Value, translation: [f32; 3]) -> Value {
         d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
         d["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
         d["nodes"][0] = json!({"mesh": 0});
-        d["nodes"].as_array_mut().unwrap().push(
-            json!({"translation": translation, "extensions": {"KHR_lights_punctual": {"light": 0}}}),
-        );
+        d["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"translation": translation, "extensions": {"KHR_lights_punctual": {"light": 0}}}));
         d["scenes"][0]["nodes"] = json!([0, 1]);
     })
 }
@@ -34,7 +35,9 @@ fn a_file_without_lights_or_cameras_says_what_was_chosen() {
     let neither = notes(&square(json!({}), |_| ()));
     assert_eq!(
         neither,
-        ["it has neither lights nor cameras; one directional light shines from above, and the view shows all of the scene"]
+        [
+            "it has neither lights nor cameras; one directional light shines from above, and the view shows all of the scene"
+        ]
     );
     assert_eq!(notes(&square(json!({}), camera)), ["it has no lights; one directional light shines from above"]);
 }
@@ -46,7 +49,9 @@ fn suns_and_lamps_of_any_strength_give_one_exposure() {
     let lamp = lit(json!({"type": "point", "intensity": 54_351.0}), [1.0, 0.5, 2.0]);
     for (document, lux) in [(&sun, "2049"), (&lamp, "13588")] {
         let said = notes(document);
-        let expected = format!("its lights are exposed so that the brightest, which gives {lux} lx at the scene's centre, gives 1");
+        let expected = format!(
+            "its lights are exposed so that the brightest, which gives {lux} lx at the scene's centre, gives 1"
+        );
         assert_eq!(said, [expected, "it has no cameras; the view shows all of the scene".to_owned()]);
     }
     let energy = |document: &Value| match scene(document).lights[..] {

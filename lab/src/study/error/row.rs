@@ -202,5 +202,10 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
 
 /// What the error consists of, with the words that explain it.
 pub fn source_table(records: &[ErrorRecord]) -> Table {
-    Table::new("sources", "Where the error comes from: the median over the views", ABOUT_SOURCES, points::source_cells(records))
+    Table::new(
+        "sources",
+        "Where the error comes from: the median over the views",
+        ABOUT_SOURCES,
+        points::source_cells(records),
+    )
 }

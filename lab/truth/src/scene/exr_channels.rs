@@ -167,9 +167,8 @@ impl<'a> ExrChannels<'a> {
         let layer = image.layer_data;
         let shown = Shown::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
         let shown = shown.map_err(wrong)?;
-        let samples = |c: AnyChannel<FlatSamples>| {
-            (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()))
-        };
+        let samples =
+            |c: AnyChannel<FlatSamples>| (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()));
         Ok(Self {
             path,
             width: shown.size[0] as u32,

@@ -86,7 +86,8 @@ mod tests {
     #[test]
     fn a_part_that_lacks_pixels_is_refused() {
         let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 2) };
-        for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))] {
+        for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))]
+        {
             let said = Shown::new(position, stored, window).unwrap_err();
             assert!(said.ends_with("only whole images can be read"), "{said}");
         }

@@ -46,7 +46,7 @@ impl TexelInputs {
         Self { base: rgb(base), metallic: metallic as f32, emission: rgb(emission), ..Self::default() }
     }
 
-    /// The same texel with factors on the reflection where the surface is no metal.
+    /// Adds factors on the reflection where the surface is no metal.
     pub(super) fn with_specular(self, specular: f64, tint: DVec4) -> Self {
         Self { specular: specular as f32, tint: rgb(tint), ..self }
     }

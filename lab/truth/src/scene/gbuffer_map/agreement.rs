@@ -94,10 +94,8 @@ impl Slopes {
         let reach = (width.max(height) / 240).clamp(1, 8);
         let image_point = |x: usize, y: usize| {
             let reversed = f64::from(depth[y * width + x]);
-            let ndc = DVec2::new(
-                (x as f64 + 0.5) / width as f64 * 2.0 - 1.0,
-                1.0 - (y as f64 + 0.5) / height as f64 * 2.0,
-            );
+            let ndc =
+                DVec2::new((x as f64 + 0.5) / width as f64 * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height as f64 * 2.0);
             (reversed > 0.0).then(|| (ndc, view_z(camera, reversed)))
         };
         let sample = |x: usize, y: usize| {

@@ -116,11 +116,17 @@ impl MapCamera {
                 Some((words, lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
             }
             MapLens::Focal { axis, length, sensor } => {
-                let words = ["sensor-height-mm in the place of sensor-width-mm", "sensor-width-mm in the place of sensor-height-mm"][axis];
+                let words = [
+                    "sensor-height-mm in the place of sensor-width-mm",
+                    "sensor-width-mm in the place of sensor-height-mm",
+                ][axis];
                 Some((words, lens(MapLens::Focal { axis: 1 - axis, length, sensor })))
             }
             MapLens::Extent { axis, extent } => {
-                let words = ["orthographic-height in the place of orthographic-width", "orthographic-width in the place of orthographic-height"][axis];
+                let words = [
+                    "orthographic-height in the place of orthographic-width",
+                    "orthographic-width in the place of orthographic-height",
+                ][axis];
                 Some((words, lens(MapLens::Extent { axis: 1 - axis, extent })))
             }
             MapLens::Matrix(_) => None,

@@ -104,7 +104,7 @@ impl MapDepth {
         KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
     }
 
-    /// The same channel, as another kind.
+    /// Takes the channel for another kind of depth.
     pub fn with_kind(&self, kind: DepthKind) -> Self {
         Self { kind, ..self.clone() }
     }

@@ -278,7 +278,10 @@ fn find<'a>(
                 0 | 1 => String::new(),
                 _ => format!(", or at the top of the map by view, one of {}", list(&views)),
             };
-            Err(format!("channel {name} is in several parts of {file}: say which by part, one of {}{by_view}", list(&names)))
+            Err(format!(
+                "channel {name} is in several parts of {file}: say which by part, one of {}{by_view}",
+                list(&names)
+            ))
         }
     }
 }

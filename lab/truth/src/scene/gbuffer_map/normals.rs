@@ -46,7 +46,7 @@ impl MapNormals {
         Ok(Self { source, is_world, encoding })
     }
 
-    /// The same channels, as normals in the other space.
+    /// Takes the channels for normals in the other space.
     pub fn in_other_space(&self) -> Self {
         Self { is_world: !self.is_world, ..self.clone() }
     }

@@ -45,7 +45,9 @@ pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
 /// Whether a buffer has no bytes of its own, since all of its views are compressed.
 pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
     let others = buffer.extensions.as_ref().map(|extensions| &extensions.others);
-    others.is_some_and(|others| NAMES.iter().any(|name| others.get(*name).and_then(|e| e.get("fallback")) == Some(&Value::Bool(true))))
+    others.is_some_and(|others| {
+        NAMES.iter().any(|name| others.get(*name).and_then(|e| e.get("fallback")) == Some(&Value::Bool(true)))
+    })
 }
 
 impl Compressed {

@@ -254,7 +254,8 @@ pub(super) fn remedy(extension: &str) -> &'static str {
 /// A sentence for what an extension refers to that is not there, and for meshes that are there in compressed form alone.
 fn check_places(document: &Value) -> std::result::Result<(), String> {
     let items = |name: &str| document.get(name).and_then(Value::as_array).into_iter().flatten().enumerate();
-    let lights = document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
+    let lights =
+        document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
     for (index, node) in items("nodes") {
         let light = node.pointer("/extensions/KHR_lights_punctual/light").and_then(Value::as_u64);
         if light.is_some_and(|light| light >= lights as u64) {

@@ -255,7 +255,8 @@ fn note_range(material: &gltf::Material, notes: &mut Notes) {
         }
         let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
         let nearest = value.clamp(0.0, 1.0);
-        let sentence = format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
+        let sentence =
+            format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
         notes.add(&format!("{place} {name}"), sentence);
     }
 }
@@ -283,20 +284,20 @@ fn default_material() -> Material {
 /// The scene's material, whose maps are indices into `baked`.
 fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
-    let of = factors(material);
+    let factors = factors(material);
     let specular = specular_images(data, material);
     let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let rough = image(pbr.metallic_roughness_texture());
-    let metallic = rough.filter(|_| of.metallic > 0.0 && !of.unlit);
-    let emission = image(material.emissive_texture()).filter(|_| of.emission != Vec3::ZERO && !of.unlit);
-    let emits = of.unlit || of.emission != Vec3::ZERO;
-    if of.emission.max_element() > 1.0 {
+    let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);
+    let emission = image(material.emissive_texture()).filter(|_| factors.emission != Vec3::ZERO && !factors.unlit);
+    let emits = factors.unlit || factors.emission != Vec3::ZERO;
+    if factors.emission.max_element() > 1.0 {
         notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
     }
     note_range(material, notes);
     let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
-    if !of.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
+    if !factors.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
         notes.add("rough", material_terms::TOO_ROUGH.to_owned());
     }
     let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(data, notes)?, n.scale())));
@@ -312,34 +313,34 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         AlphaMode::Blend => Some(0.5),
     };
     let mut add = |wanted: Baked| baked.add(wanted);
-    let (colour, share) = of.colour(&TexelInputs::default());
+    let (colour, share) = factors.colour(&TexelInputs::default());
     let mut made = Material {
         name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
         albedo: colour,
         emission: share,
-        reflectivity: if of.unlit { 0.0 } else { of.reflectivity(&TexelInputs::default()) },
+        reflectivity: if factors.unlit { 0.0 } else { factors.reflectivity(&TexelInputs::default()) },
         roughness: roughness_of_perceptual(roughness_factor),
         single_sided: !material.double_sided(),
         ..Material::default()
     };
     match base {
         Some(base) if metallic.is_none() && !emits => {
-            made.albedo = of.base * (1.0 - of.metallic);
+            made.albedo = factors.base * (1.0 - factors.metallic);
             made.albedo_map = Some(add(Baked::Plain { base }));
         }
         _ if base.is_some() || metallic.is_some() || emission.is_some() => {
             made.albedo = Vec3::ONE;
             made.emission = if emits { 1.0 } else { 0.0 };
-            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of }));
+            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of: factors }));
         }
         _ => {}
     }
-    let tinted = of.metallic > 0.0 && (base.is_some() || metallic.is_some());
-    if !of.unlit && (tinted || specular != [None; 2]) {
+    let tinted = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
+    if !factors.unlit && (tinted || specular != [None; 2]) {
         made.reflectivity = 1.0;
-        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, of }));
+        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, of: factors }));
     }
-    if let Some(metallic) = rough.filter(|_| !of.unlit && roughness_factor > 0.0) {
+    if let Some(metallic) = rough.filter(|_| !factors.unlit && roughness_factor > 0.0) {
         made.roughness = 1.0;
         made.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
     }

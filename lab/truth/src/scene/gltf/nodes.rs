@@ -9,7 +9,6 @@ use super::geometry::{self, Tally};
 use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
 use super::{Notes, materials};
-pub(super) use instances::{INSTANCING, VISIBILITY};
 use crate::error::Result;
 use crate::scene::assemble::{self, MeshPart};
 use crate::scene::far_away::far_origin;
@@ -18,6 +17,7 @@ use glam::{DMat4, DQuat, DVec3, Vec3};
 use gltf::camera::Projection;
 use gltf::scene::Transform;
 use gltf::{Camera as GltfCamera, Node, Skin};
+pub(super) use instances::{INSTANCING, VISIBILITY};
 use serde_json::Value;
 use std::collections::HashMap;
 

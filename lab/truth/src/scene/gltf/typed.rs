@@ -81,7 +81,10 @@ mod tests {
             ("invalid type: map, expected a sequence", "an object where a list belongs"),
             ("invalid type: string \"main\", expected u32", "a text where a whole number of at least 0 belongs"),
             ("invalid value: integer `-1`, expected u32", "the number -1 where a whole number of at least 0 belongs"),
-            ("invalid type: floating point `1.5`, expected u64", "the number 1.5 where a whole number of at least 0 belongs"),
+            (
+                "invalid type: floating point `1.5`, expected u64",
+                "the number 1.5 where a whole number of at least 0 belongs",
+            ),
             ("invalid type: boolean `true`, expected struct Asset", "true or false where an object belongs"),
             ("missing field `attributes`", "it has no attributes"),
             ("invalid length 2, expected an array of length 3", "a list of 2 where a list of 3 numbers belongs"),

@@ -60,7 +60,9 @@ fn attribute<'a, const N: usize>(
     let accessor = index.as_u64().and_then(|index| data.document.accessors().nth(usize::try_from(index).ok()?));
     let Some(accessor) = accessor else {
         let node = node.index();
-        return Err(data.error(format!("nodes[{node}].extensions.{INSTANCING}.attributes.{name} refers to what is not there")));
+        return Err(
+            data.error(format!("nodes[{node}].extensions.{INSTANCING}.attributes.{name} refers to what is not there"))
+        );
     };
     data.floats::<N>(&accessor).map(Some)
 }

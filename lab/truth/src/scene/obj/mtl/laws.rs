@@ -90,7 +90,10 @@ impl Definition {
             self.drop_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
         }
         if let Some(image) = self.images.reflectivity.take_if(|_| self.law == Law::Pbr(Exporter::Unknown)) {
-            self.drop_at(&image.place(), "images of specular colour (map_Ks) do not count beside metalness and roughness");
+            self.drop_at(
+                &image.place(),
+                "images of specular colour (map_Ks) do not count beside metalness and roughness",
+            );
         }
     }
 
