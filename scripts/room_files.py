@@ -4,18 +4,23 @@ G-buffer by Cycles.
     python room_files.py ROOM.glb FOLDER [--size 480x270] [--samples 32]
 
 needs `pip install bpy==5.2.3 numpy` and Python 3.13. Roughness and metalness of a combined image become images of their own, as
-OBJ needs them. It writes map.toml for the G-buffer, and room.scene.toml's lights and view for the OBJ files, which have neither.
+OBJ needs them. It writes map.toml for the G-buffer, and a scene file for each OBJ file with the view and the lights that the glTF file
+has, exposed as ssct exposes them.
 """
 
 import argparse
 import json
+import math
 import os
 import struct
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 AOVS = [("roughness", "VALUE", "Roughness"), ("metallic", "VALUE", "Metallic"), ("base color", "COLOR", "Base Color")]
+# Lumens of a watt, by which Blender's glTF files turn watts into candela.
+LUMENS = 683.0
 MAP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples", "gbuffer-maps", "blender.toml")
 
 
@@ -56,10 +61,9 @@ def add_aovs(material):
         links.new(source, output.inputs["Value" if kind == "VALUE" else "Color"])
 
 
-def render(folder, size, samples):
+def render(folder, samples):
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", samples
-    scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     layer = scene.view_layers[0]
     for name in ["z", "normal", "diffuse_direct", "diffuse_indirect", "diffuse_color", "emit", "environment"]:
@@ -79,9 +83,41 @@ def write_map(folder):
     text = open(MAP).read()
     begin, end = text.index("focal-length-mm"), text.index("[depth]")
     rows = ", ".join(str(list(row)) for row in place)
-    camera = (f"focal-length-mm = {lens.lens}\nsensor-width-mm = {lens.sensor_width}\nnear = {lens.clip_start}\n"
+    camera = (f"focal-length-mm = {lens.lens}\nsensor-height-mm = {lens.sensor_height}\nnear = {lens.clip_start}\n"
               f"far = {lens.clip_end}\nview-to-world = [{rows}]\n\n")
     open(os.path.join(folder, "map.toml"), "w").write(text[:begin] + camera + text[end:])
+
+
+def ours(vector):
+    """A vector of Blender, right-handed with z up, in left-handed axes with y up."""
+    return [round(float(v), 5) for v in (vector[0], vector[2], vector[1])]
+
+
+def write_scene_file(folder, name):
+    """A scene file of an OBJ file, with the view and the lights."""
+    corners = np.array([thing.matrix_world @ Vector(corner) for thing in bpy.data.objects if thing.type == "MESH"
+                        for corner in thing.bound_box])
+    centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    lights = []
+    for thing in (thing for thing in bpy.data.objects if thing.type == "LIGHT"):
+        place, along = thing.matrix_world.translation, -thing.matrix_world.col[2]
+        if thing.data.type == "SUN":
+            lux = LUMENS * thing.data.energy
+            lights.append((lux, lux, f'kind = "directional"\ndirection = {ours(along)}'))
+        else:
+            candela = LUMENS * thing.data.energy / (4 * math.pi)
+            lux = candela / max(np.linalg.norm(np.array(place) - centre), 1.0) ** 2
+            lights.append((lux, candela, f'kind = "point"\nposition = {ours(place)}'))
+    brightest = max(lux for lux, _, _ in lights)
+    camera = bpy.context.scene.camera
+    eye, forward = camera.matrix_world.translation, -camera.matrix_world.col[2].to_3d()
+    fov = math.degrees(2 * math.atan(camera.data.sensor_height / 2 / camera.data.lens))
+    text = f'name = "room"\n[[mesh]]\nfile = "{name}.obj"\n'
+    for _, strength, kind in lights:
+        text += f"[[light]]\n{kind}\nenergy = {strength / brightest:.6f}\n"
+    text += f"[camera]\nfov_y_deg = {fov:.5f}\nnear = {camera.data.clip_start}\nfar = {camera.data.clip_end}\n"
+    text += f"[view.camera]\neye = {ours(eye)}\nlook_at = {ours(eye + 5 * forward)}\n"
+    open(os.path.join(folder, name + ".scene.toml"), "w").write(text)
 
 
 def instanced(source, target):
@@ -121,7 +157,11 @@ def main():
     instanced(options.room, os.path.join(folder, "instanced.glb"))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(options.room))
+    size = [int(side) for side in options.size.split("x")]
+    bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = size
     bpy.context.scene.camera = next(thing for thing in bpy.data.objects if thing.type == "CAMERA")
+    # The importer takes a glTF camera's angle from top to bottom as that of the sensor's height.
+    assert bpy.context.scene.camera.data.sensor_fit == "VERTICAL"
     for image in [image for image in bpy.data.images if image.size[0]]:
         image.filepath_raw, image.file_format = os.path.join(folder, image.name.split(".")[0] + ".png"), "PNG"
         image.save()
@@ -131,9 +171,10 @@ def main():
         separate(material, 2, "Metallic", folder)
     for name, has_pbr in [("plain", False), ("pbr", True)]:
         bpy.ops.wm.obj_export(filepath=os.path.join(folder, name + ".obj"), export_pbr_extensions=has_pbr)
+        write_scene_file(folder, name)
     for material in materials:
         add_aovs(material)
-    render(folder, [int(side) for side in options.size.split("x")], options.samples)
+    render(folder, options.samples)
     write_map(folder)
 
 

@@ -83,7 +83,11 @@ fn a_mistake_in_the_map_has_its_line() {
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
     for (from, to, sentence) in [
         ("kind = \"lobe\"", "kind = lobe", "map.toml:19: "),
-        ("[roughness]", "[rouhness]", "map.toml:17: unknown field `rouhness`, expected one of `origin`, `conventions`"),
+        (
+            "[roughness]",
+            "[rouhness]",
+            "map.toml:17: unknown field `rouhness`, expected one of `origin`, `view`, `conventions`",
+        ),
         ("origin = \"top-left\"", "origin = \"left\"", "map.toml:1: unknown variant `left`"),
         (
             "channel = \"rough\"\n",

@@ -18,7 +18,8 @@ const NAMES: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B"];
 /// The values of each channel in a place of the image.
 fn values(x: i32, y: i32) -> [f64; 8] {
     let depth = 2.0 + 0.01 * f64::from(x) + 0.13 * f64::from(y);
-    [depth, 0.6, 0.0, -0.8, 0.25, f64::from(x) / 16.0, f64::from(y) / 8.0, 0.5]
+    let [red, green] = [12.9, 78.2].map(|rate| 0.5 + 0.4 * (rate * f64::from(x) + 4.1 * f64::from(y)).sin());
+    [depth, 0.6, 0.0, -0.8, 0.25, red, green, 0.5]
 }
 
 /// A channel for each name, over a window of the image.
@@ -87,7 +88,8 @@ fn overscan_is_cut_to_the_image() {
         write_overscan(&folder, "over.exr", position, stored);
         assert!(read(&folder, "over.exr").unwrap() == expected, "{position:?} {stored:?}");
     }
-    assert_eq!(expected.color[1], Vec3::new(1.0 / 16.0, 0.0, 0.5));
+    let [_, _, _, _, _, red, green, blue] = values(1, 0).map(|v| v as f32);
+    assert_eq!(expected.color[1], Vec3::new(red, green, blue));
 }
 
 #[test]

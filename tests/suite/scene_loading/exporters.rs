@@ -193,8 +193,12 @@ fn pbr_keys_of_other_exporters_are_those_of_gltf() {
     assert!((m.reflectivity - sampling::luminance(Vec3::new(0.9, 0.7, 0.3))).abs() < 1e-6);
     let said = "a.mtl:7: images of specular colour (map_Ks) do not count beside metalness and roughness";
     assert_eq!(folder.warnings(&scene), [said]);
-    let plastic = with_library("newmtl m\nKd 0.9 0.7 0.3\nKs 1 1 1\nPr 0.2\n").scene();
+    let plastic = with_library("newmtl m\nKd 0.9 0.7 0.3\nPr 0.2\n").scene();
     assert!((plastic.materials[0].reflectivity - 0.04).abs() < 1e-6);
+    // A roughness and what is reflected, without metalness: both are meant.
+    let stated = with_library("newmtl m\nKd 0.9 0.7 0.3\nKs 0.5 0.5 0.5\nPr 0.2\nNs 10\n").scene();
+    let m = &stated.materials[0];
+    assert!((m.reflectivity - 0.5).abs() < 1e-6 && m.roughness == roughness_of_perceptual(0.2));
     let glossy = with_library("newmtl m\nPm 0\nNi 2\nNs 100\n").scene();
     assert!((glossy.materials[0].reflectivity - 1.0 / 9.0).abs() < 1e-6);
     assert!((glossy.materials[0].roughness - 0.334).abs() < 1e-3);

@@ -14,6 +14,9 @@ const MOST_DEGREES: f64 = 8.0;
 /// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
 const GROSS_DEGREES: f64 = 45.0;
 
+/// A larger angle counts as this in means.
+const MOST_COUNTED_DEGREES: f64 = 30.0;
+
 /// Pixels that are compared at most, and at least for the comparison to mean something.
 const MOST_SAMPLES: usize = 20_000;
 const FEWEST_SAMPLES: usize = 100;
@@ -131,33 +134,35 @@ impl Slopes {
         self.share_beyond(GROSS_DEGREES)
     }
 
+    /// The mean angle between normals and slopes in degrees. Far outliers, as of maps of normals, count no more than near ones.
+    pub(super) fn mean_degrees(&self) -> f64 {
+        mean_degrees(&self.opened, &self.samples)
+    }
+
     fn share_beyond(&self, degrees: f64) -> Option<f64> {
         let is_near = |sample: &&Sample| self.opened.degrees_apart(sample) <= degrees;
         let near = self.samples.iter().filter(is_near).count();
         (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
 
-    /// The lens with which most pixels agree, in words, and the share that disagrees then.
-    pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, f64)> {
+    /// The lens with which normals and slopes agree best, in words, and how they compare then.
+    pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, Self)> {
         let few: Vec<Sample> = {
             let step = (self.samples.len() / LENS_SAMPLES).max(1);
             self.samples.iter().step_by(step).copied().collect()
         };
-        // Far outliers, as of maps of normals, count no more than near ones.
-        let badness = |opened: &Opened| few.iter().map(|s| opened.degrees_apart(s).min(30.0)).sum::<f64>();
+        let badness = |opened: &Opened| mean_degrees(opened, &few);
         let same_pixels = search(self.opened, &badness, &[Change::Scale]);
         let other_pixels = search(self.opened, &badness, &[Change::Scale, Change::Aspect]);
         let shifted = search(self.opened, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY]);
-        let share = |opened: Opened| Self { opened, ..self.clone() }.disagreeing().unwrap_or(1.0);
-        let mut best = (same_pixels, share(same_pixels));
-        // What changes more must be much better to be believed.
+        let mut best = same_pixels;
+        // A lens that changes more must be much better to be believed.
         for other in [other_pixels, shifted] {
-            let of_other = share(other);
-            if of_other < 0.7 * best.1 {
-                best = (other, of_other);
+            if badness(&other) < 0.5 * badness(&best) {
+                best = other;
             }
         }
-        Some((self.words(camera, &best.0), best.1))
+        (!few.is_empty()).then(|| (self.words(camera, &best), Self { opened: best, ..self.clone() }))
     }
 
     /// A lens as a map says it.
@@ -178,6 +183,12 @@ impl Slopes {
         }
         words
     }
+}
+
+/// The mean angle between the normals and slopes of some samples in degrees.
+fn mean_degrees(opened: &Opened, samples: &[Sample]) -> f64 {
+    let sum: f64 = samples.iter().map(|sample| opened.degrees_apart(sample).min(MOST_COUNTED_DEGREES)).sum();
+    sum / samples.len().max(1) as f64
 }
 
 /// What a search changes about a lens.

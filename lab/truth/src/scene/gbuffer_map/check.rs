@@ -82,10 +82,26 @@ struct Disagreement {
     slopes: f64,
     /// Normals that have nothing to do with the slopes.
     unrelated: f64,
+    /// The mean angle between normals and slopes in degrees.
+    degrees: f64,
     places: f64,
 }
 
 impl Disagreement {
+    /// How a comparison of normals with slopes counts; all of it, if too few pixels can be compared: a reading that leaves so few
+    /// explains nothing.
+    fn new(slopes: &Slopes, places: f64) -> Self {
+        match slopes.disagreeing().zip(slopes.unrelated()) {
+            Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
+            None => Self { slopes: 1.0, unrelated: 1.0, degrees: f64::INFINITY, places },
+        }
+    }
+
+    /// Whether this reading is to be preferred.
+    fn is_before(self, other: Self) -> bool {
+        (self.places, self.degrees) < (other.places, other.degrees)
+    }
+
     fn sum(self) -> f64 {
         self.slopes + self.places
     }
@@ -112,8 +128,8 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
     if share <= LITTLE {
         return None;
     }
-    let own = Disagreement { slopes: share, unrelated: slopes.unrelated()?, places: 0.0 };
-    let lens = slopes.best_lens(&data.camera).map(|(words, slopes)| (words, Disagreement { slopes, ..own }));
+    let own = Disagreement::new(&slopes, 0.0);
+    let lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
     said(own, lens, false)
 }
 
@@ -157,16 +173,16 @@ impl GBufferMap {
             open = again;
             // A reading that gives no camera or no depth is none.
             let Ok(other) = other else { continue };
-            if best.as_ref().is_none_or(|(_, least)| other.sum() < least.sum()) {
+            if best.as_ref().is_none_or(|(_, least)| other.is_before(*least)) {
                 best = Some((reading.words, other));
             }
         }
-        let lens = slopes.best_lens(&data.camera).map(|(words, slopes)| (words, Disagreement { slopes, ..own }));
-        if let Some((words, other)) = lens
-            // A lens is fitted, and must be clearly better than what is only read in another way.
-            && best.as_ref().is_none_or(|(_, least)| other.slopes < MUCH_BETTER * least.slopes)
-            && self.position.is_none()
-        {
+        let lens =
+            slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
+        // A lens is fitted, and must be clearly better than what is only read in another way.
+        let is_clearly_better =
+            |other: &Disagreement| best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees);
+        if let Some((words, other)) = lens.filter(|(_, other)| self.position.is_none() && is_clearly_better(other)) {
             best = Some((words, other));
         }
         Ok(said(own, best, self.position.is_some()))
@@ -191,8 +207,6 @@ impl GBufferMap {
             Some(position) => position.off(files, &self.conventions, &frame)?,
             None => 0.0,
         };
-        // A reading that leaves too few pixels to compare explains nothing.
-        let [slopes, unrelated] = [slopes.disagreeing(), slopes.unrelated()].map(|share| share.unwrap_or(1.0));
-        Ok(Disagreement { slopes, unrelated, places })
+        Ok(Disagreement::new(&slopes, places))
     }
 }

@@ -59,7 +59,7 @@ fn expected_in_words(expected: &str) -> String {
         "a sequence" => "a list".to_owned(),
         "a boolean" => "true or false".to_owned(),
         "a map" => "an object".to_owned(),
-        "usize" => "a whole number of at least 0".to_owned(),
+        "usize" | "index into child of root" => "a whole number of at least 0".to_owned(),
         word if is_whole(word) && word.starts_with('u') => "a whole number of at least 0".to_owned(),
         word if is_whole(word) => "a whole number".to_owned(),
         text if text.starts_with("struct ") => "an object".to_owned(),

@@ -43,12 +43,12 @@ impl Exporter {
 /// By which law a material is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Law {
-    /// Wavefront's: `Ks` is what a surface reflects, `Ns` the exponent of its lobe.
+    /// Wavefront's: `Ks` is what a surface reflects, `Ns` the exponent of its lobe, unless there is a roughness.
     #[default]
     Wavefront,
     /// Blender's `Ns`, `Ks`, `Ka` and `Ni`, without PBR keys.
     Blender(u32),
-    /// PBR keys; Blender's `Ks` is the level of specular, that of others does not count.
+    /// Metalness and roughness; Blender's `Ks` is the level of specular, that of others does not count.
     Pbr(Exporter),
 }
 
@@ -68,11 +68,15 @@ pub(in crate::scene::obj) struct Reading {
 impl Definition {
     /// Finds by which law the material is read, once all of its statements are known, and notes what is dropped by that law.
     pub(super) fn settle(&mut self, exporter: Exporter) {
-        let has_keys = self.roughness.is_some() || self.metalness.is_some();
-        let has_images = self.images.roughness.is_some() || self.images.metalness.is_some();
+        let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
+        let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
+        let has_specular = self.specular.is_some() || self.images.reflectivity.is_some();
         self.law = match exporter {
-            exporter if has_keys || has_images => Law::Pbr(exporter),
+            exporter if has_metalness => Law::Pbr(exporter),
+            Exporter::Blender(_) if has_roughness => Law::Pbr(exporter),
             Exporter::Blender(major) => Law::Blender(major),
+            // Whoever states a roughness and what is reflected, and no metalness, means both.
+            Exporter::Unknown if has_roughness && !has_specular => Law::Pbr(exporter),
             Exporter::Unknown => Law::Wavefront,
         };
         if let (Some(place), Exporter::Blender(_)) = (self.transmission.take(), exporter) {
@@ -170,9 +174,8 @@ impl Definition {
         }
         let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
         match law {
-            Law::Wavefront => None,
             Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
-            Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
+            Law::Wavefront | Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
         }
     }
 
