@@ -7,7 +7,7 @@ PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
 .PHONY: all setup build dist package install-c study gpu-study bars league test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
-	test-debian-13 test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+	test-debian-13 test-faults test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
 all: build
@@ -97,6 +97,10 @@ test-gpu-av: setup
 # Ten thousand frames while sizes and methods change: minutes.
 soak: setup
 	$(CARGO) test --test alone -- soak:: --ignored --nocapture
+
+# The maps for Blender on frames that Blender renders; where Python 3.13 is not at hand, it says so.
+test-blender: build
+	scripts/test_blender.sh "$(BIN)" "$(OUT)/blender"
 
 # The world reference against Mitsuba 3, which is installed from PyPI into a folder of its own.
 MITSUBA = .venv-mitsuba/.mitsuba-3.9.1

@@ -426,7 +426,14 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
             && effect.bounces == 1;
         return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
     }
-    let methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
+    let mut methods: Vec<&'static MethodInfo> = Vec::new();
+    for method in names.iter().map(|name| find(name)) {
+        let method = method?;
+        // Named twice, a method counts once.
+        if methods.iter().all(|known| known.name != method.name) {
+            methods.push(method);
+        }
+    }
     check_read(&methods, setup)?;
     Ok(methods)
 }

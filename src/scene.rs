@@ -65,6 +65,8 @@ pub struct Scene {
     pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
+    /// What was chosen for that of which a file says nothing, and how bright its lights are taken to be.
+    pub notes: Vec<String>,
 }
 
 /// A vertex as the GPU reads it (binding 0 of `shaders-glsl/scene/gbuffer.vert`).
@@ -379,6 +381,7 @@ impl Scene {
             paths,
             motions,
             warnings: _,
+            notes: _,
         } = self;
         for mesh in meshes {
             let Mesh { name: _, vertices, indices: _, material: _, bounds } = mesh;

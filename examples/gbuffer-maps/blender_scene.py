@@ -2,7 +2,7 @@
 
     python blender_scene.py cycles.exr --engine CYCLES --samples 64
 
-needs Blender 5.0 as a Python module (`pip install bpy`, Python 3.11); inside Blender, `blender -b -P blender_scene.py --`
+needs Blender 5.2 as a Python module (`pip install bpy==5.2.3`, Python 3.13); inside Blender, `blender -b -P blender_scene.py --`
 stands before the arguments. It prints the camera's numbers as blender.toml has them.
 """
 
@@ -20,7 +20,6 @@ PASSES = ["z", "position", "normal", "diffuse_direct", "diffuse_indirect", "diff
 def material(name, base, metallic, roughness):
     """A Principled BSDF whose base color, metallic and roughness are also written as AOVs."""
     made = bpy.data.materials.new(name)
-    made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
     shader = nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*base, 1.0)
@@ -53,7 +52,6 @@ def build(scene):
     bpy.ops.object.light_add(type="SUN", location=(4, 1, 6), rotation=(0.6, 0.3, 0.2))
     bpy.context.object.data.energy = 3
     scene.world = bpy.data.worlds.new("sky")
-    scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.3, 0.5, 0.9, 1.0)
     bpy.ops.object.camera_add(location=(5.5, -6.5, 2.6))
     camera = bpy.context.object
@@ -61,6 +59,25 @@ def build(scene):
     camera.rotation_euler = towards.to_track_quat("-Z", "Y").to_euler()
     scene.camera = camera
     return camera
+
+
+def add_file_output(scene, path):
+    """A File Output node that writes the passes of the map beside the render, as NAME-node.exr."""
+    tree = bpy.data.node_groups.new("passes", "CompositorNodeTree")
+    scene.compositing_node_group = tree
+    layers, output = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeOutputFile")
+    layers.scene = scene
+    output.format.media_type, output.format.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
+    output.format.color_depth, output.format.exr_codec = "32", "ZIP"
+    output.directory = os.path.dirname(path)
+    output.file_name = os.path.splitext(os.path.basename(path))[0] + "-node"
+    kinds = {"VALUE": "FLOAT", "RGBA": "RGBA", "VECTOR": "VECTOR"}
+    wanted = ["Depth", "Normal", "Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Emission", "Environment",
+              "roughness", "metallic", "base color"]
+    for name in wanted:
+        source = layers.outputs[name]
+        output.file_output_items.new(kinds[source.type], name)
+        tree.links.new(source, output.inputs[name])
 
 
 def main():
@@ -72,6 +89,10 @@ def main():
     arguments.add_argument("--codec", default="ZIP", help="ZIP, PIZ, DWAA, …")
     arguments.add_argument("--half", action="store_true")
     arguments.add_argument("--interleave", action="store_true", help="one part in the place of many")
+    arguments.add_argument("--stereo", action="store_true", help="a view for each eye")
+    arguments.add_argument("--pixel-aspect", type=float, default=1.0, help="width of a pixel over its height")
+    arguments.add_argument("--crop", action="store_true", help="the right upper quarter alone, as a border render with crop")
+    arguments.add_argument("--file-output", action="store_true", help="by the compositor's node, beside the output")
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     options = arguments.parse_args(own)
 
@@ -93,6 +114,13 @@ def main():
     image.color_depth = "16" if options.half else "32"
     image.exr_codec = options.codec
     image.use_exr_interleave = options.interleave
+    scene.render.use_multiview, scene.render.views_format = options.stereo, "STEREO_3D"
+    image.views_format = "MULTIVIEW" if options.stereo else "INDIVIDUAL"
+    scene.render.pixel_aspect_x = options.pixel_aspect
+    scene.render.use_border = scene.render.use_crop_to_border = options.crop
+    scene.render.border_min_x, scene.render.border_min_y = 0.5, 0.5
+    if options.file_output:
+        add_file_output(scene, os.path.abspath(options.output))
     # An absolute path, since Blender resolves others against the folder of the .blend file, and there is no such file.
     scene.render.filepath = os.path.abspath(options.output)
     bpy.ops.render.render(write_still=True)

@@ -19,6 +19,7 @@ mod measure;
 mod merge;
 mod merger;
 mod motion;
+mod numbers;
 pub mod parameters;
 mod path;
 mod precision;
@@ -85,7 +86,7 @@ pub fn program<P: FromArgMatches>(
             return ExitCode::from(exit_status(&error));
         }
     };
-    let mut command = command(&arguments);
+    let mut command = numbers::with_sentences(command(&arguments));
     let matches = command.try_get_matches_from_mut(arguments);
     let options = match matches.and_then(|matches| P::from_arg_matches(&matches).map_err(|e| e.format(&mut command))) {
         Ok(options) => options,

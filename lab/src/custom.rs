@@ -15,6 +15,7 @@ mod loose_uniforms;
 mod manifest;
 mod method;
 mod noise;
+mod old_glsl;
 mod own_values;
 mod reflect;
 mod shader;

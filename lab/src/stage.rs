@@ -21,7 +21,7 @@ use glam::Vec3;
 /// (docs/definitions.md, "Surfaces").
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Globals {
-    /// Replaces every roughness.
+    /// Replaces every roughness, that of maps too. No reflectivity changes with it.
     pub roughness: Option<f32>,
     /// Scales every reflectivity.
     pub reflectivity: f32,
@@ -40,7 +40,9 @@ impl Globals {
     pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
         let mut materials = scene.materials_in(view);
         for m in &mut materials {
-            m.roughness = self.roughness.unwrap_or(m.roughness);
+            if let Some(roughness) = self.roughness {
+                (m.roughness, m.roughness_map) = (roughness, None);
+            }
             m.normal_deviation = self.normal_deviation.unwrap_or(m.normal_deviation);
             m.reflectivity *= self.reflectivity;
         }
@@ -244,5 +246,21 @@ impl Shot {
             frame,
             &Input { scene: Some(scene), sky: Some(data.sky()), ..Input::of_screen(gbuffer, &of.camera) },
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_global_roughness_replaces_numbers_and_maps() {
+        let mapped = Material { roughness: 1.0, roughness_map: Some(3), reflectivity: 0.7, ..Material::default() };
+        let scene = Scene { materials: vec![mapped.clone(), Material::default()], ..Scene::default() };
+        let changed = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, &View::default());
+        let roughnesses: Vec<_> = changed.iter().map(|m| (m.roughness, m.roughness_map)).collect();
+        assert_eq!(roughnesses, [(0.3, None); 2]);
+        assert_eq!(changed[0].reflectivity, 0.7, "what a material reflects stays");
+        assert_eq!(Globals::default().materials(&scene, &View::default())[0], mapped);
     }
 }

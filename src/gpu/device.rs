@@ -2,6 +2,7 @@
 
 mod compile_only;
 mod features;
+mod no_driver;
 mod open;
 mod ray_queries;
 

@@ -48,7 +48,6 @@ const RUNS: [(&str, &[&str]); 3] = [
             "pccm",
             "planar",
             "local-map",
-            "ibr",
             "traced",
             "captures --captures 2",
             "unified",
@@ -63,7 +62,7 @@ const RUNS: [(&str, &[&str]); 3] = [
             "unified --resolution-scale 0.5",
         ],
     ),
-    ("street", &["billboard", "area-light"]),
+    ("street", &["billboard", "area-light", "ibr"]),
     ("museum", &["unified --first screen", "traced"]),
 ];
 

@@ -355,7 +355,9 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     assert_eq!(said, "ssct: warning: bright.exr: 5 pixels are brighter than 65504 and were clamped to it\n");
     assert_eq!(output.status.code(), Some(0));
     // A compression that is younger than the program is named.
-    for (number, compression) in [(10_u8, "HTJ2K"), (12, "zstd"), (99, "of number 99")] {
+    for (number, compression) in
+        [(10_u8, "HTJ2K256"), (11, "HTJ2K32"), (12, "LJ2K"), (13, "ZSTD"), (99, "of number 99")]
+    {
         let name = b"compression\0compression\0\x01\0\0\0";
         let at = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len();
         let mut other = whole.clone();
@@ -363,7 +365,10 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
         let error = gbuffer_file::decode(&other, Path::new("a.exr")).unwrap_err().to_string();
         assert_eq!(
             error,
-            format!("a.exr: its compression {compression} is not supported; save it with ZIP, ZIPS, PIZ, RLE or none")
+            format!(
+                "a.exr: its compression {compression} is not supported; save it with ZIP, ZIPS, PIZ, RLE or none (in Blender, \
+                 Output, Codec: ZIP)"
+            )
         );
     }
 }

@@ -3,12 +3,16 @@
 //! nothing was rounded, else within what the format rounds. The example maps read files of the layouts that they are
 //! for.
 
+mod agreement;
 mod errors;
 mod examples;
 mod files;
+mod formats;
 mod lenses;
 mod materials;
+mod mitsuba;
 mod page;
+mod views;
 
 use crate::common::folder::Folder;
 use crate::common::gpu;

@@ -47,6 +47,7 @@ mod impostors;
 mod interrupted;
 mod layers;
 mod library;
+mod lists;
 mod many;
 mod mirror;
 mod moving;

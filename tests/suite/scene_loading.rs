@@ -2,11 +2,15 @@
 //! error with its sentence, the shared scenes where they are there, and mutated files.
 
 mod allowed;
+mod compressed;
 mod errors;
+mod exporters;
+mod extensions;
 mod far_away;
 mod geometry;
 mod gltf;
 mod lenient;
+mod lights;
 mod materials;
 mod motions;
 mod mutations;

@@ -64,7 +64,7 @@ impl StudyOptions for AgeOptions {
         let place = &self.common.place;
         let scene = resolve::scene(place, "museum")?;
         let view = resolve::view(&scene, place, None)?;
-        let sizes = if self.size.is_empty() { vec![[480, 270]] } else { self.size.clone() };
+        let sizes = resolve::listed_or(&self.size, [480, 270]);
         let setup = self.common.method_options.setup(sizes[0]);
         let names = if self.method.is_empty() { vec![JUDGED.to_owned()] } else { self.method.clone() };
         let methods = resolve::showing(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
@@ -80,9 +80,9 @@ impl StudyOptions for AgeOptions {
             setup,
             sizes,
             globals: resolve::globals(place)?,
-            moving: self.moving.clone(),
+            moving: resolve::listed(&self.moving),
             step_m: self.step,
-            faces: self.faces.clone(),
+            faces: resolve::listed(&self.faces),
             frames: self.frames,
             rays: self.rays,
         };

@@ -84,8 +84,9 @@ pub struct SceneOptions {
     /// Roughness of every material: 0 a mirror, 1 a broad lobe
     ///
     /// 0 is a mirror. The half angle of the lobe is half the roughness, so that 1 is a lobe of 28.6 degrees to each side, and not
-    /// a diffuse surface. Without it, materials keep their own, unless the command says otherwise. Commands that measure take
-    /// several values, with commas between them.
+    /// a diffuse surface. The number replaces the materials' own numbers and maps. What a material reflects stays as it is: a
+    /// metal keeps its reflectivity, and has no tint with this option or without it. Without it, materials keep their own, unless
+    /// the command says otherwise. Commands that measure take several values, with commas between them.
     #[arg(long, value_name = "R", value_delimiter = ',')]
     pub roughness: Vec<f32>,
     /// Factor on every material's reflectivity

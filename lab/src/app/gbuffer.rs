@@ -5,7 +5,7 @@ use super::resolve;
 use crate::methods;
 use crate::report::{files, images};
 use crate::scene::capture_file::CaptureFolder;
-use crate::scene::gbuffer_map::GBufferMap;
+use crate::scene::gbuffer_map::{self, GBufferMap};
 use crate::scene::texture::MAX_EXTENT;
 use crate::scene::{GBufferData, LoadOptions, gbuffer_file};
 use crate::stage::{Shot, Stage, gbuffer};
@@ -68,10 +68,23 @@ fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a G-buffer in our own conventions, or in those of a map.
+/// Reads a G-buffer in our own conventions, or in those of a map, and says if it contradicts itself.
 fn load(file: &Path, map: Option<&Path>) -> anyhow::Result<GBufferData> {
-    Ok(match map {
-        Some(map) => GBufferMap::load(map)?.read(file)?,
-        None => gbuffer_file::load(file)?,
-    })
+    let (data, doubt) = match map {
+        Some(map) => {
+            let map = GBufferMap::load(map)?;
+            let data = map.read(file)?;
+            let doubt = map.check(file, &data)?;
+            (data, doubt)
+        }
+        None => {
+            let data = gbuffer_file::load(file)?;
+            let doubt = gbuffer_map::disagreement(&data);
+            (data, doubt)
+        }
+    };
+    if let Some(doubt) = doubt {
+        eprintln!("ssct: warning: {}: {doubt}", file.display());
+    }
+    Ok(data)
 }

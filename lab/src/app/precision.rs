@@ -70,7 +70,7 @@ impl StudyOptions for PrecisionOptions {
                 let both = [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?;
                 resolve::taking(both, &resolve::lenses(&scene, &views))
             }
-            names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+            names => resolve::listed(names).iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
         };
         if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
             let message =

@@ -1,6 +1,7 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
 use super::cli::{DeviceOptions, SceneOptions};
+use super::parameters::TypedVariant;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
@@ -10,6 +11,7 @@ use crate::scene::path::{self, VIEWS};
 use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
 use crate::stage::Globals;
 use crate::study::error::Variant;
+use crate::study::exhibit::distinct;
 use crate::study::sweep;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -92,6 +94,9 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     };
     for warning in &scene.warnings {
         eprintln!("ssct: warning: {}", super::printable(warning));
+    }
+    for note in &scene.notes {
+        eprintln!("ssct: {}", super::printable(note));
     }
     Ok(scene)
 }
@@ -190,7 +195,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     if options.roughness.is_empty() {
         return Ok(vec![of(None)]);
     }
-    options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
+    listed(&options.roughness).into_iter().map(|r| Ok(of(Some(in_unit("--roughness", r)?)))).collect()
 }
 
 /// The global factors where only one roughness makes sense; `why` says so.
@@ -199,6 +204,32 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
         [one] => Ok(one),
         _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
     }
+}
+
+/// The values of a list, each once, in the order in which they were first named.
+pub fn listed<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
+    distinct(values.iter().cloned())
+}
+
+/// The values of a list, each once; `usual` without any.
+pub fn listed_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T> {
+    if values.is_empty() { vec![usual] } else { listed(values) }
+}
+
+/// The variants that were typed, each once, over a base.
+///
+/// # Errors
+/// Errors of [`TypedVariant::over`].
+pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Variant>> {
+    let mut variants: Vec<Variant> = Vec::new();
+    for variant in typed.iter().map(|typed| typed.over(base)) {
+        let variant = variant?;
+        let is_same = |known: &Variant| known.method.name == variant.method.name && known.setup == variant.setup;
+        if !variants.iter().any(is_same) {
+            variants.push(variant);
+        }
+    }
+    Ok(variants)
 }
 
 /// The methods of some names that find what they need in a scene; without names, every method that can be set up so and that
@@ -262,8 +293,7 @@ pub fn variants(
     swept: bool,
 ) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
-        let typed = options.variant.iter().map(|typed| typed.over(base)).collect::<Result<_>>()?;
-        return showing(typed, |variant: &Variant| variant.method, scenes);
+        return showing(typed_variants(&options.variant, base)?, |variant: &Variant| variant.method, scenes);
     }
     let chosen = methods::choose(&options.method, base)?;
     let chosen = if options.method.is_empty() { taking(chosen, lenses) } else { chosen };

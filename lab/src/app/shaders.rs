@@ -78,9 +78,9 @@ impl StudyOptions for ShadersOptions {
         let view = resolve::view(&scene, place, None)?;
         let base = self.common.method_options.setup(self.size);
         let variants = if self.variant.is_empty() {
-            Variant::of(&resolve::methods(&self.method, &base, &resolve::lenses(&scene, [&view]))?, &base)
+            Variant::of(&resolve::methods(&self.method, &base, &scene, &resolve::lenses(&scene, [&view]))?, &base)
         } else {
-            self.variant.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?
+            resolve::typed_variants(&self.variant, &base)?
         };
         let globals = match resolve::globals(place)?[..] {
             [own @ Globals { roughness: None, .. }] => {

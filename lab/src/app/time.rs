@@ -125,10 +125,7 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let base = common.method_options.setup(sizes[0]);
     let variants = match &options.variant[..] {
         [] => Variant::of(&methods, &base),
-        typed => {
-            let typed = typed.iter().map(|variant| variant.over(&base)).collect::<Result<_>>()?;
-            resolve::showing(typed, |variant: &Variant| variant.method, &[&scene])?
-        }
+        typed => resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?,
     };
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }
@@ -140,7 +137,7 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
         if let Some([w, h]) = options.size.iter().find(|s| table && !all.contains(s)) {
             return Err(Error::Usage(format!("--table 5.8 has no row for {w}x{h}")));
         }
-        return Ok(options.size.clone());
+        return Ok(resolve::listed(&options.size));
     }
     Ok(if table { all } else { vec![[960, 540]] })
 }
@@ -151,8 +148,11 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
         return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
     let known = table_5_8::ROUGHNESS;
-    let wanted =
-        if options.common.place.roughness.is_empty() { known.to_vec() } else { options.common.place.roughness.clone() };
+    let wanted = if options.common.place.roughness.is_empty() {
+        known.to_vec()
+    } else {
+        resolve::listed(&options.common.place.roughness)
+    };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
     }

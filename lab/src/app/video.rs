@@ -82,7 +82,7 @@ impl StudyOptions for VideoOptions {
         scene.lens = resolve::lens(place, scene.lens)?;
         let way = named(self, &scene)?;
         let globals = resolve::globals(place)?;
-        let sizes = if self.size.is_empty() { vec![[320, 180]] } else { self.size.clone() };
+        let sizes = resolve::listed_or(&self.size, [320, 180]);
         let base = self.common.method_options.setup(sizes[0]);
         let lenses = match &way {
             Way::Path(_) => vec![scene.lens],
@@ -108,10 +108,10 @@ impl StudyOptions for VideoOptions {
             frames: self.frames,
             frames_per_second: self.fps,
             rays: self.rays,
-            moving: self.moving.clone(),
+            moving: resolve::listed(&self.moving),
             step_m: self.step.unwrap_or(Vec3::ZERO),
             step_frames: self.step_frames,
-            held: self.held.clone(),
+            held: resolve::listed(&self.held),
             jitter: self.jitter,
         })
     }

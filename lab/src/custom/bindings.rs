@@ -2,7 +2,7 @@
 
 use super::loose_uniforms::LOOSE;
 use super::manifest::{InputKind, LevelOf, Manifest, Pass};
-use super::reflect::{BlockLayout, Variable, VariableKind};
+use super::reflect::{self, BlockLayout, Variable, VariableKind};
 use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
 use super::values::{Feed, Filled, FrameState};
@@ -89,6 +89,16 @@ impl PassShader<'_> {
         self.manifest.error(at, format!("pass {:?}: {message}", self.pass.name))
     }
 
+    /// The error about a variable that has neither a name nor a source.
+    fn unfed_place(&self, name: &str) -> Error {
+        let file = &self.file;
+        let message = format!(
+            "nothing feeds {name:?} of {file}: {}; say what it is under [inputs], as in {name:?} = \"depth:reversed\"",
+            reflect::nameless(name)
+        );
+        self.wrong(&self.pass.at, &message)
+    }
+
     fn unfed(&self, what: &str, name: &str) -> Error {
         let message = format!("nothing feeds the {what} {name} of {}; name it under [inputs] or [values]", self.file);
         self.wrong(&self.pass.at, &message)
@@ -132,7 +142,9 @@ impl PassShader<'_> {
         }
         let named = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
         let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
-        let Some(input) = named else { return Err(self.unfed(kind, &v.name)) };
+        let Some(input) = named else {
+            return Err(if v.is_nameless { self.unfed_place(&v.name) } else { self.unfed(kind, &v.name) });
+        };
         let is = |what: String| self.wrong(input.at(), &format!("{} of {} is {what}", v.name, self.file));
         let images = &self.manifest.images;
         Ok(match (&v.kind, &input.what) {

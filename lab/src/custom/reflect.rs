@@ -69,6 +69,14 @@ pub struct ImageKind {
     pub format: u32,
 }
 
+/// The name of a push-constant block without a name.
+const NAMELESS_PUSH: &str = "push";
+
+/// What a name of set and binding is, for messages.
+pub fn nameless(name: &str) -> String {
+    format!("the module has no names, and {name:?} is set and binding; a compiler keeps names with -g")
+}
+
 /// How many axes an image has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dim {
@@ -85,8 +93,10 @@ pub enum Dim {
 pub struct Variable {
     /// Its binding in set 0, of its own.
     pub binding: u32,
-    /// Its name, or the block's where it has none.
+    /// Its name, or the block's where it has none; set and binding with a point between them where neither has one.
     pub name: String,
+    /// Whether neither it nor its block has a name.
+    pub is_nameless: bool,
     /// The block's name; empty for an image.
     pub block: String,
     /// Elements: above 1 for an array.
@@ -165,13 +175,14 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
         let pointee = code.pointee(pointer).ok_or("has a variable without a type")?;
         match class {
             class::UNIFORM_CONSTANT | class::UNIFORM | class::STORAGE_BUFFER => {
-                let of = resource(&code, (id, class, pointee))?;
                 let place = [decoration::SET, decoration::BINDING].map(|d| code.decoration(id, d).unwrap_or(0));
-                bound.push((place, id, of));
+                let variable = resource(&code, (id, class, pointee), place)?;
+                bound.push((place, id, variable));
             }
             class::PUSH_CONSTANT => {
                 let layout = BlockLayout::of(&code, pointee, id)?;
-                found.push = Some((code.name(pointee).to_owned(), layout));
+                let name = code.name(pointee);
+                found.push = Some((if name.is_empty() { NAMELESS_PUSH.to_owned() } else { name.to_owned() }, layout));
             }
             class::INPUT if is_fragment && code.is_used(id) => found.inputs.extend(crossing(&code, id, pointee)),
             class::OUTPUT if is_fragment => found.outputs.extend(crossing(&code, id, pointee)),
@@ -216,14 +227,21 @@ fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
 }
 
 /// What a variable of a descriptor is.
-fn resource(code: &SpirvCode, (id, class, pointee): (u32, u32, u32)) -> Result<Variable, String> {
+fn resource(
+    code: &SpirvCode,
+    (id, class, pointee): (u32, u32, u32),
+    [set, binding]: [u32; 2],
+) -> Result<Variable, String> {
     let own = code.name(id);
     let (element, count) = code.element(pointee);
-    let block = code.name(element).to_owned();
+    let is_nameless = own.is_empty() && code.name(element).is_empty();
+    let block = if is_nameless { format!("{set}.{binding}") } else { code.name(element).to_owned() };
     let name = if own.is_empty() { block.clone() } else { own.to_owned() };
     let is_storage = class == class::STORAGE_BUFFER || code.decoration(element, decoration::BUFFER_BLOCK).is_some();
-    let separate =
-        || format!("binds {name} as a separate image or sampler; use sampler2D and the like, which are both");
+    let separate = || {
+        let why = if is_nameless { format!(" ({})", nameless(&name)) } else { String::new() };
+        format!("binds {name} as a separate image or sampler{why}; use sampler2D and the like, which are both")
+    };
     let kind = match code.definition(element).map(|d| (d.opcode, d)) {
         Some((op::TYPE_SAMPLED_IMAGE, of)) => VariableKind::Sampled(image(code, of.word(1)).ok_or_else(separate)?),
         Some((op::TYPE_IMAGE, of)) => match (image(code, element), of.word(6)) {
@@ -240,7 +258,7 @@ fn resource(code: &SpirvCode, (id, class, pointee): (u32, u32, u32)) -> Result<V
         _ => return Err(format!("binds {name} as something that is neither an image nor a block")),
     };
     let block = if matches!(kind, VariableKind::Sampled(_) | VariableKind::Stored(_)) { String::new() } else { block };
-    Ok(Variable { binding: 0, name, block, count, read_only: code.is_read_only(id, element), kind })
+    Ok(Variable { binding: 0, name, is_nameless, block, count, read_only: code.is_read_only(id, element), kind })
 }
 
 fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {

@@ -3,6 +3,7 @@
 
 use super::loose_uniforms::{self, Hoisted};
 use super::manifest::{Pass, PassStage};
+use super::old_glsl;
 use super::reflect::{ShaderInterface, VariableKind, reflect};
 use crate::error::{Error, Result};
 use crate::gpu::interface::{Bound, Interface, Push};
@@ -96,7 +97,8 @@ fn binary(path: &Path) -> Result<Compiled> {
 /// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
 fn glsl(include: &Path, pass: &Pass) -> Result<Compiled> {
     let path = &pass.shader;
-    let source = source_text::read(path, "a shader", MAX_BYTES)?;
+    let source = source_text::read_program(path, "a shader", MAX_BYTES)?;
+    old_glsl::check(path, &source)?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let compiler = Compiler::new().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
     let files = RefCell::new(vec![path.clone()]);
@@ -113,7 +115,7 @@ fn glsl(include: &Path, pass: &Pass) -> Result<Compiled> {
     options.set_include_callback(|name, _, includer, _| {
         let beside = Path::new(includer).parent().unwrap_or(include).join(name);
         let path = if beside.exists() { beside } else { include.join(name) };
-        let content = source_text::read(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?;
+        let content = source_text::read_program(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?;
         files.borrow_mut().push(path.clone());
         Ok(ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content })
     });
@@ -131,21 +133,6 @@ fn glsl(include: &Path, pass: &Pass) -> Result<Compiled> {
     Ok(Compiled { words, own, files: files.into_inner() })
 }
 
-/// Names of GLSL before version 140, and what stands in their place.
-const OLD: [(&str, &str); 11] = [
-    ("texture2DLod", "write textureLod"),
-    ("texture2DProj", "write textureProj"),
-    ("texture2DRect", "use a sampler2D, and write texture with coordinates from 0 to 1"),
-    ("texture2D", "write texture"),
-    ("texture3D", "write texture"),
-    ("textureCubeLod", "write textureLod"),
-    ("textureCube", "write texture"),
-    ("gl_FragColor", "declare an output, as in `out vec4 shown;`"),
-    ("gl_FragData", "declare outputs, as in `layout(location = 0) out vec4 shown;`"),
-    ("varying", "write in"),
-    ("attribute", "write in"),
-];
-
 /// The first of the compiler's messages, with the file and line that it is about.
 fn compiler_says(path: &Path, text: &str) -> Error {
     for line in text.lines() {
@@ -161,7 +148,7 @@ fn compiler_says(path: &Path, text: &str) -> Error {
             Some(line) => line.contains(&format!("{name}(")) || line.contains(&format!("{name} (")),
             None => what.contains(&format!("'{name}'")),
         };
-        let old = OLD.iter().find(|(name, _)| is_named(name));
+        let old = old_glsl::NAMES.iter().find(|(name, _)| is_named(name));
         let what = match old {
             Some((name, instead)) => format!("{name} is old GLSL; {instead}"),
             None => what.trim().to_owned(),
@@ -173,7 +160,7 @@ fn compiler_says(path: &Path, text: &str) -> Error {
 
 /// A line of a file, counted from 1; `None` if it cannot be read.
 fn line_of(path: &Path, number: usize) -> Option<String> {
-    let text = source_text::read(path, "a shader", MAX_BYTES).ok()?;
+    let text = source_text::read_program(path, "a shader", MAX_BYTES).ok()?;
     text.lines().nth(number.checked_sub(1)?).map(str::to_owned)
 }
 

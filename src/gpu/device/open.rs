@@ -2,6 +2,7 @@
 
 use super::compile_only::{self, HostMemory};
 use super::features::{self, enable_features};
+use super::no_driver;
 use super::ray_queries::{self, RayQueries};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
@@ -28,10 +29,12 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     // SAFETY: enumeration has no preconditions.
     let (layers, extensions) = unsafe {
         (
-            entry.enumerate_instance_layer_properties().map_err(vulkan("vkEnumerateInstanceLayerProperties"))?,
+            entry
+                .enumerate_instance_layer_properties()
+                .map_err(no_driver::failed("vkEnumerateInstanceLayerProperties"))?,
             entry
                 .enumerate_instance_extension_properties(None)
-                .map_err(vulkan("vkEnumerateInstanceExtensionProperties"))?,
+                .map_err(no_driver::failed("vkEnumerateInstanceExtensionProperties"))?,
         )
     };
     let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(validation::LAYER));
@@ -65,13 +68,11 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     }
     // SAFETY: the names and structures live through the call.
     let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-        vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
-            Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
-        }
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => no_driver::no_device(result),
         vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
             Error::NoWindow("no Vulkan driver here can present to this window system".into())
         }
-        _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
+        _ => no_driver::failed("vkCreateInstance")(result),
     })?;
     Ok((entry, instance, has_debug))
 }
@@ -79,7 +80,11 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
 /// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
 pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
-    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
+    let physical =
+        unsafe { instance.enumerate_physical_devices() }.map_err(no_driver::failed("vkEnumeratePhysicalDevices"))?;
+    if physical.is_empty() {
+        return Err(no_driver::no_device(vk::Result::ERROR_INITIALIZATION_FAILED));
+    }
     Ok(physical
         .into_iter()
         .enumerate()

@@ -8,7 +8,7 @@ use exr::prelude::Compression;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 
 /// A map without a mistake, which reads the frame that [`folder`] writes.
-const MAP: &str = r#"origin = "top-left"
+pub const MAP: &str = r#"origin = "top-left"
 [conventions]
 world = "left"
 view = "left"
@@ -83,7 +83,11 @@ fn a_mistake_in_the_map_has_its_line() {
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
     for (from, to, sentence) in [
         ("kind = \"lobe\"", "kind = lobe", "map.toml:19: "),
-        ("[roughness]", "[rouhness]", "map.toml:17: unknown field `rouhness`, expected one of `origin`, `conventions`"),
+        (
+            "[roughness]",
+            "[rouhness]",
+            "map.toml:17: unknown field `rouhness`, expected one of `origin`, `view`, `conventions`",
+        ),
         ("origin = \"top-left\"", "origin = \"left\"", "map.toml:1: unknown variant `left`"),
         (
             "channel = \"rough\"\n",
@@ -300,10 +304,10 @@ fn what_the_files_lack_is_named_with_what_they_have() {
         (color, "file = \"none.exr\"\nchannels = [\"R\", \"G\", \"B\"]", "map.toml:24: there is no file none.exr"),
         (color, "file = \"text.exr\"\nchannels = \"R\"", "text.exr: is neither an OpenEXR nor a PNG image"),
         (
-            color,
-            "file = \"b44.exr\"\nchannels = \"R\"",
-            "b44.exr: its b44 compression is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, \
-             DWAA, DWAB or none",
+            depth.0,
+            "file = \"b44.exr\"\nchannel = \"R\"\n",
+            "map.toml:13: channel R of b44.exr was rounded by b44 compression; depth, normals and sky must be compressed \
+             without loss (in Blender, Output, Codec: ZIP)",
         ),
         (color, "file = \"small.exr\"\nchannels = \"R\"", "map.toml:24: small.exr has 2x2 pixels, and f.exr has 4x3"),
         (

@@ -139,6 +139,17 @@ fn the_map_of_blender_reads_one_part_and_many() {
     write_exr(&folder.path("one.exr"), SIZE, vec![Part::new(passes.iter().flat_map(channels).collect())]);
     let data = map.read(&folder.path("many.exr")).unwrap();
     assert!(data == map.read(&folder.path("one.exr")).unwrap(), "in one part as in many");
+    assert_eq!(map.check(&folder.path("many.exr"), &data).unwrap(), None, "it does not contradict itself");
+    // The compositor's node writes the same without a layer, and numbers as the component V.
+    let of_node = |(pass, suffixes, samples): &(&str, &str, Vec<FlatSamples>)| {
+        let is_number = ["Depth", "roughness", "metallic"].contains(pass);
+        let names: Vec<String> =
+            suffixes.chars().map(|c| format!("{pass}.{}", if is_number { 'V' } else { c })).collect();
+        Part::new(named(&names.iter().map(String::as_str).collect::<Vec<_>>(), samples.clone())).named(pass)
+    };
+    write_exr(&folder.path("node.exr"), SIZE, passes.iter().map(of_node).collect());
+    let (node, _) = example("blender-file-output.toml");
+    assert!(data == node.read(&folder.path("node.exr")).unwrap(), "by the node as by the output");
     lies_on(&data, &seen, |v| DVec3::new(v.x, v.z, v.y), ball, 3e-6, 1e-6);
     for (i, seen) in seen.iter().enumerate() {
         let colour = if seen.z.is_some() { Vec3::new(1.5, 0.625, 0.09375) } else { Vec3::new(0.25, 0.5, 1.0) };

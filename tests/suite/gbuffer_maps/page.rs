@@ -18,6 +18,10 @@ fn the_page_has_every_key() {
         ("[metallic]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
         ("[base-color]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
         ("[f0]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
+        (
+            "[position]",
+            vec![("[reflectivity]", "[position]\nspace = \"view\"\nchannels = [\"R\", \"G\", \"B\"]\n[reflectivity]")],
+        ),
         ("[sky]", vec![("[reflectivity]", "[sky]\nchannel = \"Z\"\n[reflectivity]")]),
         ("[[color]]", vec![]),
     ] {

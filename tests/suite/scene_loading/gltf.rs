@@ -367,9 +367,10 @@ fn what_is_not_supported_is_said_once() {
     let scene = scene(&document);
     let said = [
         "the extension KHR_materials_clearcoat is not supported and was ignored",
-        "the extension KHR_draco_mesh_compression is not supported and was ignored",
+        "meshes are drawn from their uncompressed copies, since the extension KHR_draco_mesh_compression is not supported",
         "points and lines are not drawn",
-        "images that are given neither as PNG nor as JPEG (KTX2, for example) are not supported and were left out",
+        "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out; export the images as \
+         PNG, JPEG or WebP instead of KTX2",
     ];
     for sentence in said {
         let times = sentences(&scene).iter().filter(|s| **s == sentence).count();
@@ -382,7 +383,8 @@ fn what_is_not_supported_is_said_once() {
 fn bad_files_get_a_sentence() {
     let plain = |change: fn(&mut Value)| error(&square(json!({}), change));
     let required = plain(|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
-    let wanted = "requires the extension KHR_draco_mesh_compression, which is not supported; export the meshes without compression";
+    let wanted = "requires the extension KHR_draco_mesh_compression, which is not supported; `npx @gltf-transform/cli copy IN.glb \
+                  OUT.glb` writes the meshes without it";
     assert_eq!(required, wanted);
     assert_eq!(plain(|d| d["asset"]["version"] = "1.0".into()), "is glTF 1.0; version 2 is supported");
     assert_eq!(plain(|d| d["bufferViews"][0]["byteLength"] = 1000.into()), "buffer view 0 leaves its buffer");

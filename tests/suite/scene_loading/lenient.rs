@@ -155,11 +155,7 @@ fn each_kind_of_loss_is_one_warning() {
         ("d -halo 0.5", "transparency"),
         ("Tr 0.5", "transparency"),
         ("Tf 0 1 0", "transparency"),
-        ("Ke 0 1 0", "emission"),
-        ("map_Ke x.png", "images of emission"),
-        ("map_Pr x.png", "images of roughness"),
-        ("Pm 1", "metalness"),
-        ("map_Pm x.png", "metalness"),
+        ("map_Ns x.png", "images of exponents"),
         ("Pc 0.5", "sheen"),
         ("aniso 0.5", "sheen"),
         ("refl -type sphere x.png", "reflection maps"),
@@ -170,9 +166,10 @@ fn each_kind_of_loss_is_one_warning() {
         let said = said(&format!("{lost}\n{lost}"));
         assert!(said.len() == 1 && said[0].starts_with(&format!("a.mtl:2: {about}")), "{lost}: {said:?}");
     }
-    let kept = "d 1\nTr 0\nTf 1 1 1\nKe 0 0 0\nPm 0\nPc 0\nKa 1 1 1\nNi 1.5\nillum 2\nsharpness 60\n";
+    let kept = "d 1\nTr 0\nTf 1 1 1\nKe 0 0 0\nPs 0\nPc 0\nPcr 0.03\naniso 0\nanisor 0.5\nKa 1 1 1\nNi 1.5\nillum 2\n\
+        sharpness 60\n";
     assert_eq!(said(kept), [""; 0], "what says nothing");
-    let two = said("d 0\nKe 1 1 1");
+    let two = said("d 0\ndisp x.png");
     assert_eq!(two.len(), 2, "{two:?}");
     let unused = square("mtllib a.mtl\nusemtl m\nf 1 2 3\n");
     unused.write("a.mtl", b"newmtl m\nnewmtl other\nd 0\n");

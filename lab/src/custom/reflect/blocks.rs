@@ -73,7 +73,9 @@ impl BlockLayout {
         before: &str,
     ) -> Result<(), String> {
         let at = |what: u32| code.member_decoration(id, member, what);
-        let name = format!("{before}{}", code.member_name(id, member));
+        let own = code.member_name(id, member);
+        // A module without names has numbers in their place.
+        let name = if own.is_empty() { format!("{before}{member}") } else { format!("{before}{own}") };
         let offset = start.saturating_add(at(decoration::OFFSET).unwrap_or(0));
         let matrix = (at(decoration::MATRIX_STRIDE).unwrap_or(16), at(decoration::ROW_MAJOR).is_some());
         let ty = code.members(id)[member as usize];

@@ -124,3 +124,44 @@ fn damaged_code_is_an_interface_or_a_sentence() {
         }
     }
 }
+
+/// A module as a compiler strips it: without the names of variables, blocks and members.
+fn without_names(words: &[u32]) -> Vec<u32> {
+    const NAME: u32 = 5;
+    const MEMBER_NAME: u32 = 6;
+    let mut stripped = words[..5].to_vec();
+    let mut rest = &words[5..];
+    while let Some(first) = rest.first() {
+        let (instruction, behind) = rest.split_at((first >> 16) as usize);
+        if ![NAME, MEMBER_NAME].contains(&(first & 0xffff)) {
+            stripped.extend(instruction);
+        }
+        rest = behind;
+    }
+    stripped
+}
+
+#[test]
+fn a_module_without_names_has_sets_and_bindings() {
+    let text = "#version 450\nlayout(location = 0) in vec2 at;\nlayout(location = 0) out vec4 shown;\n\
+        layout(binding = 3) uniform sampler2D picture;\n\
+        layout(std140, set = 1, binding = 2) uniform B { mat4 m; float gain; };\n\
+        layout(push_constant) uniform P { vec4 tint; };\n\
+        void main() { shown = gain * m * texture(picture, at) + tint; }\n";
+    let words = without_names(&compiled(text, ShaderKind::Fragment));
+    let of = reflect(&words, true).expect("an interface");
+    let names: Vec<(&str, bool)> = of.variables.iter().map(|v| (v.name.as_str(), v.is_nameless)).collect();
+    assert_eq!(names, [("0.3", true), ("1.2", true)]);
+    let VariableKind::Uniform(layout) = &of.variables[1].kind else { panic!("{:?}", of.variables[1]) };
+    assert_eq!(layout.fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), ["0", "1"]);
+    assert_eq!(of.variables[1].block, "1.2");
+    assert_eq!(of.push.expect("push constants").0, "push");
+
+    let separate = "#version 450\nlayout(binding = 0) uniform texture2D picture;\nlayout(binding = 1) uniform sampler how;\n\
+        layout(location = 0) in vec2 at;\nlayout(location = 0) out vec4 shown;\n\
+        void main() { shown = texture(sampler2D(picture, how), at); }\n";
+    let said = reflect(&without_names(&compiled(separate, ShaderKind::Fragment)), true).expect_err("it is refused");
+    let expected = "binds 0.0 as a separate image or sampler (the module has no names, and \"0.0\" is set and binding; a compiler \
+                    keeps names with -g); use sampler2D and the like, which are both";
+    assert_eq!(said, expected);
+}

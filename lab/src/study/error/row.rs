@@ -190,7 +190,7 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
         let more = columns.iter().zip(&p.more).map(|(column, mean)| column.shown_number(*mean)).collect();
         row([p.name.clone(), time, error, front.to_owned(), place, bytes, prepared], more)
     };
-    let names = ["variant", "median ms", "error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
+    let names = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
     let dash = || "-".to_owned();
     let no_more = || columns.iter().map(|_| dash()).collect();
     let last = floor.map(|error| {
@@ -202,5 +202,10 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
 
 /// What the error consists of, with the words that explain it.
 pub fn source_table(records: &[ErrorRecord]) -> Table {
-    Table::new("sources", "Where the error comes from", ABOUT_SOURCES, points::source_cells(records))
+    Table::new(
+        "sources",
+        "Where the error comes from: the median over the views",
+        ABOUT_SOURCES,
+        points::source_cells(records),
+    )
 }

@@ -2,10 +2,12 @@
 //! common.
 
 use super::bounded;
+use super::exr_window::Shown;
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::MetaData;
+use exr::meta::attribute::{ChannelDescription, SampleType};
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage, read};
 use glam::Vec3;
@@ -22,10 +24,25 @@ pub const MAX_BYTES: u64 = 1 << 32;
 /// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
 const FREE_BYTES: u64 = 1 << 24;
 
-/// The compressions that a file may use. All others round values, and a depth rounded to 24 bits is a
-/// different depth. (The decoder of B44 also overflows on files that fuzzing finds.)
-const LOSSLESS: [Compression; 5] =
-    [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
+/// The compressions that keep every value, for the sentences that refuse one. All others round some channels, and a depth
+/// rounded to 24 bits is a different depth.
+const EXACT: &str = "ZIP, ZIPS, PIZ, RLE or none";
+
+/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. B44 and B44A round 16-bit floats. DWAA and
+/// DWAB round floats of colours, for which they take the channels with these names behind the last point. All other channels
+/// are kept to the bit.
+pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) -> bool {
+    const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
+    match compression {
+        Compression::PXR24 => kind == SampleType::F32,
+        Compression::B44 | Compression::B44A => kind == SampleType::F16,
+        Compression::DWAA(_) | Compression::DWAB(_) => {
+            let last = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
+            COLOURS.contains(&last.as_str()) && kind != SampleType::U32
+        }
+        _ => false,
+    }
+}
 
 /// Checks what the headers of a file of `length` bytes claim, before any memory for pixels is allocated. Errors call
 /// the file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads
@@ -53,15 +70,19 @@ pub(super) fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &s
 /// Why bytes cannot be read as an OpenEXR image. The crate knows no compression that is younger than it, and does not name
 /// the compression then.
 pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
-    const SUPPORTED: &str = "save it with ZIP, ZIPS, PIZ, RLE or none";
-    let number = compression_number(bytes);
-    let name = match number {
-        Some(10 | 11) => "HTJ2K".to_owned(),
-        Some(12 | 13) => "zstd".to_owned(),
-        Some(other) => format!("of number {other}"),
-        None => return Error::malformed(path, None, format!("cannot be read as an OpenEXR image: {error}")),
+    let message = match compression_number(bytes) {
+        Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
+        Some(12) => not_supported("LJ2K"),
+        Some(13) => not_supported("ZSTD"),
+        Some(other) => not_supported(&format!("of number {other}")),
+        None => format!("cannot be read as an OpenEXR image: {error}"),
     };
-    Error::malformed(path, None, format!("its compression {name} is not supported; {SUPPORTED}"))
+    Error::malformed(path, None, message)
+}
+
+/// The sentence about a compression that cannot be decoded. Blender lets its users choose one.
+fn not_supported(compression: &str) -> String {
+    format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
 }
 
 /// The number of a file's compression, if it is one that the crate does not know.
@@ -77,25 +98,24 @@ fn compression_number(bytes: &[u8]) -> Option<u8> {
 /// # Errors
 /// A sentence about a part whose compression the crate names and cannot read.
 pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
-    if matches!(header.compression, Compression::HTJ2K32 | Compression::HTJ2K256) {
-        return Err("its compression HTJ2K is not supported; save it with ZIP, ZIPS, PIZ, RLE or none".to_owned());
+    match header.compression {
+        Compression::HTJ2K32 => Err(not_supported("HTJ2K32")),
+        Compression::HTJ2K256 => Err(not_supported("HTJ2K256")),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// # Errors
-/// A sentence about a part that has only a piece of its image.
-pub(super) fn check_whole(header: &Header) -> std::result::Result<(), String> {
-    let window = header.shared_attributes.display_window;
-    let position = header.own_attributes.layer_position;
-    if position == window.position && header.layer_size == window.size {
-        return Ok(());
+/// A sentence about a part of which a channel was rounded.
+fn check_exact(header: &Header) -> std::result::Result<(), String> {
+    let is_rounded = |c: &&ChannelDescription| rounds(header.compression, &c.name.to_string(), c.sample_type);
+    match header.channels.list.iter().find(is_rounded) {
+        Some(channel) => Err(format!(
+            "the compression {} loses precision in channel {}; save it with {EXACT}",
+            header.compression, channel.name
+        )),
+        None => Ok(()),
     }
-    let [part, whole] = [header.layer_size, window.size];
-    Err(format!(
-        "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
-        part.0, part.1, position.0, position.1, whole.0, whole.1, window.position.0, window.position.1
-    ))
 }
 
 /// # Errors
@@ -138,21 +158,21 @@ impl<'a> ExrChannels<'a> {
         // The header is checked before any memory for pixels is allocated.
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
         meta.headers.iter().try_for_each(check_compression).map_err(wrong)?;
-        if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
-            return Err(wrong(format!(
-                "the compression {lossy} loses precision; supported are none, RLE, ZIP, ZIPS and PIZ"
-            )));
-        }
-        meta.headers.iter().try_for_each(check_whole).map_err(wrong)?;
+        meta.headers.iter().try_for_each(check_exact).map_err(wrong)?;
+        meta.headers.iter().try_for_each(|header| Shown::of_header(header).map(drop)).map_err(wrong)?;
         let is_small = check_claims(&meta, bytes.len(), path, what)?;
         let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
         let read = if is_small { read.non_parallel() } else { read };
-        let layer = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?.layer_data;
-        let samples = |c: AnyChannel<FlatSamples>| (c.name.to_string(), c.sample_data.values_as_f32().collect());
+        let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
+        let layer = image.layer_data;
+        let shown = Shown::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
+        let shown = shown.map_err(wrong)?;
+        let samples =
+            |c: AnyChannel<FlatSamples>| (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()));
         Ok(Self {
             path,
-            width: layer.size.0 as u32,
-            height: layer.size.1 as u32,
+            width: shown.size[0] as u32,
+            height: shown.size[1] as u32,
             attributes: layer.attributes,
             channels: layer.channel_data.list.into_iter().map(samples).collect(),
         })

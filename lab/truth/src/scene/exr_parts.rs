@@ -1,12 +1,13 @@
 //! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or
 //! tiles of 16-bit or 32-bit floats or of unsigned integers; of several resolutions the largest is read.
 
-use super::exr_channels::{check_claims, check_compression, check_whole, unreadable};
+use super::exr_channels::{check_claims, check_compression, rounds, unreadable};
+use super::exr_window::Shown;
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{FlatSamples, Layer};
 use exr::meta::MetaData;
-use exr::meta::attribute::AttributeValue;
+use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use std::collections::BTreeMap;
@@ -17,6 +18,8 @@ use std::path::Path;
 pub(super) struct ExrPart {
     /// Its name; files of one part may have none.
     pub name: Option<String>,
+    /// The view that it is of, as of one eye.
+    pub view: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Sorted by name.
@@ -37,7 +40,7 @@ pub(super) struct ExrChannel {
 ///
 /// # Errors
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image claims more than [`check_claims`] allows,
-/// or if a part uses B44, has deep data or covers only a piece of the image.
+/// or if a part has a compression that is not supported, deep data, or only a piece of the image.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
@@ -49,39 +52,43 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let read = if is_small { read.non_parallel() } else { read };
     let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
-    Ok(image.layer_data.into_iter().map(|layer| part(layer, &image.attributes)).collect())
+    image.layer_data.into_iter().map(|layer| part(layer, &image.attributes).map_err(wrong)).collect()
 }
 
 /// # Errors
 /// A sentence about a part that cannot be used.
 fn check_part(header: &Header) -> std::result::Result<(), String> {
-    if [Compression::B44, Compression::B44A].contains(&header.compression) {
-        return Err(format!(
-            "its {} is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, DWAA, DWAB or none",
-            header.compression
-        ));
-    }
     check_compression(header)?;
-    check_whole(header)
+    Shown::of_header(header).map(drop)
 }
 
-fn part(layer: Layer<exr::image::AnyChannels<FlatSamples>>, image: &ImageAttributes) -> ExrPart {
+fn part(
+    layer: Layer<exr::image::AnyChannels<FlatSamples>>,
+    image: &ImageAttributes,
+) -> std::result::Result<ExrPart, String> {
     let compression = layer.encoding.compression;
+    let shown = Shown::new(layer.attributes.layer_position, layer.size, image.display_window)?;
     let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
-        let rounded = rounds(compression, &name, &channel.sample_data);
+        let kind = match channel.sample_data {
+            FlatSamples::F16(_) => SampleType::F16,
+            FlatSamples::F32(_) => SampleType::F32,
+            FlatSamples::U32(_) => SampleType::U32,
+        };
+        let rounded = rounds(compression, &name, kind);
         let values = match channel.sample_data {
             FlatSamples::F32(values) => values,
             other => other.values_as_f32().collect(),
         };
-        (name, ExrChannel { values, rounded_by: rounded.then_some(compression) })
+        (name, ExrChannel { values: shown.crop(values), rounded_by: rounded.then_some(compression) })
     };
-    ExrPart {
+    Ok(ExrPart {
+        view: layer.attributes.view_name.as_ref().map(ToString::to_string),
         name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
-        size: [layer.size.0 as u32, layer.size.1 as u32],
+        size: shown.size.map(|side| side as u32),
         channels: layer.channel_data.list.into_iter().map(channel).collect(),
         attributes: attributes(layer.attributes, image),
-    }
+    })
 }
 
 /// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these,
@@ -102,18 +109,4 @@ fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<Strin
     let known = known.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
     let others = layer.other.into_iter().chain(image.other.clone());
     known.chain(others.map(|(name, value)| (name.to_string(), value))).collect()
-}
-
-/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB round floats of
-/// colours, for which they take the channels with these names behind the last point; they keep all other channels.
-fn rounds(compression: Compression, channel: &str, samples: &FlatSamples) -> bool {
-    const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
-    match compression {
-        Compression::PXR24 => matches!(samples, FlatSamples::F32(_)),
-        Compression::DWAA(_) | Compression::DWAB(_) => {
-            let last = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
-            COLOURS.contains(&last.as_str()) && !matches!(samples, FlatSamples::U32(_))
-        }
-        _ => false,
-    }
 }

@@ -4,15 +4,18 @@
 //! [`GBufferMap::parse`] checks a map without any file of a frame; an error has the line of the mistake.
 //! [`GBufferMap::read`] then reads frames. The submodules find files and channels (`files`, `source`), make the camera
 //! (`camera`, `axes`, `numbers`), and turn what the channels hold into ours (`depth`, `normals`, `surface`); `keys`
-//! takes the keys of a section.
+//! takes the keys of a section. [`GBufferMap::check`] holds what was read against itself (`check`, `agreement`, `readings`).
 
+mod agreement;
 mod axes;
 mod camera;
+mod check;
 mod depth;
 mod files;
 mod keys;
 mod normals;
 mod numbers;
+mod readings;
 mod source;
 mod surface;
 
@@ -21,8 +24,10 @@ use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};
 use axes::MapConventions;
 use camera::MapCamera;
+use check::MapPosition;
+pub use check::disagreement;
 use depth::MapDepth;
-use files::MapFiles;
+use files::{Arrangement, MapFiles};
 use keys::{MapKeys, MapSection};
 use normals::MapNormals;
 use serde::Deserialize;
@@ -37,6 +42,7 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct GBufferMap {
     path: PathBuf,
     bottom_up: bool,
+    view: Option<String>,
     conventions: MapConventions,
     camera: MapCamera,
     depth: MapDepth,
@@ -45,6 +51,7 @@ pub struct GBufferMap {
     reflectivity: MapReflectivity,
     color: Vec<MapColour>,
     sky: Option<MapSky>,
+    position: Option<MapPosition>,
 }
 
 #[derive(Deserialize)]
@@ -52,6 +59,7 @@ pub struct GBufferMap {
 struct Sections {
     #[serde(default)]
     origin: MapOrigin,
+    view: Option<String>,
     conventions: Option<MapSection>,
     camera: Option<MapSection>,
     depth: Option<MapSection>,
@@ -64,6 +72,7 @@ struct Sections {
     #[serde(default)]
     color: Vec<MapSection>,
     sky: Option<MapSection>,
+    position: Option<MapSection>,
 }
 
 /// Where the first row of the files is.
@@ -107,6 +116,7 @@ impl GBufferMap {
         let map = Self {
             path: path.to_owned(),
             bottom_up: sections.origin == MapOrigin::BottomLeft,
+            view: sections.view,
             conventions: MapConventions::take(MapKeys::or_empty(&text, "[conventions]", sections.conventions))?,
             camera: MapCamera::take(needed(&text, "[camera]", sections.camera)?)?,
             depth: MapDepth::take(needed(&text, "[depth]", sections.depth)?)?,
@@ -115,13 +125,25 @@ impl GBufferMap {
             reflectivity,
             color: color.collect::<Result<_>>()?,
             sky: sections.sky.map(|sky| MapSky::take(MapKeys::new(&text, "[sky]", sky))).transpose()?,
+            position: sections
+                .position
+                .map(|position| MapPosition::take(MapKeys::new(&text, "[position]", position)))
+                .transpose()?,
         };
+        if map.position.as_ref().is_some_and(MapPosition::need_world) && !map.camera.has_place() {
+            let message = "[camera]: places in world space need the camera's place, as normals in world space do";
+            return Err(Error::malformed(path, Some(map.camera.line), message));
+        }
         if map.normals.need_world() && !map.camera.has_place() {
             let message = "[camera]: normals in world space need the camera's place: world-to-view, view-to-world, or \
                            eye with look-at or forward";
             return Err(Error::malformed(path, Some(map.camera.line), message));
         }
         Ok(map)
+    }
+
+    fn arrangement(&self) -> Arrangement<'_> {
+        Arrangement { bottom_up: self.bottom_up, view: self.view.as_deref() }
     }
 
     /// Reads a frame. `main` is the main file; the other files that the map names lie in its folder.
@@ -131,7 +153,7 @@ impl GBufferMap {
     /// [`Error::Malformed`] with the line of the map for a file, part, channel or attribute that is not there, for
     /// files of several sizes, for a camera that cannot be used, and for the first pixel whose value is out of range.
     pub fn read(&self, main: &Path) -> Result<GBufferData> {
-        let mut files = MapFiles::new(&self.path, main, self.bottom_up);
+        let mut files = MapFiles::new(&self.path, main, self.arrangement());
         let planes = self.depth.read(&mut files)?;
         let [width, height] = files.size();
         let (camera, coding) = self.camera.get(&self.conventions, &self.depth, &mut files)?;

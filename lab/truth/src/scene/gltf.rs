@@ -7,11 +7,13 @@
 //!
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
+mod compression;
 mod data;
 mod document;
 mod geometry;
 mod materials;
 mod nodes;
+mod typed;
 mod vertices;
 
 use super::{LoadOptions, Probe, Scene, bounded, viewpoint};
@@ -29,12 +31,18 @@ pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
-const READ: [&str; 6] = [
+const READ: [&str; 12] = [
+    nodes::INSTANCING,
+    compression::NAMES[0],
+    document::WEBP,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    compression::NAMES[1],
+    nodes::VISIBILITY,
     "KHR_texture_transform",
 ];
 
@@ -46,9 +54,10 @@ pub fn is_named(path: &Path) -> bool {
 /// Loads a glTF file as a scene, named after the file.
 ///
 /// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z
-///   is negated. A mesh that several nodes place stands there several times.
-/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior` and the metallic
-///   factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
+///   is negated. A mesh that several nodes place stands there several times, and so
+///   do the copies of `EXT_mesh_gpu_instancing`. What `KHR_node_visibility` hides is not there.
+/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`, `KHR_materials_specular`
+///   and the metallic factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
 ///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour,
 ///   metallic-roughness, normals and emission count; those of occlusion do not.
 /// - Emission, and `KHR_materials_unlit`, are lit colour that no light changes; brighter than 1 counts as 1.
@@ -60,6 +69,8 @@ pub fn is_named(path: &Path) -> bool {
 ///   targets are not played.
 /// - Tangents come from the file or else from MikkTSpace. `KHR_texture_transform` is applied to the coordinates.
 ///
+/// What was chosen where the file has no light or no camera, and the exposure of its lights, stand in [`Scene::notes`].
+///
 /// What is not supported adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
@@ -70,6 +81,9 @@ pub fn is_named(path: &Path) -> bool {
 /// out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
+    if let Some(chosen) = chosen(&scene) {
+        scene.notes.push(format!("{}: {chosen}", path.display()));
+    }
     if scene.views.is_empty() {
         scene.views = vec![viewpoint::default_view(&scene)];
     }
@@ -78,6 +92,18 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     Ok(scene)
+}
+
+/// What is chosen for a file without lights or cameras; `None` for one with both.
+fn chosen(scene: &Scene) -> Option<String> {
+    let light = "one directional light shines from above";
+    let view = "the view shows all of the scene";
+    match (scene.lights.is_empty(), scene.views.is_empty()) {
+        (true, true) => Some(format!("it has neither lights nor cameras; {light}, and {view}")),
+        (true, false) => Some(format!("it has no lights; {light}")),
+        (false, true) => Some(format!("it has no cameras; {view}")),
+        (false, false) => None,
+    }
 }
 
 /// Loads a scene as [`load`] does, with the views and lights of the file alone, and without a probe. From every place
@@ -111,10 +137,15 @@ impl Notes {
         Self { file: path.display().to_string(), kinds: HashSet::new(), sentences: Vec::new() }
     }
 
+    /// A sentence about the file.
+    fn about(&self, sentence: &str) -> String {
+        format!("{}: {sentence}", self.file)
+    }
+
     /// Adds a sentence, unless there is one of this kind.
     fn add(&mut self, kind: &str, sentence: String) {
         if self.kinds.insert(kind.to_owned()) {
-            self.sentences.push(format!("{}: {sentence}", self.file));
+            self.sentences.push(self.about(&sentence));
         }
     }
 }

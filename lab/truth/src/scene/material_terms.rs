@@ -21,6 +21,14 @@ use std::f64::consts::FRAC_PI_2;
 /// The reflection at normal incidence of a surface that states no index of refraction (1.5).
 pub const F0: f32 = 0.04;
 
+/// A warning about surfaces that are rougher than the widest lobe.
+pub const TOO_ROUGH: &str = "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that";
+
+/// The reflection at normal incidence, 0…1, of a surface with an index of refraction above 0.
+pub fn f0_of_ior(ior: f32) -> f32 {
+    ((ior - 1.0) / (ior + 1.0)).powi(2)
+}
+
 /// The reflectivity, 0…1, of a surface of the linear base colour `base`, which is metal by the share `metallic` and
 /// reflects `f0` along the normal as far as it is none.
 pub fn reflectivity(base: Vec3, metallic: f32, f0: f32) -> f32 {

@@ -5,12 +5,13 @@
 //! `polygons` makes triangles with normals, `mtl` reads materials, and `images` reads their textures. Tangents, meshes and
 //! the default view are made as for other files.
 
+mod baked;
 mod images;
 mod mtl;
 mod polygons;
 mod text;
 
-use super::{LoadOptions, Probe, Scene, Surface, assemble, bounded, encoding, viewpoint};
+use super::{LoadOptions, Material, Probe, Scene, Surface, assemble, bounded, encoding, material_terms, viewpoint};
 use crate::error::{Error, Result};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -66,8 +67,7 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 /// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are those of MikkTSpace;
 ///   without texture coordinates, a tangent is any unit vector orthogonal to the normal.
 /// - A mesh holds the triangles of one group with one material; large meshes are split in space.
-/// - Materials come from MTL: `Kd`, `Ks`, `Pr` or else `Ns`, their maps, `map_d` and `bump`, as listed at the
-///   top of `obj/mtl.rs`. Materials of equal name in two files stay separate; unused ones are dropped.
+/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of equal name in two files stay separate; unused ones are dropped.
 /// - The scene gets one view, `default`, that frames the bounds, one directional light, and one probe at the
 ///   centre.
 ///
@@ -107,7 +107,7 @@ fn load_file(
     options: &ObjOptions,
     origin: &mut Option<DVec3>,
     scene: &mut Scene,
-    sources: &mut Vec<images::MaterialImages>,
+    sources: &mut Vec<images::Source>,
 ) -> Result<()> {
     let bytes = read_limited(&file.path)?;
     let text = decode(&file.path, &bytes)?;
@@ -123,6 +123,7 @@ fn load_file(
         let message = "uses materials but names no MTL file; the materials are white";
         scene.warnings.push(format!("{}: {message}", file.path.display()));
     }
+    let mut is_too_rough = false;
     let mut scene_index: Vec<Option<usize>> = vec![None; names.len()];
     for part in &parts {
         if scene_index[part.material].is_none() {
@@ -139,12 +140,18 @@ fn load_file(
                 ));
             }
             scene_index[part.material] = Some(scene.materials.len());
-            scene.materials.push(definition.map_or_else(Default::default, mtl::Definition::material));
-            if let Some(material) = scene.materials.last_mut() {
-                material.name.clone_from(name);
-                material.surface = file.surface;
+            let reading = definition.map(mtl::Definition::reading);
+            if reading.as_ref().is_some_and(|r| r.is_metallic && r.material.roughness >= 1.0) && !is_too_rough {
+                is_too_rough = true;
+                scene.warnings.push(format!("{}: {}", file.path.display(), material_terms::TOO_ROUGH));
             }
-            sources.push(definition.map(mtl::Definition::images).unwrap_or_default());
+            scene.materials.push(Material {
+                name: name.clone(),
+                surface: file.surface,
+                ..reading.as_ref().map_or_else(Default::default, |reading| reading.material.clone())
+            });
+            let images = definition.map(mtl::Definition::images).unwrap_or_default();
+            sources.push(images::Source { images, reading });
         }
     }
     let material_of = |part: &assemble::MeshPart| scene_index[part.material].unwrap_or_default();

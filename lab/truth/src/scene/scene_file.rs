@@ -130,6 +130,7 @@ fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     scene.views.append(&mut other.views);
     scene.motions.append(&mut other.motions);
     scene.warnings.append(&mut other.warnings);
+    scene.notes.append(&mut other.notes);
 }
 
 #[derive(Deserialize)]

@@ -55,6 +55,22 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     })
 }
 
+/// Reads a text as [`read`] does, in which what is not UTF-8 counts as Latin-1: comments of programs may have any bytes.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] for a longer one, and for text of more than a byte for each character.
+pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
+    let bytes = bounded::read(path, what, most)?;
+    if let Some(name) = encoding::wide(&bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    let bytes = encoding::without_mark(&bytes);
+    Ok(match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    })
+}
+
 /// The line, from 1, of a byte.
 fn line_of(text: &[u8], at: usize) -> usize {
     1 + text[..at.min(text.len())].iter().filter(|&&b| b == b'\n').count()

@@ -25,6 +25,9 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// Any image may unpack to this many bytes; for more, its file must be long enough.
 const FREE_BYTES: u64 = 1 << 20;
 
+/// A WebP image may unpack to this many bytes, whatever its length: one of a single colour has no bits for its texels.
+const FREE_WEBP_BYTES: u64 = 4 * 4096 * 4096;
+
 /// The depth of a height field without a bump multiplier, in texels (see [`normal_map_from_height`]).
 pub const RELIEF_TEXELS: f32 = 2.0;
 
@@ -36,7 +39,7 @@ const GREEN_DOWN: f64 = -0.15;
 static DECODED: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| f64::from(math::srgb_to_linear(byte as f32 / 255.0))));
 
-/// Decodes a PNG, JPEG, TGA or BMP file. The format is recognised by the content or, failing that, by the
+/// Decodes a PNG, JPEG, TGA, BMP, GIF or WebP file. The format is recognised by the content or, failing that, by the
 /// file name.
 ///
 /// # Errors
@@ -83,6 +86,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
         reader.set_format(format);
     }
     let mut reader = reader.with_guessed_format().map_err(|e| Error::io("read", path, e))?;
+    let free = if reader.format() == Some(ImageFormat::WebP) { FREE_WEBP_BYTES } else { FREE_BYTES };
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_EXTENT);
     limits.max_image_height = Some(MAX_EXTENT);
@@ -95,7 +99,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
         let message = format!("the image has {width} x {height} texels; each side must be 1 to {MAX_EXTENT}");
         return Err(Error::malformed(path, None, message));
     }
-    if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), FREE_BYTES) {
+    if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), free) {
         let message = format!("an image of {width} x {height} texels cannot come from only {} bytes", bytes.len());
         return Err(Error::malformed(path, None, message));
     }

@@ -106,6 +106,43 @@ impl MapCamera {
         !matches!(self.place, MapPlace::Origin)
     }
 
+    /// The camera with its lens along the other axis, or its matrix taken for the inverse, each with words.
+    pub fn other_ways(&self) -> Vec<(&'static str, Self)> {
+        let lens = |lens: MapLens| Self { lens, ..self.clone() };
+        let place = |place: MapPlace| Self { place, ..self.clone() };
+        let of_lens = match self.lens.clone() {
+            MapLens::Angle { axis, angle, to_radians } => {
+                let words = ["an angle from top to bottom (fov-y)", "an angle from left to right (fov-x)"][axis];
+                Some((words, lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
+            }
+            MapLens::Focal { axis, length, sensor } => {
+                let words = [
+                    "sensor-height-mm in the place of sensor-width-mm",
+                    "sensor-width-mm in the place of sensor-height-mm",
+                ][axis];
+                Some((words, lens(MapLens::Focal { axis: 1 - axis, length, sensor })))
+            }
+            MapLens::Extent { axis, extent } => {
+                let words = [
+                    "orthographic-height in the place of orthographic-width",
+                    "orthographic-width in the place of orthographic-height",
+                ][axis];
+                Some((words, lens(MapLens::Extent { axis: 1 - axis, extent })))
+            }
+            MapLens::Matrix(_) => None,
+        };
+        let of_place = match self.place.clone() {
+            MapPlace::WorldToView(matrix) => {
+                Some(("view-to-world in the place of world-to-view", place(MapPlace::ViewToWorld(matrix))))
+            }
+            MapPlace::ViewToWorld(matrix) => {
+                Some(("world-to-view in the place of view-to-world", place(MapPlace::WorldToView(matrix))))
+            }
+            MapPlace::Origin | MapPlace::Points(_) => None,
+        };
+        of_lens.into_iter().chain(of_place).collect()
+    }
+
     /// The camera, and how the files encode depth.
     ///
     /// # Errors
@@ -163,7 +200,8 @@ impl MapCamera {
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
-        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?.unwrap_or(width / height);
+        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?;
+        let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
         let opening = match seen {
             MapOpening::Angle(angle) if axis == 1 => Opening::Angle(angle as f32),
             MapOpening::Angle(angle) => Opening::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),

@@ -34,11 +34,29 @@ impl DepthCoding {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum DepthKind {
+pub(super) enum DepthKind {
     /// The depth of clip space.
     Clip(ClipDepth),
     ViewZ,
     Distance,
+    /// Along the ray of sight, from where it leaves the near plane.
+    DistanceFromNear,
+}
+
+/// Every kind, by the word that maps have for it.
+const KINDS: [(&str, DepthKind); 6] = [
+    ("reversed", DepthKind::Clip(ClipDepth::Reversed)),
+    ("standard", DepthKind::Clip(ClipDepth::Standard)),
+    ("minus-one-to-one", DepthKind::Clip(ClipDepth::MinusOneToOne)),
+    ("view-z", DepthKind::ViewZ),
+    ("distance", DepthKind::Distance),
+    ("distance-from-near", DepthKind::DistanceFromNear),
+];
+
+impl DepthKind {
+    fn is_linear(self) -> bool {
+        matches!(self, Self::ViewZ | Self::Distance | Self::DistanceFromNear)
+    }
 }
 
 /// What a map says of the depth.
@@ -59,22 +77,14 @@ const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
-        let kinds = [
-            ("reversed", DepthKind::Clip(ClipDepth::Reversed)),
-            ("standard", DepthKind::Clip(ClipDepth::Standard)),
-            ("minus-one-to-one", DepthKind::Clip(ClipDepth::MinusOneToOne)),
-            ("view-z", DepthKind::ViewZ),
-            ("distance", DepthKind::Distance),
-        ];
-        let kind = keys.required_word("kind", &kinds)?;
+        let kind = keys.required_word("kind", &KINDS)?;
         let source = MapSource::take(&mut keys, SourceRules::EXACT)?;
         let near = keys.number("near", false)?;
         let far = keys.number("far", true)?;
         let sky_beyond = keys.number("sky-beyond", false)?;
         let sky_value = keys.number("sky-value", true)?;
-        let is_linear = matches!(kind, DepthKind::ViewZ | DepthKind::Distance);
-        if is_linear && near.or(far).is_some() {
-            return Err(keys.error(keys.line, "view-z and distance have no near and far; those are the camera's"));
+        if kind.is_linear() && near.or(far).is_some() {
+            return Err(keys.error(keys.line, "view-z and distances have no near and far; those are the camera's"));
         }
         if let Some((near, far)) = near.zip(far) {
             if !(near > 0.0 && far > near) {
@@ -88,6 +98,17 @@ impl MapDepth {
         Ok(Self { source, kind, near, far, sky_beyond, sky_value })
     }
 
+    /// The other kinds, of distances or of a depth buffer as this one is, with their words.
+    pub fn other_kinds(&self) -> impl Iterator<Item = (&'static str, DepthKind)> + use<> {
+        let own = self.kind;
+        KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
+    }
+
+    /// Takes the channel for another kind of depth.
+    pub fn with_kind(&self, kind: DepthKind) -> Self {
+        Self { kind, ..self.clone() }
+    }
+
     pub fn is_minus_one_to_one(&self) -> bool {
         self.kind == DepthKind::Clip(ClipDepth::MinusOneToOne)
     }
@@ -97,7 +118,7 @@ impl MapDepth {
         match self.kind {
             DepthKind::Clip(ClipDepth::Reversed) => Some(true),
             DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne) => Some(false),
-            DepthKind::ViewZ | DepthKind::Distance => None,
+            DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => None,
         }
     }
 
@@ -154,9 +175,10 @@ impl MapDepth {
                 DepthKind::Clip(ClipDepth::Reversed) => value,
                 DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
                 DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
-                DepthKind::ViewZ | DepthKind::Distance => {
-                    let along = if self.kind == DepthKind::Distance { ray(i).length() } else { 1.0 };
-                    let z = value * metres / along;
+                DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => {
+                    let along = if self.kind == DepthKind::ViewZ { 1.0 } else { ray(i).length() };
+                    let before = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
+                    let z = before + value * metres / along;
                     if is_too_near(z) {
                         return wrong("not be nearer than the near plane, unless sky-value says that it is sky");
                     }
@@ -184,9 +206,9 @@ impl MapDepth {
         let beyond = match (self.kind, self.sky_beyond) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
-            (DepthKind::ViewZ | DepthKind::Distance, Some(limit)) => raw.abs() >= limit.abs(),
+            (_, Some(limit)) => raw.abs() >= limit.abs(),
             // Infinite distances of either sign are sky; finite ones beyond the far plane become sky in `reversed`.
-            (DepthKind::ViewZ | DepthKind::Distance, None) => raw.is_infinite(),
+            (_, None) => raw.is_infinite(),
         };
         beyond || self.sky_value.is_some_and(|sky| raw == sky)
     }

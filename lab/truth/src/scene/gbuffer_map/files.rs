@@ -33,23 +33,46 @@ pub(super) struct ChannelSource {
     pub line: usize,
 }
 
+/// Files that were read, by their paths.
+pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
+
+/// How the files of a frame hold its image.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrangement<'a> {
+    /// Whether the first row of the files is the lowest.
+    pub bottom_up: bool,
+    /// The view that is read of files with several, as of both eyes.
+    pub view: Option<&'a str>,
+}
+
 /// The files of one frame.
 pub(super) struct MapFiles<'a> {
     /// The path of the map, for errors.
     pub map: &'a Path,
     main: &'a Path,
-    bottom_up: bool,
-    open: BTreeMap<PathBuf, Vec<ExrPart>>,
+    arranged: Arrangement<'a>,
+    open: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
+    /// The width of a pixel over its height, by the header of that file.
+    pixel_aspect: f64,
     main_is_used: bool,
 }
 
 impl<'a> MapFiles<'a> {
-    /// The files beside `main`, none of them read yet. `map` is the path of the map, for errors; `bottom_up` says
-    /// whether the first row of the files is the lowest.
-    pub fn new(map: &'a Path, main: &'a Path, bottom_up: bool) -> Self {
-        Self { map, main, bottom_up, open: BTreeMap::new(), size: None, main_is_used: false }
+    /// The files beside `main`, none of them read yet. `map` is the path of the map, for errors.
+    pub fn new(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>) -> Self {
+        Self::with(map, main, arranged, OpenFiles::new())
+    }
+
+    /// Makes the files as [`Self::new`] does, some of which were read before.
+    pub fn with(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>, open: OpenFiles) -> Self {
+        Self { map, main, arranged, open, size: None, pixel_aspect: 1.0, main_is_used: false }
+    }
+
+    /// The files that were read.
+    pub fn into_open(self) -> OpenFiles {
+        self.open
     }
 
     /// An error at a line of the map.
@@ -68,6 +91,11 @@ impl<'a> MapFiles<'a> {
     /// Width and height of the image; 0 until a channel was read.
     pub fn size(&self) -> [u32; 2] {
         self.size.as_ref().map_or([0; 2], |(size, _)| *size)
+    }
+
+    /// The width of a pixel over its height; 1 until a channel was read.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_aspect
     }
 
     /// How many pixels the image has; 0 until a channel was read.
@@ -89,11 +117,11 @@ impl<'a> MapFiles<'a> {
         let shown = path.display().to_string();
         let wrong = |message: String| Error::malformed(self.map, Some(source.line), message);
         let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
-        let (part, channel) = find(parts, source.part.as_deref(), name, &shown).map_err(wrong)?;
+        let (part, channel) = find(parts, source.part.as_deref(), self.arranged.view, name, &shown).map_err(wrong)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
                 "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must be compressed \
-                 without loss"
+                 without loss (in Blender, Output, Codec: ZIP)"
             )));
         }
         let [width, height] = part.size;
@@ -103,12 +131,15 @@ impl<'a> MapFiles<'a> {
         if let Some(([w, h], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
             return Err(wrong(format!("{shown} has {width}x{height} pixels, and {first} has {w}x{h}")));
         }
-        let values = if self.bottom_up {
+        let values = if self.arranged.bottom_up {
             channel.values.chunks_exact(width as usize).rev().flatten().copied().collect()
         } else {
             channel.values.clone()
         };
-        self.size.get_or_insert(([width, height], shown));
+        if self.size.is_none() {
+            self.pixel_aspect = pixel_aspect(part);
+            self.size = Some(([width, height], shown));
+        }
         Ok(values)
     }
 
@@ -179,32 +210,54 @@ impl<'a> MapFiles<'a> {
     }
 }
 
+/// The width of a pixel over its height, as the header of a part has it; 1 for what can be none.
+fn pixel_aspect(part: &ExrPart) -> f64 {
+    match part.attributes.get("pixelAspectRatio") {
+        Some(AttributeValue::F32(aspect)) if aspect.is_finite() && *aspect > 0.0 => f64::from(*aspect),
+        _ => 1.0,
+    }
+}
+
 /// A PNG of 8 or 16 bits as channels `R`, `G`, `B` and `A` from 0 to 1; R, G and B of a grey image are the same.
 fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
     let of = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
     let channel = |(k, name): (usize, &str)| (name.to_owned(), ExrChannel { values: of(k), rounded_by: None });
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
-    Ok(ExrPart { name: None, size: [width, height], channels, attributes: BTreeMap::new() })
+    Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
 }
 
-/// Finds a channel by its name in its part, or by the names of part and channel with a point between them.
+/// Finds a channel by its name in its part, or by the names of part and channel with a point between them. Of several views,
+/// `view` is searched: parts that say so, and channels with the name of the view before their last component.
 ///
 /// # Errors
 /// A sentence if no channel has the name, or several parts have one.
 fn find<'a>(
     parts: &'a [ExrPart],
     part: Option<&str>,
+    view: Option<&str>,
     name: &str,
     file: &str,
 ) -> std::result::Result<(&'a ExrPart, &'a ExrChannel), String> {
-    let searched = || parts.iter().filter(|p| part.is_none() || p.name.as_deref() == part);
+    let is_in_view = |p: &ExrPart| view.is_none() || p.view.as_deref().is_none_or(|own| Some(own) == view);
+    let is_part = |p: &ExrPart| {
+        let own = p.name.as_deref();
+        part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(p, own)) == part)
+    };
+    let searched = || parts.iter().filter(|p| is_in_view(p) && is_part(p));
     if searched().next().is_none() {
-        return Err(no_part(parts, part.unwrap_or_default(), file));
+        return Err(match view {
+            Some(view) if !parts.iter().any(is_in_view) => no_view(parts, view, file),
+            _ => no_part(parts, part.unwrap_or_default(), file),
+        });
     }
     let is_it = |p: &ExrPart, channel: &str| {
+        let of_view = view.and_then(|view| without_view_inside(channel, view));
         let is_full_name = |long: &str, short: &str| within_part(p, long) == Some(short);
-        channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
+        let is_name = |channel: &str| {
+            channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
+        };
+        is_name(channel) || of_view.is_some_and(|plain| is_name(&plain))
     };
     let found: Vec<_> = searched()
         .flat_map(|p| p.channels.iter().map(move |(channel, values)| (p, channel, values)))
@@ -219,14 +272,46 @@ fn find<'a>(
         }
         _ => {
             let names: Vec<&str> = found.iter().map(|(p, ..)| p.name.as_deref().unwrap_or("")).collect();
-            Err(format!("channel {name} is in several parts of {file}: say which by part, one of {}", list(&names)))
+            let mut views: Vec<&str> = found.iter().filter_map(|(p, ..)| p.view.as_deref()).collect();
+            views.dedup();
+            let by_view = match views.len() {
+                0 | 1 => String::new(),
+                _ => format!(", or at the top of the map by view, one of {}", list(&views)),
+            };
+            Err(format!(
+                "channel {name} is in several parts of {file}: say which by part, one of {}{by_view}",
+                list(&names)
+            ))
         }
     }
 }
 
+/// The name of a part without its view behind a hyphen, as Blender writes `ViewLayer.Depth-left`.
+fn without_view<'a>(part: &ExrPart, name: &'a str) -> &'a str {
+    let stripped = part.view.as_deref().and_then(|view| name.strip_suffix(view)?.strip_suffix('-'));
+    stripped.unwrap_or(name)
+}
+
+/// A channel's name without the view before its last component, as `Depth.Z` of `Depth.left.Z`.
+fn without_view_inside(channel: &str, view: &str) -> Option<String> {
+    let (before, component) = channel.rsplit_once('.')?;
+    Some(format!("{}.{component}", before.strip_suffix(view)?.strip_suffix('.')?))
+}
+
+/// The sentence about a view that is not in a file, with the names of those that are.
+fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
+    let mut names: Vec<&str> = parts.iter().filter_map(|p| p.view.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    format!("there is no view {view:?} in {file}, which has {}", list(&names))
+}
+
 /// What follows the part's name and a point in a name; `None` for a name that does not begin so.
 fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
-    name.strip_prefix(part.name.as_deref()?)?.strip_prefix('.')
+    let own = part.name.as_deref()?;
+    let plain = without_view(part, own);
+    let behind = |before: &str| name.strip_prefix(before)?.strip_prefix('.');
+    behind(own).or_else(|| behind(plain))
 }
 
 /// The name of a channel, behind that of its part unless it begins with that already.

@@ -46,6 +46,11 @@ impl MapNormals {
         Ok(Self { source, is_world, encoding })
     }
 
+    /// Takes the channels for normals in the other space.
+    pub fn in_other_space(&self) -> Self {
+        Self { is_world: !self.is_world, ..self.clone() }
+    }
+
     /// Whether the normals are in world space, so that they can only be read if the camera's place is known.
     pub fn need_world(&self) -> bool {
         self.is_world

@@ -3,6 +3,7 @@
 //! An accessor is read an element at a time ([`Vectors`], [`Indices`]), so that a large one which many primitives share
 //! costs each of them only what it draws.
 
+use super::compression;
 use crate::error::{Error, Result};
 use crate::scene::bounded;
 use crate::scene::obj::resolve;
@@ -16,6 +17,7 @@ use gltf::json::validation::Checked;
 use gltf::{Accessor, Document, Semantic};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// The largest file beside the document that is read, in bytes.
@@ -35,6 +37,8 @@ pub(super) struct Data<'a> {
     pub(super) path: &'a Path,
     pub(super) document: &'a Document,
     buffers: Vec<Vec<u8>>,
+    /// The views that are stored compressed, by their indices.
+    decoded: HashMap<usize, Vec<u8>>,
 }
 
 /// Where the bytes of an image are.
@@ -59,6 +63,10 @@ impl<'a> Data<'a> {
                             .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?
                     }
                 },
+                None if compression::is_placeholder(buffer) => {
+                    buffers.push(Vec::new());
+                    continue;
+                }
                 None => blob.take().filter(|_| i == 0).ok_or_else(|| {
                     malformed(path, format!("buffer {i} has no address, and the file has no binary chunk for it"))
                 })?,
@@ -70,7 +78,8 @@ impl<'a> Data<'a> {
             }
             buffers.push(bytes);
         }
-        Ok(Self { path, document, buffers })
+        let decoded = decoded(path, document, &buffers)?;
+        Ok(Self { path, document, buffers, decoded })
     }
 
     /// An error about the file.
@@ -80,6 +89,9 @@ impl<'a> Data<'a> {
 
     /// The bytes of a buffer view.
     fn view(&self, index: usize) -> Result<&[u8]> {
+        if let Some(bytes) = self.decoded.get(&index) {
+            return Ok(bytes);
+        }
         let outside = || self.error(format!("buffer view {index} leaves its buffer"));
         let view = self.document.as_json().buffer_views.get(index).ok_or_else(outside)?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(outside)?;
@@ -225,6 +237,26 @@ impl<'a> Data<'a> {
         changed.sort_by_key(|(at, _)| *at);
         Ok(changed)
     }
+}
+
+/// Decodes the views that are stored compressed.
+fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
+    let mut decoded = HashMap::new();
+    for (index, view) in document.as_json().buffer_views.iter().enumerate() {
+        let wrong = |message: String| malformed(path, format!("buffer view {index}: {message}"));
+        let Some(compressed) = compression::compressed(view).map_err(wrong)? else { continue };
+        let compression::Compressed { buffer, byte_offset, byte_length, .. } = compressed;
+        let end = byte_offset.checked_add(byte_length);
+        let bytes = buffers.get(buffer).zip(end).and_then(|(bytes, end)| bytes.get(byte_offset..end));
+        let bytes = bytes.ok_or_else(|| wrong("its compressed bytes leave their buffer".to_owned()))?;
+        let unpacked = compressed.decode(bytes).map_err(wrong)?;
+        if (unpacked.len() as u64) < view.byte_length.0 {
+            let message = format!("has {} bytes where the document states {}", unpacked.len(), view.byte_length.0);
+            return Err(wrong(message));
+        }
+        decoded.insert(index, unpacked);
+    }
+    Ok(decoded)
 }
 
 /// Elements of one size at equal distances.

@@ -4,6 +4,7 @@
 //! parse only in one form is brought to that form in the JSON ([`mend`]); of what its validation finds, the faults that
 //! this loader does not mind are passed over ([`is_harmless`]).
 
+use super::typed::typed;
 use super::{Notes, READ};
 use crate::error::{Error, Result};
 use crate::scene::encoding;
@@ -12,6 +13,12 @@ use gltf::json::validation::{Checked, Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
 use serde_json::{Map, Value};
 use std::path::Path;
+
+/// The extension for images as WebP.
+pub(super) const WEBP: &str = "EXT_texture_webp";
+
+/// An older kind of material.
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// What a file holds: the checked document, the list of its animations, and the binary chunk.
 pub(super) type Content = (Document, Value, Option<Vec<u8>>);
@@ -29,7 +36,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     // They are read apart: a scene stands without them.
     let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
-    let mut json: Root = serde_json::from_value(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    check_places(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
+    let mut json: Root = typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
     mend_samplers(&mut json, notes);
     check(&json, notes).map_err(wrong)?;
@@ -139,6 +147,13 @@ fn mend(document: &mut Value, notes: &mut Notes) {
             view.remove("byteStride");
         }
     }
+    for texture in list(document, "textures") {
+        let webp = texture.get("extensions").and_then(|e| e.get(WEBP)?.get("source").cloned());
+        if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
+            // A file may give the same image as PNG or JPEG, too.
+            texture.entry("source").or_insert(source);
+        }
+    }
     for primitive in list(document, "meshes").flat_map(|mesh| list(mesh, "primitives")) {
         if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
             drop_own_attributes(attributes, notes);
@@ -162,7 +177,7 @@ fn drop_own_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
 }
 
 /// Numbers without a fraction become integers, since the crate takes 4.0 for no count; members that are null are left out,
-/// since they say nothing.
+/// since they say nothing, and so are those that are for applications.
 fn mend_values(value: &mut Value) {
     match value {
         Value::Number(number) => {
@@ -173,7 +188,8 @@ fn mend_values(value: &mut Value) {
         }
         Value::Array(items) => items.iter_mut().for_each(mend_values),
         Value::Object(members) => {
-            members.retain(|_, member| !member.is_null());
+            // Extras may be any value, of any object, and nothing here reads them.
+            members.retain(|name, member| !member.is_null() && name != "extras");
             members.values_mut().for_each(mend_values);
         }
         _ => {}
@@ -195,19 +211,71 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
     // What is read here, the crate need not know.
     json.extensions_required.clear();
     for name in json.extensions_used.iter().filter(|name| !known(name)) {
-        notes.add(name, format!("the extension {name} is not supported and was ignored"));
+        if name == SPECULAR_GLOSSINESS {
+            let sentence = format!("materials of {name} are not read and look metallic or rough; {}", remedy(name));
+            notes.add(name, sentence);
+            continue;
+        }
+        let sentence = match changed_geometry(name) {
+            Some(lost) => format!("{lost}, since the extension {name} is not supported"),
+            None => format!("the extension {name} is not supported and was ignored"),
+        };
+        notes.add(name, sentence);
     }
     Ok(())
 }
 
+/// What is moved or missing without an extension that places geometry; `None` for one that does not.
+fn changed_geometry(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "MSFT_lod" => "only the finest level of detail of each thing is drawn",
+        "CESIUM_RTC" => "the scene stands at the origin and not around its centre",
+        "AGI_articulations" => "parts that the file lets others move stand as the nodes say",
+        "KHR_draco_mesh_compression" => "meshes are drawn from their uncompressed copies",
+        "KHR_gaussian_splatting" | "KHR_gaussian_splatting_compression_spz_2" => "splats are missing",
+        "KHR_materials_displacement" => "surfaces are flat where images should displace them",
+        _ => return None,
+    })
+}
+
 /// What whoever has a file with this extension can do.
-fn remedy(extension: &str) -> &'static str {
+pub(super) fn remedy(extension: &str) -> &'static str {
     match extension {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" => "export the meshes without compression",
-        "KHR_texture_basisu" => "export the images as PNG or JPEG instead of KTX2",
-        "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => "export the images as PNG or JPEG",
+        "KHR_draco_mesh_compression" => "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes the meshes without it",
+        "KHR_texture_basisu" => "export the images as PNG, JPEG or WebP instead of KTX2",
+        "EXT_texture_avif" => "`npx @gltf-transform/cli png IN.glb OUT.glb --formats \"*\"` writes the images as PNG",
+        "MSFT_texture_dds" => "export the images as PNG, JPEG or WebP",
+        SPECULAR_GLOSSINESS => "`npx @gltf-transform/cli metalrough IN.glb OUT.glb` writes materials that are read",
         _ => "export without it",
     }
+}
+
+/// # Errors
+/// A sentence for what an extension refers to that is not there, and for meshes that are there in compressed form alone.
+fn check_places(document: &Value) -> std::result::Result<(), String> {
+    let items = |name: &str| document.get(name).and_then(Value::as_array).into_iter().flatten().enumerate();
+    let lights =
+        document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
+    for (index, node) in items("nodes") {
+        let light = node.pointer("/extensions/KHR_lights_punctual/light").and_then(Value::as_u64);
+        if light.is_some_and(|light| light >= lights as u64) {
+            return Err(format!("nodes[{index}].extensions.KHR_lights_punctual.light refers to what is not there"));
+        }
+    }
+    let draco = "KHR_draco_mesh_compression";
+    let has_bytes = |primitive: &Value| {
+        let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
+        let accessor = position.and_then(|index| document.get("accessors")?.get(usize::try_from(index).ok()?));
+        accessor.is_none_or(|accessor| accessor.get("bufferView").is_some())
+    };
+    for (index, mesh) in items("meshes") {
+        let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
+        let is_compressed = |p: &&Value| p.get("extensions").is_some_and(|e| e.get(draco).is_some());
+        if primitives.into_iter().filter(is_compressed).any(|primitive| !has_bytes(primitive)) {
+            return Err(format!("meshes[{index}] has no bytes but those of {draco}; {}", remedy(draco)));
+        }
+    }
+    Ok(())
 }
 
 /// Ways of repeating that are none count as the default; filters are not read.
@@ -234,8 +302,8 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     }
     let mut first = None;
     json.validate(json, JsonPath::new, &mut |path, fault| {
-        let path = path();
-        if !is_harmless(path.as_str(), fault, notes) && first.is_none() {
+        let path = in_json(&path());
+        if !is_harmless(&path, fault, notes) && first.is_none() {
             let what = match fault {
                 Fault::IndexOutOfBounds => "refers to what is not there",
                 Fault::Invalid => "has a value that it cannot have",
@@ -247,6 +315,23 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
         }
     });
     first.map_or(Ok(()), Err)
+}
+
+/// The place of a fault as the JSON has it: the crate writes the names of extensions as those of its own fields.
+fn in_json(path: &JsonPath) -> String {
+    let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
+    let parts = path.as_str().split('.').map(|part| {
+        if !is_extension(part) {
+            return part.to_owned();
+        }
+        let mut name = String::from("KHR");
+        for letter in part["khr".len()..].chars() {
+            name.extend(letter.is_uppercase().then_some('_'));
+            name.extend(letter.to_lowercase());
+        }
+        name
+    });
+    parts.collect::<Vec<_>>().join(".")
 }
 
 /// Whether the loader does not need what is wrong: bounds of positions, which it computes itself; a view of an accessor,

@@ -3,7 +3,7 @@
 //! | glTF | here |
 //! |---|---|
 //! | base colour · (1 − metallic) | albedo |
-//! | luminance of mix(F0, base colour, metallic), F0 of the index of refraction (0.04 without one) | reflectivity |
+//! | luminance of mix(F0, base colour, metallic), F0 of the index of refraction (0.04 without one) and `KHR_materials_specular` | reflectivity |
 //! | roughness | ϱ of [`roughness_of_perceptual`] |
 //! | emission e, or the whole albedo of an unlit material | albedo + e, of which the share of e in the luminance is emission |
 //! | alpha below the cutoff | a hole |
@@ -12,15 +12,17 @@
 
 use super::Notes;
 use super::data::{Data, ImageBytes};
+use super::document::remedy;
 use crate::error::Error;
-use crate::math;
 use crate::scene::material_terms::{self, F0, roughness_of_perceptual};
-use crate::scene::texture::{self, MAX_TEXELS, luminance};
+use crate::scene::metallic::{Factors, TexelInputs, grey, texels, white};
+use crate::scene::texture::{self, MAX_TEXELS};
 use crate::scene::{Encoding, Material, Scene, Texture, bounded};
-use glam::{DVec2, DVec4, Vec3};
+use glam::{DVec4, Vec3};
 use gltf::material::AlphaMode;
 use gltf::texture::{Info, WrappingMode};
 use rayon::prelude::*;
+use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -82,11 +84,14 @@ impl<'a> Use<'a> {
     }
 
     /// The index of its image; none if the file gives it only in a format that is not read.
-    fn image(&self, notes: &mut Notes) -> Option<usize> {
+    fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
-            let what = "images that are given neither as PNG nor as JPEG (KTX2, for example) are not supported";
-            notes.add("formats", format!("{what} and were left out"));
+            let json = self.texture.index();
+            let others = data.document.as_json().textures.get(json).and_then(|t| t.extensions.as_ref());
+            let extension = others.and_then(|e| e.others.keys().next().cloned()).unwrap_or_default();
+            let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
+            notes.add("formats", format!("{what}; {}", remedy(&extension)));
         }
         image
     }
@@ -131,6 +136,8 @@ enum Baked {
     Reflectivity {
         base: Option<Image>,
         metallic: Option<Image>,
+        /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
+        specular: [Option<Image>; 2],
         of: Factors,
     },
     /// ϱ, in green.
@@ -178,52 +185,13 @@ impl Baked {
             Self::Albedo { base, metallic, emission, .. } => {
                 [base, metallic, emission].into_iter().copied().flatten().collect()
             }
-            Self::Reflectivity { base, metallic, .. } => [base, metallic].into_iter().copied().flatten().collect(),
+            Self::Reflectivity { base, metallic, specular, .. } => {
+                [base, metallic].into_iter().chain(specular).copied().flatten().collect()
+            }
             Self::Roughness { metallic, .. } => vec![*metallic],
             Self::Mask { base, .. } => base.iter().copied().collect(),
             Self::Normals { normals, .. } => vec![*normals],
         }
-    }
-}
-
-/// The factors of a material on which its colours depend.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Factors {
-    base: Vec3,
-    metallic: f32,
-    emission: Vec3,
-    f0: f32,
-    unlit: bool,
-}
-
-impl Factors {
-    fn of(material: &gltf::Material) -> Self {
-        let pbr = material.pbr_metallic_roughness();
-        let [r, g, b, _] = pbr.base_color_factor();
-        let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
-        let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
-        Self {
-            base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
-            metallic: pbr.metallic_factor().clamp(0.0, 1.0),
-            emission: (Vec3::from(material.emissive_factor()) * strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
-            f0: ior.map_or(F0, |ior| ((ior - 1.0) / (ior + 1.0)).powi(2)),
-            unlit: material.unlit(),
-        }
-    }
-
-    /// Albedo and emission together, at most 1, and the share of the luminance that is emission.
-    fn colour(&self, base: Vec3, metallic: f32, emission: Vec3) -> (Vec3, f32) {
-        if self.unlit {
-            return (base * self.base, 1.0);
-        }
-        let lit = base * self.base * (1.0 - metallic * self.metallic);
-        let emitted = emission * self.emission;
-        let share = luminance(emitted) / luminance(lit + emitted);
-        ((lit + emitted).min(Vec3::ONE), if share.is_finite() { share } else { 0.0 })
-    }
-
-    fn reflectivity(&self, base: Vec3, metallic: f32) -> f32 {
-        material_terms::reflectivity(base * self.base, metallic * self.metallic, self.f0)
     }
 }
 
@@ -236,7 +204,7 @@ pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut
             None => None,
         };
         scene.materials.push(match material {
-            Some(material) => convert(&material, &mut baked, notes),
+            Some(material) => convert(data, &material, &mut baked, notes),
             None => default_material(),
         });
     }
@@ -255,6 +223,54 @@ pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut
     }
 }
 
+/// The factors of a material. Those of `KHR_materials_specular` change what a surface that is no metal reflects.
+fn factors(material: &gltf::Material) -> Factors {
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
+    let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
+    let specular = material.extension_value("KHR_materials_specular");
+    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |v| v as f32);
+    let weight = number(specular.and_then(|s| s.get("specularFactor"))).clamp(0.0, 1.0);
+    let tint = specular.and_then(|s| s.get("specularColorFactor"));
+    let tint = Vec3::from([0, 1, 2].map(|k| number(tint.and_then(|t| t.get(k))).clamp(0.0, 1e6)));
+    Factors {
+        base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
+        metallic: pbr.metallic_factor().clamp(0.0, 1.0),
+        emission: (Vec3::from(material.emissive_factor()) * strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
+        f0: tint * ior.map_or(F0, material_terms::f0_of_ior),
+        specular: weight,
+        unlit: material.unlit(),
+    }
+}
+
+/// Notes factors that lie where none can: each counts as the nearest that can be.
+fn note_range(material: &gltf::Material, notes: &mut Notes) {
+    let pbr = material.pbr_metallic_roughness();
+    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
+    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
+    for (name, value) in colours.into_iter().chain(numbers) {
+        if (0.0..=1.0).contains(&value) {
+            continue;
+        }
+        let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
+        let nearest = value.clamp(0.0, 1.0);
+        let sentence =
+            format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
+        notes.add(&format!("{place} {name}"), sentence);
+    }
+}
+
+/// The images of `KHR_materials_specular`: strength and colour.
+fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2] {
+    let specular = material.extension_value("KHR_materials_specular");
+    ["specularTexture", "specularColorTexture"].map(|key| {
+        let texture = specular?.get(key)?.get("index")?.as_u64()?;
+        let texture = data.document.textures().nth(usize::try_from(texture).ok()?)?;
+        Some(texture.source()?.index())
+    })
+}
+
 /// The material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
 fn default_material() -> Material {
     Material {
@@ -266,23 +282,25 @@ fn default_material() -> Material {
 }
 
 /// The scene's material, whose maps are indices into `baked`.
-fn convert(material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
+fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
-    let of = Factors::of(material);
-    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(notes));
+    let factors = factors(material);
+    let specular = specular_images(data, material);
+    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let rough = image(pbr.metallic_roughness_texture());
-    let metallic = rough.filter(|_| of.metallic > 0.0 && !of.unlit);
-    let emission = image(material.emissive_texture()).filter(|_| of.emission != Vec3::ZERO && !of.unlit);
-    let emits = of.unlit || of.emission != Vec3::ZERO;
-    if of.emission.max_element() > 1.0 {
+    let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);
+    let emission = image(material.emissive_texture()).filter(|_| factors.emission != Vec3::ZERO && !factors.unlit);
+    let emits = factors.unlit || factors.emission != Vec3::ZERO;
+    if factors.emission.max_element() > 1.0 {
         notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
     }
+    note_range(material, notes);
     let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
-    if !of.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
-        notes.add("rough", "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that".to_owned());
+    if !factors.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
+        notes.add("rough", material_terms::TOO_ROUGH.to_owned());
     }
-    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(notes)?, n.scale())));
+    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(data, notes)?, n.scale())));
     if material.alpha_mode() == AlphaMode::Blend {
         notes.add(
             "blend",
@@ -295,33 +313,34 @@ fn convert(material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes
         AlphaMode::Blend => Some(0.5),
     };
     let mut add = |wanted: Baked| baked.add(wanted);
-    let (colour, share) = of.colour(Vec3::ONE, 1.0, Vec3::ONE);
+    let (colour, share) = factors.colour(&TexelInputs::default());
     let mut made = Material {
         name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
         albedo: colour,
         emission: share,
-        reflectivity: if of.unlit { 0.0 } else { of.reflectivity(Vec3::ONE, 1.0) },
+        reflectivity: if factors.unlit { 0.0 } else { factors.reflectivity(&TexelInputs::default()) },
         roughness: roughness_of_perceptual(roughness_factor),
         single_sided: !material.double_sided(),
         ..Material::default()
     };
     match base {
         Some(base) if metallic.is_none() && !emits => {
-            made.albedo = of.base * (1.0 - of.metallic);
+            made.albedo = factors.base * (1.0 - factors.metallic);
             made.albedo_map = Some(add(Baked::Plain { base }));
         }
         _ if base.is_some() || metallic.is_some() || emission.is_some() => {
             made.albedo = Vec3::ONE;
             made.emission = if emits { 1.0 } else { 0.0 };
-            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of }));
+            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of: factors }));
         }
         _ => {}
     }
-    if of.metallic > 0.0 && !of.unlit && (base.is_some() || metallic.is_some()) {
+    let tinted = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
+    if !factors.unlit && (tinted || specular != [None; 2]) {
         made.reflectivity = 1.0;
-        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, of }));
+        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, of: factors }));
     }
-    if let Some(metallic) = rough.filter(|_| !of.unlit && roughness_factor > 0.0) {
+    if let Some(metallic) = rough.filter(|_| !factors.unlit && roughness_factor > 0.0) {
         made.roughness = 1.0;
         made.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
     }
@@ -396,15 +415,19 @@ impl<'a> Baker<'a> {
                 let inputs =
                     [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
                 texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
-                    let (colour, share) = of.colour(rgb(base), metallic.z as f32, rgb(emission));
-                    let [r, g, b] = colour.to_array().map(math::display_byte);
-                    [r, g, b, byte(share)]
+                    of.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
                 })
             }
-            Baked::Reflectivity { base, metallic, of } => {
-                let inputs = [image(base, Encoding::Srgb), image(metallic, Encoding::Linear)];
-                texels(&inputs, Encoding::Linear, |[base, metallic]| {
-                    grey(of.reflectivity(rgb(base), metallic.z as f32))
+            Baked::Reflectivity { base, metallic, specular: [strength, tint], of } => {
+                let inputs = [
+                    image(base, Encoding::Srgb),
+                    image(metallic, Encoding::Linear),
+                    image(strength, Encoding::Linear),
+                    image(tint, Encoding::Srgb),
+                ];
+                texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
+                    let inputs = TexelInputs::new(base, metallic.z, DVec4::ONE).with_specular(strength.w, tint);
+                    grey(of.reflectivity(&inputs))
                 })
             }
             Baked::Roughness { metallic, factor } => {
@@ -421,42 +444,4 @@ impl<'a> Baker<'a> {
             },
         }
     }
-}
-
-/// An image of the size of the largest input, of which each texel is made of those of all inputs there. An input that is
-/// missing is white.
-fn texels<const N: usize>(
-    inputs: &[Option<Texture>; N],
-    encoding: Encoding,
-    of: impl Fn([DVec4; N]) -> [u8; 4],
-) -> Texture {
-    let there = || inputs.iter().flatten();
-    let [width, height] = [there().map(|t| t.width).max(), there().map(|t| t.height).max()].map(|v| v.unwrap_or(1));
-    let name = there().next().map_or_else(String::new, |t| t.name.clone());
-    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
-    for y in 0..height {
-        for x in 0..width {
-            let uv = DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
-            let texel = inputs.each_ref().map(|t| t.as_ref().map_or(DVec4::ONE, |t| texture::bilinear(t, uv)));
-            rgba.extend(of(texel));
-        }
-    }
-    Texture { name, width, height, rgba, encoding }
-}
-
-fn white() -> Texture {
-    Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Srgb }
-}
-
-fn rgb(texel: DVec4) -> Vec3 {
-    texel.truncate().as_vec3()
-}
-
-fn byte(unit: f32) -> u8 {
-    (unit.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-fn grey(unit: f32) -> [u8; 4] {
-    let value = byte(unit);
-    [value, value, value, 255]
 }

@@ -1,6 +1,8 @@
 //! Walks the tree of nodes: places meshes, cameras and lights in the world.
 
 mod animations;
+mod instances;
+mod lights;
 
 use super::data::Data;
 use super::geometry::{self, Tally};
@@ -8,24 +10,16 @@ use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
 use super::{Notes, materials};
 use crate::error::Result;
-use crate::math::constants;
 use crate::scene::assemble::{self, MeshPart};
 use crate::scene::far_away::far_origin;
-use crate::scene::texture::luminance;
-use crate::scene::{Camera, Lens, Light, MAX_COORDINATE_M, Scene, View, bounded};
+use crate::scene::{Camera, Lens, MAX_COORDINATE_M, Scene, View, bounded};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use gltf::camera::Projection;
-use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Camera as GltfCamera, Node, Skin};
+pub(super) use instances::{INSTANCING, VISIBILITY};
 use serde_json::Value;
 use std::collections::HashMap;
-
-/// A light with its brightness at the scene's centre, in lux.
-struct PlacedLight {
-    light: Light,
-    illuminance: f64,
-}
 
 /// Places what the file's scene shows: meshes, views and lights go into `scene`. Returns the materials in use, by their
 /// index in the file (none for the default material); a mesh's material is an index into these.
@@ -88,12 +82,14 @@ fn parts(
     for (node, to_world) in &nodes.shown {
         let Some(mesh) = node.mesh() else { continue };
         let name = names.get(&node.index()).map_or("", String::as_str);
-        let placement = match node.skin() {
-            Some(skin) => nodes.skin(data, &skin)?,
-            None => MeshPlacement::Node(ToWorld::new(*to_world)),
+        let placements = match node.skin() {
+            Some(skin) => vec![nodes.skin(data, &skin)?],
+            None => instances::instances(data, node)?
+                .into_iter()
+                .map(|copy| MeshPlacement::Node(ToWorld::new(*to_world * copy)))
+                .collect(),
         };
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-        let placed = PlacedMesh { name, placement: &placement, weights, origin };
         for primitive in mesh.primitives() {
             let material = primitive.material();
             let at = *index_of.entry(material.index()).or_insert_with(|| {
@@ -101,7 +97,10 @@ fn parts(
                 coordinates.push(materials::coordinates(&material, notes));
                 used.len() - 1
             });
-            parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+            for placement in &placements {
+                let placed = PlacedMesh { name, placement, weights, origin };
+                parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+            }
         }
     }
     Ok((parts, used, tally.bounds))
@@ -124,10 +123,12 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
             }
         }
         if let Some(light) = node.light() {
-            placed.extend(lamp(&light, &moved(to_world), &units, notes));
+            placed.extend(lights::lamp(&light, &moved(to_world), &units, notes));
         }
     }
-    scene.lights = exposed(placed, notes);
+    let (lights, exposure) = lights::exposed(placed, notes);
+    scene.lights = lights;
+    scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
 }
 
 /// What lengths of cameras and lights are measured by.
@@ -192,7 +193,7 @@ impl<'a> Nodes<'a> {
         parents
     }
 
-    /// The nodes below some, and where they stand.
+    /// The nodes below some, and where they stand, without those that are hidden.
     ///
     /// # Errors
     /// The index of a node that was visited before.
@@ -203,16 +204,19 @@ impl<'a> Nodes<'a> {
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
         let mut walked = Vec::new();
         // The last one is visited first.
-        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root)).collect();
-        while let Some((node, parent)) = left.pop() {
+        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
+        while let Some((node, parent, is_hidden)) = left.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
                 return Err(node.index());
             }
             let to_world = parent * local(&node);
             self.to_world[node.index()] = to_world;
+            let is_hidden = is_hidden || instances::is_hidden(&node);
             let children: Vec<_> = node.children().collect();
-            left.extend(children.into_iter().rev().map(|child| (child, to_world)));
-            walked.push((node, to_world));
+            left.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
+            if !is_hidden {
+                walked.push((node, to_world));
+            }
         }
         Ok(walked)
     }
@@ -299,71 +303,4 @@ fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes:
         notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());
     }
     Some(View { eye, look_at, lens: Some(lens), ..View::default() })
-}
-
-/// A light in the world, or nothing if it gives no light.
-fn lamp(
-    light: &gltf::khr_lights_punctual::Light,
-    to_world: &DMat4,
-    units: &Units,
-    notes: &mut Notes,
-) -> Option<PlacedLight> {
-    let colour = Vec3::from(light.color());
-    let grey = luminance(colour);
-    if (colour - grey).abs().max_element() > 1e-3 {
-        notes.add("coloured", "coloured lights are not supported; they shine white with their luminance".to_owned());
-    }
-    let intensity = f64::from(light.intensity() * grey);
-    let position = to_world.w_axis.truncate();
-    let placed = match light.kind() {
-        Kind::Directional => {
-            let direction = -to_world.z_axis.truncate().normalize_or_zero().as_vec3();
-            let light = Light::Directional { direction, energy: 1.0 };
-            PlacedLight { light, illuminance: if direction == Vec3::ZERO { 0.0 } else { intensity } }
-        }
-        kind => {
-            if matches!(kind, Kind::Spot { .. }) {
-                notes.add("spots", "spot lights are not supported; they shine in all directions".to_owned());
-            }
-            if light.range().is_some() {
-                notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
-            }
-            // The file's unit of length is the metre; a light at the centre itself is judged from a metre away.
-            let scale = f64::from(units.scale);
-            let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
-            // An energy is a length squared.
-            let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
-            PlacedLight { light, illuminance: intensity / (away * away) }
-        }
-    };
-    let sound = placed.illuminance.is_finite()
-        && placed.illuminance > 0.0
-        && position.is_finite()
-        && position.abs().max_element() <= f64::from(MAX_COORDINATE_M);
-    sound.then_some(placed)
-}
-
-/// The lights at one exposure, at which the brightest gives 1 at the scene's centre. Far from a point light of energy e
-/// its attenuation is e / d², which is glTF's.
-fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> Vec<Light> {
-    placed.sort_by(|a, b| b.illuminance.total_cmp(&a.illuminance));
-    let most = constants::MAX_LIGHTS as usize;
-    if placed.len() > most {
-        notes.add(
-            "lights",
-            format!("{} lights are more than the {most} that are drawn; the brightest stay", placed.len()),
-        );
-        placed.truncate(most);
-    }
-    let Some(brightest) = placed.first().map(|p| p.illuminance) else { return Vec::new() };
-    let exposed = |p: PlacedLight| match p.light {
-        Light::Directional { direction, .. } => {
-            Light::Directional { direction, energy: (p.illuminance / brightest) as f32 }
-        }
-        Light::Point { position, energy } => Light::Point { position, energy: (f64::from(energy) / brightest) as f32 },
-    };
-    let lit = |light: &Light| match *light {
-        Light::Directional { energy, .. } | Light::Point { energy, .. } => energy.is_finite() && energy > 0.0,
-    };
-    placed.into_iter().map(exposed).filter(lit).collect()
 }

@@ -1,6 +1,8 @@
 //! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
 //! missing.
 
+use super::baked::Textures;
+use super::mtl::Reading;
 use crate::error::{Error, Result};
 use crate::scene::bounded::{self, shown};
 use crate::scene::pattern;
@@ -25,6 +27,13 @@ pub(super) struct ImageStatement {
     pub transformed: bool,
 }
 
+impl ImageStatement {
+    /// The file and line of the statement.
+    pub(super) fn place(&self) -> String {
+        format!("{}:{}", self.mtl_path.display(), self.line)
+    }
+}
+
 /// The images that a material names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct MaterialImages {
@@ -36,6 +45,26 @@ pub(super) struct MaterialImages {
     pub mask: Option<ImageStatement>,
     /// `map_Ks`.
     pub reflectivity: Option<ImageStatement>,
+    /// `map_Ke`.
+    pub emission: Option<ImageStatement>,
+    /// Perceptual roughness: `map_Pr`, and in some files `map_Ns`.
+    pub roughness: Option<ImageStatement>,
+    /// Metalness: `map_Pm`, and in some files `refl`.
+    pub metalness: Option<ImageStatement>,
+}
+
+impl MaterialImages {
+    fn all(&self) -> [&Option<ImageStatement>; 7] {
+        let Self { albedo, normal, mask, reflectivity, emission, roughness, metalness } = self;
+        [albedo, normal, mask, reflectivity, emission, roughness, metalness]
+    }
+}
+
+/// The images of a material, and what its numbers say; nothing for a material without a definition.
+#[derive(Default)]
+pub(super) struct Source {
+    pub images: MaterialImages,
+    pub reading: Option<Reading>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -45,6 +74,9 @@ enum Use {
     Normal(u32),
     Mask,
     Reflectivity,
+    Emission,
+    /// Numbers: roughness, metalness, the level of specular.
+    Data,
 }
 
 /// An image in one role. Materials that request the same image in the same role share it.
@@ -57,22 +89,10 @@ struct Request {
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
 ///
 /// Each image that is missing or cannot be read adds one warning. A generated image replaces it if its file
-/// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or a reflectivity of
-/// `Ks` alone.
-pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>, side: u32) {
+/// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or the value of its numbers alone.
+pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     let mut requests = Requests::default();
-    let wanted: Vec<[Option<usize>; 4]> = sources
-        .iter()
-        .map(|s| {
-            let bits = |i: &ImageStatement| i.multiplier.to_bits();
-            [
-                s.albedo.as_ref().map(|i| requests.add(i, Use::Albedo)),
-                s.normal.as_ref().map(|i| requests.add(i, Use::Normal(bits(i)))),
-                s.mask.as_ref().map(|i| requests.add(i, Use::Mask)),
-                s.reflectivity.as_ref().map(|i| requests.add(i, Use::Reflectivity)),
-            ]
-        })
-        .collect();
+    let wanted: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
 
     let bar = bounded::image_bar(requests.list.len());
     let loaded: Vec<Loaded> = requests
@@ -95,26 +115,21 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>, side: u32)
             let instead = loaded.instead;
             scene.warnings.push(format!("{}:{line}: image {} {problem}; {instead}", mtl_path.display(), shown(name)));
         }
-        index_of.push(loaded.texture.map(|texture| {
-            scene.textures.push(texture);
-            scene.textures.len() - 1
-        }));
+        index_of.push(loaded.texture);
     }
-    for (material, wanted) in scene.materials.iter_mut().zip(wanted) {
-        let [albedo, normal, mask, reflectivity] = wanted.map(|w| w.and_then(|i| index_of[i]));
-        material.albedo_map = albedo;
-        material.normal_map = normal;
-        material.alpha_mask = mask;
-        material.reflectivity_map = reflectivity;
+    let mut textures = Textures::new(index_of);
+    for ((material, source), wanted) in scene.materials.iter_mut().zip(&sources).zip(wanted) {
+        let images = wanted.map(|w| w.filter(|&i| textures.is_there(i)));
+        textures.attach(material, source.reading.as_ref(), images);
     }
+    scene.textures.extend(textures.finish(scene.textures.len(), &mut scene.materials));
     warn_of_transforms(scene, &sources);
 }
 
-fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialImages]) {
-    for (images, material) in sources.iter().zip(&scene.materials) {
-        let all = [&images.albedo, &images.normal, &images.mask, &images.reflectivity];
-        if let Some(image) = all.into_iter().flatten().find(|i| i.transformed) {
-            let place = format!("{}:{}", image.mtl_path.display(), image.line);
+fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
+    for (source, material) in sources.iter().zip(&scene.materials) {
+        if let Some(image) = source.images.all().into_iter().flatten().find(|i| i.transformed) {
+            let place = image.place();
             let what = "the options -s, -o and -t of maps are not supported and were ignored";
             scene.warnings.push(format!("{place}: material {}: {what}", material.name));
         }
@@ -131,6 +146,19 @@ struct Requests {
 }
 
 impl Requests {
+    /// Adds the images of a material, in the order of [`MaterialImages::all`].
+    fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
+        let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
+        let level = if is_metallic { Use::Data } else { Use::Reflectivity };
+        let normal = source.images.normal.as_ref().map_or(0, |image| image.multiplier.to_bits());
+        let roles = [Use::Albedo, Use::Normal(normal), Use::Mask, level, Use::Emission, Use::Data, Use::Data];
+        let mut roles = roles.into_iter();
+        source.images.all().map(|image| {
+            let role = roles.next()?;
+            image.as_ref().map(|image| self.add(image, role))
+        })
+    }
+
     fn add(&mut self, statement: &ImageStatement, role: Use) -> usize {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
@@ -184,7 +212,7 @@ fn load(request: &Request, fits: bool, side: u32) -> Loaded {
     let texture = match role {
         Use::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
         Use::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
-        Use::Mask | Use::Reflectivity => None,
+        Use::Mask | Use::Reflectivity | Use::Emission | Use::Data => None,
     };
     let instead = match role {
         _ if texture.is_some() => "a generated image takes its place",
@@ -192,6 +220,7 @@ fn load(request: &Request, fits: bool, side: u32) -> Loaded {
         Use::Normal(_) => "the surface is smooth",
         Use::Mask => "the surface is opaque",
         Use::Reflectivity => "white takes its place",
+        Use::Emission | Use::Data => "the material's number takes its place",
     };
     Loaded { path, texture, problem: Some(problem), instead }
 }
@@ -199,7 +228,8 @@ fn load(request: &Request, fits: bool, side: u32) -> Loaded {
 fn decode(path: &Path, role: Use, side: u32) -> Result<Texture> {
     let decode = |encoding| Ok::<_, Error>(texture::within(texture::decode(path, encoding)?, side));
     Ok(match role {
-        Use::Albedo => decode(Encoding::Srgb)?,
+        Use::Albedo | Use::Emission => decode(Encoding::Srgb)?,
+        Use::Data => decode(Encoding::Linear)?,
         Use::Mask => texture::into_mask(decode(Encoding::Linear)?),
         Use::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
         Use::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),

@@ -5,56 +5,59 @@
 //!
 //! | statement | meaning |
 //! |---|---|
-//! | `Kd` | albedo, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
-//! | `Ks` | its luminance is the reflectivity; 1 if absent |
-//! | `Pr` | roughness |
-//! | `Ns` | without `Pr`: Phong exponent, see [`roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
-//! | `map_Kd`, `map_Ks`, `map_d` | albedo image, factor on the reflectivity, alpha mask |
+//! | `Kd` | albedo or base colour, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
+//! | `Ks`, `Ns`, `Ka`, `Ni`, `illum` | by the law of the exporter ([`laws`]); by Wavefront's `Ks` is the reflectivity (1 if absent) and `Ns` a Phong exponent (absent or ≤ 0: roughness 0, the author's default) |
+//! | `Pr`, `Pm`, `map_Pr`, `map_Pm` | roughness and metalness as those of glTF |
+//! | `Ke`, `map_Ke` | emission |
+//! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on what `Ks` says, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 //!
-//! What else changes how a material looks is dropped, and a warning for each kind says so ([`loss`]). `Ka`, `Ni`, `illum`,
-//! `sharpness` and what is unknown say nothing that the other statements would need.
+//! What else changes how a material looks is dropped, and a warning for each kind says so ([`loss`]). `sharpness` and what is
+//! unknown say nothing that the other statements would need.
+
+mod laws;
+mod maps;
 
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::text::{NO_MATERIAL, stated_number};
 use super::{decode, read_limited};
 use crate::error::{Error, Result};
 use crate::scene::bounded::shown;
-use crate::scene::material_terms::roughness_of_exponent;
-use crate::scene::{Material, texture::luminance};
 use glam::Vec3;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+pub(super) use laws::Reading;
+use laws::{Exporter, Law};
+use maps::image_statement;
 
 /// One `newmtl` block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Definition {
+    law: Law,
     diffuse: Option<Vec3>,
     specular: Option<Vec3>,
+    emission: Option<Vec3>,
+    ambient: Option<Vec3>,
     exponent: Option<f32>,
     roughness: Option<f32>,
+    metalness: Option<f32>,
+    /// The index of refraction (`Ni`).
+    ior: Option<f32>,
+    /// The model of illumination (`illum`).
+    model: Option<u32>,
     images: MaterialImages,
+    /// `map_Ns` and `refl`, whose meaning the law decides.
+    exponent_image: Option<ImageStatement>,
+    reflection_image: Option<ImageStatement>,
+    /// Where `Tf` is 1: nothing is filtered, or in Blender's words all light goes through.
+    transmission: Option<String>,
     /// What was dropped, and the file and line where it was first met.
     dropped: BTreeMap<&'static str, String>,
 }
 
 impl Definition {
-    /// The material without its name, surface and images.
-    pub(super) fn material(&self) -> Material {
-        let roughness = self.roughness.or(self.exponent.map(roughness_of_exponent));
-        let mut albedo = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
-        if albedo == Vec3::ZERO && self.images.albedo.is_some() {
-            albedo = Vec3::ONE;
-        }
-        Material {
-            albedo,
-            reflectivity: self.specular.map_or(1.0, luminance).clamp(0.0, 1.0),
-            roughness: roughness.unwrap_or(0.0).clamp(0.0, 1.0),
-            ..Material::default()
-        }
-    }
-
     /// Adds a sentence for each kind of statement that was dropped.
     pub(super) fn warn(&self, warnings: &mut Vec<String>) {
         warnings.extend(self.dropped.iter().map(|(sentence, place)| format!("{place}: {sentence}")));
@@ -67,7 +70,7 @@ impl Definition {
 }
 
 /// Reads the files that the `mtllib` statements of the OBJ file at `obj_path` name. A missing file adds a
-/// warning. A name with blanks is one file if such a file exists, and several files otherwise.
+/// warning.
 pub(super) fn read_libraries(
     obj_path: &Path,
     statements: &[(usize, String)],
@@ -77,14 +80,7 @@ pub(super) fn read_libraries(
     let mut definitions = Definitions::default();
     let mut seen = HashSet::new();
     for (line, statement) in statements {
-        let whole = spellings(statement).into_iter().find_map(|name| Some((resolve(folder, &name)?, name)));
-        let files = match whole {
-            Some((path, name)) => vec![(name.into_owned(), Some(path))],
-            None => {
-                let words = without_comment(statement).split_whitespace();
-                words.map(|name| (name.to_owned(), resolve(folder, name))).collect()
-            }
-        };
+        let files = library_names(folder, statement);
         for (name, path) in files {
             if !seen.insert(name.clone()) {
                 continue;
@@ -105,6 +101,28 @@ pub(super) fn read_libraries(
     let bare = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
     definitions.bare = bare.collect();
     Ok(definitions)
+}
+
+/// The files that a statement names, each with its path if it is there. A name with blanks is one file if such a file exists;
+/// blanks behind a backslash are always parts of a name.
+fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
+    let found = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
+    if let Some(whole) = spellings(statement).iter().find_map(|name| found(name)) {
+        return vec![whole];
+    }
+    // No name contains a line end, so that one may stand for a blank that belongs to a name.
+    let marked = without_comment(statement).replace("\\ ", "\n");
+    let words: Vec<String> =
+        marked.split([' ', '\t']).filter(|word| !word.is_empty()).map(|word| word.replace('\n', " ")).collect();
+    let mut names = Vec::new();
+    let mut rest = &words[..];
+    while let Some(first) = rest.first() {
+        let longest = (1..=rest.len()).rev().find_map(|count| Some((count, found(&rest[..count].join(" "))?)));
+        let (count, name) = longest.unwrap_or_else(|| (1, (first.clone(), None)));
+        names.push(name);
+        rest = &rest[count..];
+    }
+    names
 }
 
 /// The materials of the MTL files of an OBJ file.
@@ -159,20 +177,29 @@ fn different<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
 fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
+    let mut exporter = Exporter::default();
+    let settled = |current: Option<(String, Definition)>, exporter| {
+        current.map(|(name, mut definition)| {
+            definition.settle(exporter);
+            (name, definition)
+        })
+    };
     for (index, line) in text.split(separator).enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         let place = Place { path, line: index + 1 };
         if keyword.eq_ignore_ascii_case("newmtl") {
-            definitions.extend(current.take());
+            definitions.extend(settled(current.take(), exporter));
             let name = if rest.is_empty() { NO_MATERIAL } else { rest };
             current = Some((name.to_owned(), Definition::default()));
+        } else if line.starts_with('#') {
+            exporter = Exporter::from_comment(line).unwrap_or(exporter);
         } else if let Some((_, definition)) = &mut current {
             statement(&place, &keyword.to_ascii_lowercase(), rest, definition)?;
         }
     }
-    definitions.extend(current);
+    definitions.extend(settled(current, exporter));
     Ok(())
 }
 
@@ -182,6 +209,12 @@ struct Place<'a> {
     line: usize,
 }
 
+impl std::fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{}:{}", self.path.display(), self.line)
+    }
+}
+
 fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
     let image = || image_statement(place, rest);
     match keyword {
@@ -189,6 +222,19 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
         "ks" => definition.specular = colour(place, keyword, rest, definition)?,
         "ns" => definition.exponent = number(place, keyword, rest, definition)?,
         "pr" => definition.roughness = number(place, keyword, rest, definition)?,
+        "pm" => definition.metalness = usable(place, rest, definition),
+        "ke" => definition.emission = usable_colour(place, rest, definition),
+        "ka" => definition.ambient = stated_colour(rest),
+        "ni" => definition.ior = stated(rest),
+        "illum" => definition.model = stated(rest).map(|model| model as u32),
+        "map_ke" => definition.images.emission = image(),
+        "map_pr" => definition.images.roughness = image(),
+        "map_pm" => definition.images.metalness = image(),
+        "tf" if stated(rest).is_some_and(|v| v > 0.0) && loss(keyword, rest).is_none() => {
+            definition.transmission = Some(place.to_string());
+        }
+        "map_ns" => definition.exponent_image = definition.exponent_image.take().or_else(image),
+        "refl" | "map_refl" => definition.reflection_image = definition.reflection_image.take().or_else(image),
         "map_kd" => definition.images.albedo = image(),
         "map_ks" => definition.images.reflectivity = image(),
         "map_d" | "map_opacity" => definition.images.mask = image(),
@@ -212,17 +258,10 @@ fn loss(keyword: &str, rest: &str) -> Option<&'static str> {
         "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|v| v < 1.0) => Some(TRANSPARENCY),
         "tr" if is_not(0.0) => Some(TRANSPARENCY),
         "tf" if is_not(1.0) => Some(TRANSPARENCY),
-        "ke" if is_not(0.0) => Some("emission (Ke) is not supported and was ignored"),
-        "map_ke" => Some("images of emission (map_Ke) are not supported and were ignored"),
-        "map_ns" | "map_pr" => Some("images of roughness (map_Pr, map_Ns) are not supported and were ignored"),
-        "map_pm" | "pm" if keyword == "map_pm" || is_not(0.0) => {
-            Some("metalness (Pm, map_Pm) is not supported and was ignored; Ks says what a surface reflects")
-        }
-        "ps" | "pc" | "pcr" | "aniso" | "anisor" if is_not(0.0) => {
+        "ps" | "pc" | "aniso" if is_not(0.0) => {
             Some("sheen, clear coats and anisotropy are not supported and were ignored")
         }
         "map_ps" | "map_pc" | "map_pcr" => Some("sheen, clear coats and anisotropy are not supported and were ignored"),
-        "refl" | "map_refl" => Some("reflection maps (refl) are not supported and were ignored"),
         "disp" | "map_disp" | "decal" => Some("displacement and decals are not supported and were ignored"),
         _ => None,
     }
@@ -232,8 +271,49 @@ const TRANSPARENCY: &str = "transparency (d, Tr, Tf) is not supported; the surfa
 
 impl Definition {
     fn drop_kind(&mut self, place: &Place, sentence: &'static str) {
-        self.dropped.entry(sentence).or_insert_with(|| format!("{}:{}", place.path.display(), place.line));
+        self.drop_at(&place.to_string(), sentence);
     }
+
+    fn drop_at(&mut self, place: &str, sentence: &'static str) {
+        self.dropped.entry(sentence).or_insert_with(|| place.to_owned());
+    }
+}
+
+/// The first number of a statement; `None` if it is none, or not finite.
+fn stated(rest: &str) -> Option<f32> {
+    rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
+}
+
+/// The colour of a statement: three numbers, or one for all channels; `None` if they are none.
+fn stated_colour(rest: &str) -> Option<Vec3> {
+    let number = |word: &str| word.parse().ok().filter(|v: &f32| v.is_finite());
+    let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).take(3).collect();
+    let numbers: Vec<f32> = words.iter().map_while(|word| number(word)).collect();
+    match numbers[..] {
+        [r, g, b] => Some(Vec3::new(r, g, b)),
+        [grey] if words.len() == 1 => Some(Vec3::splat(grey)),
+        _ => None,
+    }
+}
+
+const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
+
+/// The first number of a statement; `None`, with a warning, if it is none.
+fn usable(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
+    let number = stated(rest);
+    if number.is_none() {
+        definition.drop_kind(place, NO_NUMBER);
+    }
+    number
+}
+
+/// The colour of a statement; `None`, with a warning, if it is none.
+fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
+    let colour = stated_colour(rest);
+    if colour.is_none() {
+        definition.drop_kind(place, NO_NUMBER);
+    }
+    colour
 }
 
 /// A number; `None`, with a warning, for one that is not finite.
@@ -245,7 +325,7 @@ fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition)
     })?;
     let number = Some(stated as f32).filter(|v| v.is_finite());
     if number.is_none() {
-        definition.drop_kind(place, "a statement with a number that is not finite was ignored");
+        definition.drop_kind(place, NO_NUMBER);
     }
     Ok(number)
 }
@@ -267,113 +347,5 @@ fn colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition)
             let message = format!("{keyword} needs three numbers, not {}", numbers.len());
             Err(Error::malformed(place.path, Some(place.line), message))
         }
-    }
-}
-
-/// What the options of a map say.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct MapOptions {
-    multiplier: f32,
-    transformed: bool,
-}
-
-/// Takes the options at the beginning of a text; gives what follows them.
-fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
-    let mut rest = text;
-    while rest.starts_with('-') {
-        let (option, mut after) = take_word(rest);
-        // The most words that belong to the option, and whether they must be numbers.
-        let (most, numeric) = match option {
-            "-bm" | "-boost" | "-texres" => (1, true),
-            "-mm" => (2, true),
-            "-o" | "-s" | "-t" => (3, true),
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-colorspace" | "-imfchan" | "-type" => (1, false),
-            _ => break,
-        };
-        for i in 0..most {
-            let (word, further) = take_word(after);
-            let value = word.parse::<f32>().ok().filter(|v| v.is_finite());
-            if word.is_empty() || (numeric && value.is_none()) {
-                break;
-            }
-            match (option, value) {
-                ("-bm", Some(value)) => options.multiplier = value.clamp(-16.0, 16.0),
-                ("-o" | "-t", Some(value)) => options.transformed |= value != 0.0,
-                ("-s", Some(value)) => options.transformed |= value != 1.0 && i < 2,
-                _ => {}
-            }
-            after = further;
-        }
-        rest = after;
-    }
-    rest
-}
-
-/// Parses the options and the file name of a map; `None` if there is no file name.
-///
-/// Names have blanks, hyphens and `#` of their own, so that the longest text of which there is a file counts: all that
-/// follows the options, then without a comment, then without options behind it, then its last word, behind options that are
-/// unknown. If there is no such file, it is the third.
-fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
-    let mut options = MapOptions { multiplier: 1.0, transformed: false };
-    let whole = take_options(rest, &mut options);
-    let bare = without_comment(whole);
-    let is_option = |at: &usize| {
-        let mut ignored = options;
-        take_options(bare[*at..].trim_start(), &mut ignored).len() < bare[*at..].trim_start().len()
-    };
-    let tail = bare.match_indices(" -").map(|(at, _)| at).find(is_option);
-    let (head, tail) = tail.map_or((bare, ""), |at| bare.split_at(at));
-    let last = bare.split_whitespace().next_back().unwrap_or(bare);
-    let folder = place.path.parent().unwrap_or(Path::new(""));
-    let clean = |name: &str| name.trim().trim_matches('"').trim().to_owned();
-    let spelt = [whole, bare, head, last].into_iter().flat_map(|text| [clean(text), clean(&text.replace("\\ ", " "))]);
-    let spelt = different(spelt.filter(|name| !name.is_empty()));
-    let found = spelt.into_iter().find(|name| resolve(folder, name).is_some());
-    let name = found.unwrap_or_else(|| clean(head));
-    if name.len() <= head.len() {
-        take_options(tail.trim_start(), &mut options);
-    }
-    let MapOptions { multiplier, transformed } = options;
-    (!name.is_empty()).then(|| ImageStatement {
-        name,
-        mtl_path: place.path.to_owned(),
-        line: place.line,
-        multiplier,
-        transformed,
-    })
-}
-
-fn take_word(text: &str) -> (&str, &str) {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word, rest.trim_start())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn image(rest: &str) -> Option<(String, f32, bool)> {
-        let place = Place { path: Path::new("a.mtl"), line: 3 };
-        image_statement(&place, rest).map(|i| (i.name, i.multiplier, i.transformed))
-    }
-
-    #[test]
-    fn options_of_maps_are_not_part_of_the_name() {
-        let is = |rest, name: &str, multiplier, transformed| {
-            assert_eq!(image(rest), Some((name.into(), multiplier, transformed)), "{rest}");
-        };
-        is("a b.png", "a b.png", 1.0, false);
-        is("-bm 0.5 bump.png", "bump.png", 0.5, false);
-        is("-s 1 1 1 -o 0 0 0 -bm 2 x.png", "x.png", 2.0, false);
-        is("-s 2 2 x.png", "x.png", 1.0, true);
-        is("-clamp on -imfchan l x.png", "x.png", 1.0, false);
-        is("-mm 0 1 \"my file.png\"", "my file.png", 1.0, false);
-        is("-odd-name.png", "-odd-name.png", 1.0, false);
-        is("-colorspace sRGB x.png", "x.png", 1.0, false);
-        is("x.png # the bark", "x.png", 1.0, false);
-        is("x.png -bm 0.5 -clamp on # the bark", "x.png", 0.5, false);
-        is("x-y -z.png", "x-y -z.png", 1.0, false);
-        assert_eq!(image("  "), None);
     }
 }

@@ -1,0 +1,70 @@
+//! Numbers on the command line: wrong ones and negative ones reach the sentence about their value, however they are spelt.
+
+use clap::Command;
+use clap::builder::ValueParser;
+use std::any::TypeId;
+
+/// A command line whose options take `-0.1` behind a blank as they take it behind `=`, and that say what is no number.
+pub fn with_sentences(command: Command) -> Command {
+    let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_sentences));
+    command.mut_args(|argument| {
+        if argument.is_positional() || !argument.get_action().takes_values() {
+            return argument;
+        }
+        let kind = argument.get_value_parser().type_id();
+        let argument = argument.allow_negative_numbers(true);
+        if kind == TypeId::of::<f32>() {
+            argument.value_parser(ValueParser::new(number))
+        } else if kind == TypeId::of::<[u32; 2]>() {
+            // `-1x5` is no number, and no option either.
+            argument.allow_hyphen_values(true)
+        } else {
+            argument
+        }
+    })
+}
+
+/// A number; whether it lies where it should is for those to say who know what it means.
+fn number(text: &str) -> Result<f32, String> {
+    text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::cli::size;
+
+    #[derive(clap::Parser)]
+    struct Options {
+        #[arg(long, value_delimiter = ',')]
+        roughness: Vec<f32>,
+        #[arg(long, value_parser = size)]
+        size: Option<[u32; 2]>,
+    }
+
+    fn parse(words: &[&str]) -> Result<(Vec<f32>, Option<[u32; 2]>), String> {
+        let command = with_sentences(<Options as clap::CommandFactory>::command().no_binary_name(true));
+        let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
+        let options = <Options as clap::FromArgMatches>::from_arg_matches(&matches).map_err(|e| e.to_string())?;
+        Ok((options.roughness, options.size))
+    }
+
+    #[test]
+    fn both_spellings_of_a_negative_number_are_one() {
+        assert_eq!(parse(&["--roughness", "-0.1"]), parse(&["--roughness=-0.1"]));
+        assert_eq!(parse(&["--roughness", "0.1,-0.5"]), Ok((vec![0.1, -0.5], None)));
+    }
+
+    #[test]
+    fn what_is_no_number_is_said_in_words() {
+        for words in [&["--roughness", "0.5f"][..], &["--roughness=0.5f"]] {
+            let said = parse(words).unwrap_err();
+            assert!(said.contains("\"0.5f\" is no number; write it as 0.5"), "{said}");
+        }
+        for words in [&["--size", "-1x5"][..], &["--size=-1x5"]] {
+            let said = parse(words).unwrap_err();
+            assert!(said.contains("\"-1x5\" is no size; write it as 960x540"), "{said}");
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The part of an OpenEXR image that its display window shows: a data window may be larger, as with overscan.
+
+use exr::math::Vec2;
+use exr::meta::attribute::IntegerBounds;
+use exr::meta::header::Header;
+
+/// Where the image lies within the pixels of a part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shown {
+    /// Width of the part in pixels.
+    stored_width: usize,
+    /// The first column and row that are shown.
+    first: [usize; 2],
+    /// Width and height of the image.
+    pub(super) size: [usize; 2],
+}
+
+impl Shown {
+    /// The image within a part.
+    ///
+    /// # Errors
+    /// A sentence about a part that does not cover its image.
+    pub(super) fn new(
+        position: Vec2<i32>,
+        stored: Vec2<usize>,
+        window: IntegerBounds,
+    ) -> std::result::Result<Self, String> {
+        let axis = |position: i32, stored: usize, from: i32, size: usize| {
+            let first = usize::try_from(i64::from(from) - i64::from(position)).ok()?;
+            (first.checked_add(size)? <= stored && size > 0).then_some(first)
+        };
+        let of_x = axis(position.x(), stored.x(), window.position.x(), window.size.x());
+        let of_y = axis(position.y(), stored.y(), window.position.y(), window.size.y());
+        match of_x.zip(of_y) {
+            Some((x, y)) => {
+                Ok(Self { stored_width: stored.x(), first: [x, y], size: [window.size.x(), window.size.y()] })
+            }
+            None => Err(format!(
+                "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
+                stored.0,
+                stored.1,
+                position.0,
+                position.1,
+                window.size.0,
+                window.size.1,
+                window.position.0,
+                window.position.1
+            )),
+        }
+    }
+
+    /// The image within the part of a header.
+    ///
+    /// # Errors
+    /// Errors of [`Self::new`].
+    pub(super) fn of_header(header: &Header) -> std::result::Result<Self, String> {
+        let position = header.own_attributes.layer_position;
+        Self::new(position, header.layer_size, header.shared_attributes.display_window)
+    }
+
+    /// The values that are shown, of all that are stored in rows; as they are if they are not one for each pixel.
+    pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
+        let Self { stored_width, first: [x, y], size: [width, height] } = *self;
+        let is_all = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;
+        if is_all || stored_width == 0 || values.len() < stored_width * (y + height) {
+            return values;
+        }
+        let rows = values.chunks_exact(stored_width).skip(y).take(height);
+        rows.flat_map(|row| &row[x..x + width]).copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_larger_part_covers_its_image() {
+        let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 1) };
+        let shown = Shown::new(Vec2(-1, -1), Vec2(4, 3), window).unwrap();
+        assert_eq!(shown.crop((0..12).map(|v| v as f32).collect()), [5.0, 6.0]);
+        let whole = Shown::new(Vec2(0, 0), Vec2(2, 1), window).unwrap();
+        assert_eq!(whole.crop(vec![1.0, 2.0]), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_part_that_lacks_pixels_is_refused() {
+        let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 2) };
+        for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))]
+        {
+            let said = Shown::new(position, stored, window).unwrap_err();
+            assert!(said.ends_with("only whole images can be read"), "{said}");
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Whether the normals of a G-buffer agree with the slopes of its depth.
+//!
+//! A wrong lens, wrong axes or a wrong kind of depth give a picture whose reflections float. Each of them also tilts the
+//! surfaces that depth describes, while normals come from elsewhere in the renderer, so that both disagree. Pixels are compared
+//! where the depth is smooth in both directions. Maps of normals make single pixels disagree; what tells a wrong convention
+//! apart is that another reading agrees much better.
+
+use crate::scene::{Camera, GBufferData, Opening};
+use glam::{DVec2, DVec3};
+
+/// Normals and slopes that are further apart than this disagree.
+const MOST_DEGREES: f64 = 8.0;
+
+/// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
+const GROSS_DEGREES: f64 = 45.0;
+
+/// A larger angle counts as this in means.
+const MOST_COUNTED_DEGREES: f64 = 30.0;
+
+/// Pixels that are compared at most, and at least for the comparison to mean something.
+const MOST_SAMPLES: usize = 20_000;
+const FEWEST_SAMPLES: usize = 100;
+
+/// Samples by which a lens is searched.
+const LENS_SAMPLES: usize = 1500;
+
+/// How far the depth may bend between a pixel and its neighbours, as a share of how far it rises.
+const MOST_BENT: f64 = 0.1;
+
+/// A place of the image and the depth there.
+type ImagePoint = (DVec2, f64);
+
+/// A pixel that is compared.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    middle: ImagePoint,
+    left: ImagePoint,
+    right: ImagePoint,
+    up: ImagePoint,
+    down: ImagePoint,
+    normal: DVec3,
+}
+
+/// How a camera takes a point of the image to view space: ndc = scale · xy / w + shift, where w is z in a perspective and 1
+/// with parallel rays of sight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Opened {
+    scale: DVec2,
+    shift: DVec2,
+    is_orthographic: bool,
+}
+
+impl Opened {
+    pub(super) fn new(camera: &Camera) -> Self {
+        let clip = camera.view_to_clip_reversed().as_dmat4();
+        let is_orthographic = camera.kind().is_orthographic();
+        let shift = if is_orthographic { clip.w_axis } else { clip.z_axis };
+        let scale = DVec2::new(clip.x_axis.x, clip.y_axis.y);
+        Self { scale, shift: DVec2::new(shift.x, shift.y), is_orthographic }
+    }
+
+    /// A point of view space.
+    pub(super) fn point(&self, (ndc, z): ImagePoint) -> DVec3 {
+        let w = if self.is_orthographic { 1.0 } else { z };
+        ((ndc - self.shift) / self.scale * w).extend(z)
+    }
+
+    fn degrees_apart(&self, sample: &Sample) -> f64 {
+        let along = |a: ImagePoint, b: ImagePoint| self.point(b) - self.point(a);
+        let across = along(sample.left, sample.right).cross(along(sample.down, sample.up));
+        let sight = if self.is_orthographic { DVec3::Z } else { self.point(sample.middle) };
+        // The side of the surface that the camera sees.
+        let side = if across.dot(sight) > 0.0 { -1.0 } else { 1.0 };
+        (side * across).angle_between(sample.normal).to_degrees()
+    }
+}
+
+/// The view-space z of a reversed depth above 0.
+pub(super) fn view_z(camera: &Camera, reversed: f64) -> f64 {
+    let numbers = camera.numbers();
+    numbers.kind.z_at(numbers.depth.map(f64::from), reversed)
+}
+
+/// How normals and the slopes of depth compare.
+#[derive(Debug, Clone)]
+pub(super) struct Slopes {
+    opened: Opened,
+    size: [u32; 2],
+    samples: Vec<Sample>,
+}
+
+impl Slopes {
+    /// Collects the pixels of a G-buffer that can be compared.
+    pub(super) fn new(camera: &Camera, size: [u32; 2], depth: &[f32], normals: &[glam::Vec3]) -> Self {
+        let [width, height] = size.map(|side| side as usize);
+        // Farther neighbours keep the rounding of 16-bit depth below the slope in large images.
+        let reach = (width.max(height) / 240).clamp(1, 8);
+        let image_point = |x: usize, y: usize| {
+            let reversed = f64::from(depth[y * width + x]);
+            let ndc =
+                DVec2::new((x as f64 + 0.5) / width as f64 * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height as f64 * 2.0);
+            (reversed > 0.0).then(|| (ndc, view_z(camera, reversed)))
+        };
+        let sample = |x: usize, y: usize| {
+            let normal = normals[y * width + x].as_dvec3();
+            let middle = image_point(x, y)?;
+            let [left, right] = [image_point(x - reach, y)?, image_point(x + reach, y)?];
+            let [up, down] = [image_point(x, y - reach)?, image_point(x, y + reach)?];
+            let bends = |a: ImagePoint, b: ImagePoint| {
+                let rise = (a.1 - middle.1).abs() + (b.1 - middle.1).abs();
+                (a.1 + b.1 - 2.0 * middle.1).abs() > MOST_BENT * rise + 1e-3 * middle.1
+            };
+            let usable = normal.length() > 1e-3 && !bends(left, right) && !bends(up, down);
+            usable.then_some(Sample { middle, left, right, up, down, normal })
+        };
+        let step = ((width * height / MOST_SAMPLES) as f64).sqrt().ceil().max(1.0) as usize;
+        let inner = |side: usize| (reach..side.saturating_sub(reach)).step_by(step);
+        let samples = inner(height).flat_map(|y| inner(width).map(move |x| (x, y)));
+        let samples = samples.filter_map(|(x, y)| sample(x, y)).collect();
+        Self { opened: Opened::new(camera), size, samples }
+    }
+
+    pub(super) fn of_data(data: &GBufferData) -> Self {
+        Self::new(&data.camera, [data.width, data.height], &data.depth, &data.normal)
+    }
+
+    /// The share of the compared pixels that disagree; `None` if too few can be compared.
+    pub(super) fn disagreeing(&self) -> Option<f64> {
+        self.share_beyond(MOST_DEGREES)
+    }
+
+    /// The share of the compared pixels whose normals have nothing to do with their slopes; `None` if too few can be compared.
+    pub(super) fn unrelated(&self) -> Option<f64> {
+        self.share_beyond(GROSS_DEGREES)
+    }
+
+    /// The mean angle between normals and slopes in degrees. Far outliers, as of maps of normals, count no more than near ones.
+    pub(super) fn mean_degrees(&self) -> f64 {
+        mean_degrees(&self.opened, &self.samples)
+    }
+
+    fn share_beyond(&self, degrees: f64) -> Option<f64> {
+        let is_near = |sample: &&Sample| self.opened.degrees_apart(sample) <= degrees;
+        let near = self.samples.iter().filter(is_near).count();
+        (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
+    }
+
+    /// The lens with which normals and slopes agree best, in words, and how they compare then.
+    pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, Self)> {
+        let few: Vec<Sample> = {
+            let step = (self.samples.len() / LENS_SAMPLES).max(1);
+            self.samples.iter().step_by(step).copied().collect()
+        };
+        let badness = |opened: &Opened| mean_degrees(opened, &few);
+        let same_pixels = search(self.opened, &badness, &[Change::Scale]);
+        let other_pixels = search(self.opened, &badness, &[Change::Scale, Change::Aspect]);
+        let shifted = search(self.opened, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY]);
+        let mut best = same_pixels;
+        // A lens that changes more must be much better to be believed.
+        for other in [other_pixels, shifted] {
+            if badness(&other) < 0.5 * badness(&best) {
+                best = other;
+            }
+        }
+        (!few.is_empty()).then(|| (self.words(camera, &best), Self { opened: best, ..self.clone() }))
+    }
+
+    /// A lens as a map says it.
+    fn words(&self, camera: &Camera, opened: &Opened) -> String {
+        let mut words = match camera.lens.opening {
+            Opening::Height(_) => format!("orthographic-height = {:.3}", 2.0 / opened.scale.y),
+            Opening::Angle(_) => format!("fov-y-deg = {:.1}", 2.0 * (1.0 / opened.scale.y).atan().to_degrees()),
+        };
+        let aspect = opened.scale.y / opened.scale.x;
+        if (aspect / (self.opened.scale.y / self.opened.scale.x) - 1.0).abs() > 0.02 {
+            words += &format!(" and aspect = {aspect:.3}");
+        }
+        let moved = opened.shift - self.opened.shift;
+        if moved.abs().max_element() > 0.02 {
+            let [width, height] = self.size.map(f64::from);
+            let shift = [0.5 * opened.shift.x * width, -0.5 * opened.shift.y * height];
+            words += &format!(" and shift-px = [{:.0}, {:.0}]", shift[0], shift[1]);
+        }
+        words
+    }
+}
+
+/// The mean angle between the normals and slopes of some samples in degrees.
+fn mean_degrees(opened: &Opened, samples: &[Sample]) -> f64 {
+    let sum: f64 = samples.iter().map(|sample| opened.degrees_apart(sample).min(MOST_COUNTED_DEGREES)).sum();
+    sum / samples.len().max(1) as f64
+}
+
+/// What a search changes about a lens.
+#[derive(Debug, Clone, Copy)]
+enum Change {
+    Scale,
+    Aspect,
+    ShiftX,
+    ShiftY,
+}
+
+impl Change {
+    /// The lens after a step: scales double in two steps of 1, shifts move by half an image.
+    fn by(self, opened: Opened, step: f64) -> Opened {
+        let factor = 2.0_f64.powf(0.5 * step);
+        let Opened { mut scale, mut shift, is_orthographic } = opened;
+        match self {
+            Self::Scale => scale *= factor,
+            Self::Aspect => scale.x *= factor,
+            Self::ShiftX => shift.x += step,
+            Self::ShiftY => shift.y += step,
+        }
+        Opened { scale, shift, is_orthographic }
+    }
+}
+
+/// The lens of the least badness: changes are tried one after another, in ever smaller steps.
+fn search(start: Opened, badness: &impl Fn(&Opened) -> f64, changes: &[Change]) -> Opened {
+    /// Rounds with the greatest steps, before they halve.
+    const COARSE: usize = 2;
+    const ROUNDS: usize = 10;
+    let mut best = (start, badness(&start));
+    let mut size = 1.0;
+    for round in 0..ROUNDS {
+        for change in changes {
+            for step in [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0] {
+                let tried = change.by(best.0, step * size);
+                let bad = badness(&tried);
+                if bad < best.1 {
+                    best = (tried, bad);
+                }
+            }
+        }
+        if round + 1 >= COARSE {
+            size *= 0.5;
+        }
+    }
+    best.0
+}

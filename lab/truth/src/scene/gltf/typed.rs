@@ -1,0 +1,96 @@
+//! Brings the JSON of a document to the types of the crate `gltf`, and says in glTF's words where a value has another type.
+
+use gltf::json::Root;
+use serde_json::Value;
+
+/// The document that a JSON value means.
+///
+/// # Errors
+/// A sentence with the place, as `materials[0].pbrMetallicRoughness.roughnessFactor`, and what stands there instead of what.
+pub(super) fn typed(value: Value) -> Result<Root, String> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let place = error.path().to_string();
+        let what = in_words(&error.inner().to_string());
+        if place == "." { format!("the document: {what}") } else { format!("{place}: {what}") }
+    })
+}
+
+/// What serde says of a value, in the words of JSON.
+fn in_words(message: &str) -> String {
+    let of_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+    if let Some((found, expected)) = of_type.and_then(|rest| rest.split_once(", expected ")) {
+        return format!("{} where {} belongs", found_in_words(found), expected_in_words(expected));
+    }
+    if let Some(field) = message.strip_prefix("missing field ") {
+        return format!("it has no {}", field.trim_matches('`'));
+    }
+    if let Some((length, expected)) =
+        message.strip_prefix("invalid length ").and_then(|rest| rest.split_once(", expected "))
+    {
+        return format!("a list of {length} where {} belongs", expected_in_words(expected));
+    }
+    message.to_owned()
+}
+
+/// The thing that stands there: serde's `string "0.5"` is a text.
+fn found_in_words(found: &str) -> String {
+    let kind = found.split(['`', '"']).next().unwrap_or(found).trim();
+    match kind {
+        "string" => "a text".to_owned(),
+        "map" => "an object".to_owned(),
+        "sequence" => "a list".to_owned(),
+        "boolean" => "true or false".to_owned(),
+        "null" | "unit value" => "nothing".to_owned(),
+        "integer" | "floating point" => match found.split('`').nth(1) {
+            Some(number) => format!("the number {number}"),
+            None => "a number".to_owned(),
+        },
+        other => other.to_owned(),
+    }
+}
+
+/// The thing that belongs there: serde's `f32` is a number.
+fn expected_in_words(expected: &str) -> String {
+    let expected = expected.trim();
+    let is_whole = |word: &str| word.len() > 1 && word[1..].parse::<u32>().is_ok() && word.starts_with(['u', 'i']);
+    match expected {
+        "f32" | "f64" => "a number".to_owned(),
+        "a string" | "string" | "str" => "a text".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a map" => "an object".to_owned(),
+        "usize" | "index into child of root" => "a whole number of at least 0".to_owned(),
+        word if is_whole(word) && word.starts_with('u') => "a whole number of at least 0".to_owned(),
+        word if is_whole(word) => "a whole number".to_owned(),
+        text if text.starts_with("struct ") => "an object".to_owned(),
+        text => match text.strip_prefix("an array of length ") {
+            Some(length) => format!("a list of {length} numbers"),
+            None => text.to_owned(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_library_become_those_of_json() {
+        for (message, words) in [
+            ("invalid type: string \"0.5\", expected f32", "a text where a number belongs"),
+            ("invalid type: map, expected a sequence", "an object where a list belongs"),
+            ("invalid type: string \"main\", expected u32", "a text where a whole number of at least 0 belongs"),
+            ("invalid value: integer `-1`, expected u32", "the number -1 where a whole number of at least 0 belongs"),
+            (
+                "invalid type: floating point `1.5`, expected u64",
+                "the number 1.5 where a whole number of at least 0 belongs",
+            ),
+            ("invalid type: boolean `true`, expected struct Asset", "true or false where an object belongs"),
+            ("missing field `attributes`", "it has no attributes"),
+            ("invalid length 2, expected an array of length 3", "a list of 2 where a list of 3 numbers belongs"),
+            ("something new", "something new"),
+        ] {
+            assert_eq!(in_words(message), words);
+        }
+    }
+}

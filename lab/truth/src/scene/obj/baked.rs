@@ -1,0 +1,115 @@
+//! The maps of a material: images as they are, and those that are baked from several, as for glTF.
+
+use super::mtl::Reading;
+use crate::scene::material_terms::roughness_of_perceptual;
+use crate::scene::metallic::{Factors, TexelInputs, grey, texels_of};
+use crate::scene::{Encoding, Material, Texture};
+use glam::{DVec4, Vec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The index of an image among those that were read.
+type Image = usize;
+
+/// What an image of the scene is made of. Materials that ask for the same share it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Made {
+    Plain(Image),
+    Albedo { base: Option<Image>, metalness: Option<Image>, emission: Option<Image>, factors: Factors },
+    Reflectivity { base: Option<Image>, metalness: Option<Image>, level: Option<Image>, factors: Factors },
+    Roughness { image: Image, factor: f32 },
+}
+
+/// The images that were read, and those that the scene's materials ask for.
+pub(super) struct Textures {
+    read: Vec<Option<Texture>>,
+    made: Vec<Made>,
+    /// Where each is in the list, by its text: numbers of materials have no hash.
+    index: HashMap<String, usize>,
+}
+
+impl Textures {
+    pub(super) fn new(read: Vec<Option<Texture>>) -> Self {
+        Self { read, made: Vec::new(), index: HashMap::new() }
+    }
+
+    pub(super) fn is_there(&self, image: Image) -> bool {
+        self.read[image].is_some()
+    }
+
+    fn add(&mut self, wanted: Made) -> usize {
+        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
+            self.made.push(wanted);
+            self.made.len() - 1
+        })
+    }
+
+    /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are in the order of
+    /// [`MaterialImages`](super::images::MaterialImages).
+    pub(super) fn attach(&mut self, material: &mut Material, reading: Option<&Reading>, images: [Option<Image>; 7]) {
+        let [base, normal, mask, reflectivity, emission, roughness, metalness] = images;
+        let is_metallic = reading.is_some_and(|r| r.is_metallic);
+        let emits = reading.is_some_and(|r| r.factors.emission != Vec3::ZERO);
+        let is_baked = metalness.is_some() || emits && (base.is_some() || emission.is_some());
+        let mut plain = |image: Option<Image>| image.map(|image| self.add(Made::Plain(image)));
+        let as_they_are = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
+        [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
+            as_they_are.map(&mut plain);
+        let Some(Reading { factors, roughness_factor, .. }) = reading.cloned() else { return };
+        if is_baked {
+            let emission = emission.filter(|_| emits);
+            (material.albedo, material.emission) = (Vec3::ONE, if emits { 1.0 } else { 0.0 });
+            material.albedo_map = Some(self.add(Made::Albedo { base, metalness, emission, factors }));
+        }
+        if let Some(image) = roughness {
+            material.roughness = 1.0;
+            material.roughness_map = Some(self.add(Made::Roughness { image, factor: roughness_factor }));
+        }
+        let is_tinted = factors.metallic > 0.0 && (base.is_some() || metalness.is_some());
+        if is_metallic && (is_tinted || reflectivity.is_some()) {
+            material.reflectivity = 1.0;
+            let level = reflectivity;
+            material.reflectivity_map = Some(self.add(Made::Reflectivity { base, metalness, level, factors }));
+        }
+    }
+
+    /// Makes the images, which will stand behind `before` others, and moves the materials' indices there. Images that no
+    /// material shows as they are, are dropped.
+    pub(super) fn finish(self, before: usize, materials: &mut [Material]) -> Vec<Texture> {
+        for material in materials {
+            let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
+            let maps = [albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map];
+            maps.into_iter().flatten().for_each(|index| *index += before);
+        }
+        let Self { mut read, made, .. } = self;
+        let baked: Vec<Option<Texture>> = made.par_iter().map(|made| bake(made, &read)).collect();
+        let taken = |(made, baked): (Made, Option<Texture>)| match made {
+            Made::Plain(image) => read[image].take(),
+            _ => baked,
+        };
+        made.into_iter().zip(baked).filter_map(taken).collect()
+    }
+}
+
+/// An image that is made of others; `None` for one that stays as it is.
+fn bake(made: &Made, read: &[Option<Texture>]) -> Option<Texture> {
+    let input = |image: Option<Image>| read[image?].as_ref();
+    // Numbers stand in every channel of a grey image.
+    Some(match *made {
+        Made::Plain(_) => return None,
+        Made::Albedo { base, metalness, emission, factors } => {
+            texels_of(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
+                factors.albedo_texel(&TexelInputs::new(base, metalness.x, emission))
+            })
+        }
+        Made::Reflectivity { base, metalness, level, factors } => {
+            texels_of(&[base, metalness, level].map(input), Encoding::Linear, |[base, metalness, level]| {
+                let inputs = TexelInputs::new(base, metalness.x, DVec4::ONE).with_specular(level.x, DVec4::ONE);
+                grey(factors.reflectivity(&inputs))
+            })
+        }
+        Made::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[rough]| {
+            grey(roughness_of_perceptual(factor * rough.x as f32))
+        }),
+    })
+}

@@ -1,0 +1,190 @@
+//! What the numbers of a material mean, which depends on the program that wrote them.
+//!
+//! Wavefront's own law has a colour of highlights (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities under
+//! these names, and the PBR keys are those of glTF. docs/definitions.md, "Exporters of MTL", has the table and says how each law
+//! was found.
+
+use super::{Definition, TRANSPARENCY};
+use crate::scene::Material;
+use crate::scene::material_terms::{F0, f0_of_ior, roughness_of_exponent, roughness_of_perceptual};
+use crate::scene::metallic::{Factors, TexelInputs};
+use crate::scene::texture::luminance;
+use glam::Vec3;
+
+/// Blender's exponent of a perfect mirror: `Ns` = 1000 (1 − r)².
+const BLENDER_EXPONENT: f32 = 1000.0;
+
+/// The roughness of Blender's default material.
+const BLENDER_ROUGHNESS: f32 = 0.5;
+
+/// The first version of Blender in which the level of specular counts beside the index of refraction.
+const BLENDER_LEVEL_WITH_IOR: u32 = 4;
+
+/// Who wrote an MTL file, as far as it changes what the file means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Exporter {
+    /// Nobody whose numbers are known to mean something else than Wavefront's.
+    #[default]
+    Unknown,
+    /// Blender, of this major version. Files that name no version are older than 3.3, and their laws differ.
+    Blender(u32),
+}
+
+impl Exporter {
+    /// Reads who wrote a file from one of its comments.
+    pub(super) fn from_comment(line: &str) -> Option<Self> {
+        let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
+        let (version, rest) = rest.split_once(' ')?;
+        let major = version.split('.').next()?.parse().ok()?;
+        rest.contains("MTL File").then_some(Self::Blender(major))
+    }
+}
+
+/// By which law a material is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Law {
+    /// Wavefront's: `Ks` is what a surface reflects, `Ns` the exponent of its lobe, unless there is a roughness.
+    #[default]
+    Wavefront,
+    /// Blender's `Ns`, `Ks`, `Ka` and `Ni`, without PBR keys.
+    Blender(u32),
+    /// Metalness and roughness; Blender's `Ks` is the level of specular, that of others does not count.
+    Pbr(Exporter),
+}
+
+/// What a material is by its law.
+#[derive(Debug, Clone)]
+pub(in crate::scene::obj) struct Reading {
+    /// The material without its name, surface and images.
+    pub material: Material,
+    /// The factors of which images are baked.
+    pub factors: Factors,
+    /// Whether the material has metalness, so that its images change what it reflects as those of glTF do.
+    pub is_metallic: bool,
+    /// The factor on the perceptual roughness in the image of roughness.
+    pub roughness_factor: f32,
+}
+
+impl Definition {
+    /// Finds by which law the material is read, once all of its statements are known, and notes what is dropped by that law.
+    pub(super) fn settle(&mut self, exporter: Exporter) {
+        let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
+        let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
+        let has_specular = self.specular.is_some() || self.images.reflectivity.is_some();
+        self.law = match exporter {
+            exporter if has_metalness => Law::Pbr(exporter),
+            Exporter::Blender(_) if has_roughness => Law::Pbr(exporter),
+            Exporter::Blender(major) => Law::Blender(major),
+            // Whoever states a roughness and what is reflected, and no metalness, means both.
+            Exporter::Unknown if has_roughness && !has_specular => Law::Pbr(exporter),
+            Exporter::Unknown => Law::Wavefront,
+        };
+        if let (Some(place), Exporter::Blender(_)) = (self.transmission.take(), exporter) {
+            self.drop_at(&place, TRANSPARENCY);
+        }
+        let [exponent, reflection] = [self.exponent_image.take(), self.reflection_image.take()];
+        if let Law::Blender(_) = self.law {
+            (self.images.roughness, self.images.metalness) = (exponent, reflection);
+            return;
+        }
+        if let Some(image) = exponent {
+            self.drop_at(&image.place(), "images of exponents (map_Ns) are not supported and were ignored");
+        }
+        if let Some(image) = reflection {
+            self.drop_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
+        }
+        if let Some(image) = self.images.reflectivity.take_if(|_| self.law == Law::Pbr(Exporter::Unknown)) {
+            self.drop_at(
+                &image.place(),
+                "images of specular colour (map_Ks) do not count beside metalness and roughness",
+            );
+        }
+    }
+
+    /// What the material is by its law.
+    pub(in crate::scene::obj) fn reading(&self) -> Reading {
+        let law = self.law;
+        let factors = Factors {
+            base: self.base(),
+            metallic: self.metallic(law),
+            emission: self.emitted(),
+            f0: Vec3::splat(self.f0(law)),
+            specular: 1.0,
+            unlit: false,
+        };
+        let is_metallic = law != Law::Wavefront;
+        let (albedo, emission) = factors.colour(&TexelInputs::default());
+        let reflectivity = match is_metallic {
+            true => factors.reflectivity(&TexelInputs::default()),
+            false => self.specular.map_or(1.0, luminance).clamp(0.0, 1.0),
+        };
+        let roughness = self.lobe(law);
+        let material = Material { albedo, emission, reflectivity, roughness, ..Material::default() };
+        Reading { material, factors, is_metallic, roughness_factor: self.perceptual(law).unwrap_or(1.0) }
+    }
+
+    /// Black under an image counts as white, as exporters mean it.
+    fn base(&self) -> Vec3 {
+        let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
+        if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
+    }
+
+    fn emitted(&self) -> Vec3 {
+        let stated = self.emission.unwrap_or(Vec3::ZERO).clamp(Vec3::ZERO, Vec3::splat(1e6));
+        if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
+    }
+
+    fn metallic(&self, law: Law) -> f32 {
+        let stated = match law {
+            Law::Wavefront => Some(0.0),
+            // The ambient colour is the metalness where there is any, and white where there is none. What tells both apart is
+            // the model of a mirror, which the exporter states for metals alone.
+            Law::Blender(_) => {
+                self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map(|ambient| ambient.x).or(Some(0.0))
+            }
+            Law::Pbr(_) => self.metalness,
+        };
+        match (stated, &self.images.metalness) {
+            (Some(0.0) | None, Some(_)) => 1.0,
+            (stated, _) => stated.unwrap_or(0.0).clamp(0.0, 1.0),
+        }
+    }
+
+    /// What a surface that is no metal reflects along its normal.
+    fn f0(&self, law: Law) -> f32 {
+        // The exporter writes an index of 1 for materials without one.
+        let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
+        let of_ior = ior.map_or(F0, f0_of_ior);
+        let has_image = self.images.reflectivity.is_some();
+        let level = |major| {
+            let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
+            2.0 * level * if major >= BLENDER_LEVEL_WITH_IOR { of_ior } else { F0 }
+        };
+        match law {
+            Law::Wavefront => 0.0,
+            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => level(major),
+            Law::Pbr(Exporter::Unknown) => of_ior,
+        }
+    }
+
+    /// The perceptual roughness, as glTF's, without images; `None` where the material states none, or an exponent.
+    fn perceptual(&self, law: Law) -> Option<f32> {
+        if self.images.roughness.is_some() {
+            return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
+        }
+        let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
+        match law {
+            Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
+            Law::Wavefront | Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
+        }
+    }
+
+    /// The roughness ϱ, 0…1, without images.
+    fn lobe(&self, law: Law) -> f32 {
+        match (self.perceptual(law), law) {
+            (Some(r), _) => roughness_of_perceptual(r),
+            (None, Law::Wavefront) => self.exponent.map_or(0.0, roughness_of_exponent),
+            (None, _) => self.exponent.map_or(roughness_of_perceptual(1.0), roughness_of_exponent),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! A frame that is read by wrong conventions contradicts itself: its normals are not those of the slopes of its depth. The check
+//! finds the convention that was wrong.
+
+use super::files::{Part, floats, write_exr};
+use super::named;
+use crate::common::folder::Folder;
+use exr::image::FlatSamples;
+use exr::meta::attribute::IntegerBounds;
+use exr::prelude::WritableImage;
+use glam::DVec3;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [96, 54];
+
+/// A camera that looks along z, 40 degrees from top to bottom.
+const FOV_Y_DEG: f64 = 40.0;
+
+const NEAR: f64 = 0.5;
+
+/// What a pixel sees of a tilted floor, a wall and a ball: its place and its normal in a left-handed view space with y up.
+fn seen(x: f64, y: f64, aspect: f64) -> (DVec3, DVec3) {
+    let tan = (0.5 * FOV_Y_DEG).to_radians().tan();
+    let ray = DVec3::new(
+        (2.0 * x / f64::from(SIZE[0]) - 1.0) * tan * aspect,
+        (1.0 - 2.0 * y / f64::from(SIZE[1])) * tan,
+        1.0,
+    );
+    let planes = [
+        (DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.1, 0.95, -0.1).normalize()),
+        (DVec3::new(0.0, 0.0, 8.0), DVec3::new(-0.3, 0.1, -0.9).normalize()),
+    ];
+    let of_plane = |(point, normal): (DVec3, DVec3)| (point.dot(normal) / ray.dot(normal), normal);
+    let mut hits: Vec<(f64, DVec3)> = planes.into_iter().map(of_plane).filter(|(t, _)| *t > 0.0).collect();
+    let middle = DVec3::new(0.4, 0.1, 4.5);
+    let (a, b, c) = (ray.length_squared(), -ray.dot(middle), middle.length_squared() - 0.8 * 0.8);
+    if b * b > a * c {
+        let t = (-b - (b * b - a * c).sqrt()) / a;
+        hits.push((t, (t * ray - middle) / 0.8));
+    }
+    let (t, normal) = hits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+    (t * ray, normal)
+}
+
+/// The frame with a kind of depth, in the channels Z, N.X … and P.X ….
+fn frame(depth: impl Fn(DVec3) -> f64, aspect: f64) -> Vec<FlatSamples> {
+    let pixels: Vec<(DVec3, DVec3)> = (0..SIZE[1])
+        .flat_map(|y| (0..SIZE[0]).map(move |x| seen(f64::from(x) + 0.5, f64::from(y) + 0.5, aspect)))
+        .collect();
+    let channel = |value: &dyn Fn(&(DVec3, DVec3)) -> f64| floats(pixels.iter().map(value));
+    vec![
+        channel(&|p| depth(p.0)),
+        channel(&|p| p.1.x),
+        channel(&|p| p.1.y),
+        channel(&|p| p.1.z),
+        channel(&|p| p.0.x),
+        channel(&|p| p.0.y),
+        channel(&|p| p.0.z),
+        channel(&|_| 0.5),
+    ]
+}
+
+const CHANNELS: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R"];
+
+fn aspect() -> f64 {
+    f64::from(SIZE[0]) / f64::from(SIZE[1])
+}
+
+/// A map of the frame, right but for what is replaced.
+fn map(changes: &[(&str, &str)], more: &str) -> String {
+    let right = format!(
+        "[camera]\nfov-y-deg = {FOV_Y_DEG:.1}\nnear = {NEAR}\nfar = 100.0\neye = [0, 0, 0]\nlook-at = [0, 0, 1]\n[depth]\n\
+         kind = \"view-z\"\nchannel = \"Z\"\n[normal]\nspace = \"view\"\nchannels = [\"N.X\", \"N.Y\", \"N.Z\"]\n[roughness]\n\
+         kind = \"lobe\"\nvalue = 0.0\n[reflectivity]\nvalue = 0.5\n[[color]]\nchannel = \"R\"\n"
+    );
+    changes.iter().fold(right + more, |map, (from, to)| {
+        assert!(map.contains(from), "{from} is in the map");
+        map.replacen(from, to, 1)
+    })
+}
+
+/// What the check says of a file by a map.
+fn said(folder: &Folder, map: &str) -> Option<String> {
+    folder.write("map.toml", map);
+    let (map, file) = (GBufferMap::load(&folder.path("map.toml")).unwrap(), folder.path("f.exr"));
+    map.check(&file, &map.read(&file).unwrap()).unwrap()
+}
+
+fn write(folder: &Folder, samples: Vec<FlatSamples>) {
+    write_exr(&folder.path("f.exr"), SIZE, vec![Part::new(named(&CHANNELS, samples))]);
+}
+
+const POSITION: &str = "[position]\nspace = \"view\"\nchannels = [\"P.X\", \"P.Y\", \"P.Z\"]\n";
+
+#[test]
+fn a_right_map_is_not_doubted() {
+    let folder = Folder::new();
+    write(&folder, frame(|p| p.z, aspect()));
+    assert_eq!(said(&folder, &map(&[], "")), None);
+    assert_eq!(said(&folder, &map(&[], POSITION)), None);
+}
+
+#[test]
+fn each_wrong_convention_is_found() {
+    let from_near = |p: DVec3| p.length() - NEAR * p.length() / p.z;
+    let folder = Folder::new();
+    for (depth, changes, found) in [
+        (&(|p: DVec3| p.length()) as &dyn Fn(DVec3) -> f64, &[][..], "kind = \"distance\" in [depth]"),
+        (&from_near, &[], "kind = \"distance-from-near\" in [depth]"),
+        (&|p: DVec3| p.z, &[("\"view-z\"", "\"distance\"")], "kind = \"view-z\" in [depth]"),
+        (
+            &|p: DVec3| p.z,
+            &[("[depth]", "[conventions]\nview = \"right\"\n[depth]")],
+            "view = \"left\" in [conventions]",
+        ),
+        (&|p: DVec3| p.z, &[("fov-y-deg", "fov-x-deg")], "an angle from top to bottom (fov-y)"),
+        (&|p: DVec3| p.z, &[("[camera]", "origin = \"bottom-left\"\n[camera]")], "origin = \"top-left\""),
+    ] {
+        write(&folder, frame(depth, aspect()));
+        let said = said(&folder, &map(changes, "")).unwrap_or_else(|| panic!("{found}: nothing is said"));
+        assert!(said.contains(&format!("; with {found} it would be ")), "{found}: {said}");
+    }
+}
+
+#[test]
+fn a_wrong_lens_is_estimated() {
+    let folder = Folder::new();
+    write(&folder, frame(|p| p.z, aspect()));
+    let said = said(&folder, &map(&[("fov-y-deg = 40.0", "fov-y-deg = 20.0")], "")).unwrap();
+    let fov: f64 = said.split("fov-y-deg = ").nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap();
+    assert!((fov - FOV_Y_DEG).abs() < 2.0, "{said}");
+}
+
+#[test]
+fn a_cropped_picture_is_told_apart_from_a_whole_one() {
+    // The right upper quarter of the picture, as a border render with crop leaves it.
+    let folder = Folder::new();
+    let quarter = |x: u32, y: u32| {
+        seen(0.5 * (f64::from(x) + 0.5) + 0.5 * f64::from(SIZE[0]), 0.5 * (f64::from(y) + 0.5), aspect())
+    };
+    let pixels: Vec<_> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| quarter(x, y))).collect();
+    let channel = |value: &dyn Fn(&(DVec3, DVec3)) -> f64| floats(pixels.iter().map(value));
+    let mut samples = vec![channel(&|p| p.0.z), channel(&|p| p.1.x), channel(&|p| p.1.y), channel(&|p| p.1.z)];
+    samples.extend((0..4).map(|_| channel(&|_| 0.5)));
+    write(&folder, samples);
+    let said = said(&folder, &map(&[], "")).unwrap();
+    assert!(said.contains("and shift-px = ["), "{said}");
+}
+
+#[test]
+fn places_of_surfaces_are_held_against_the_camera() {
+    let folder = Folder::new();
+    write(&folder, frame(|p| p.z, aspect()));
+    let said = said(&folder, &map(&[("fov-y-deg", "fov-x-deg")], POSITION)).unwrap();
+    assert!(said.contains("places of [position] with depth and camera in ") && said.contains("fov-y"), "{said}");
+}
+
+#[test]
+fn pixels_that_are_not_square_are_read_from_the_header() {
+    let folder = Folder::new();
+    let part = Part::new(named(&CHANNELS, frame(|p| p.z, 2.0 * aspect())));
+    let layer = |part: Part| {
+        let channels = part.channels.into_iter().map(|(n, s)| exr::image::AnyChannel::new(n.as_str(), s));
+        let channels = exr::image::AnyChannels::sort(channels.collect());
+        let size = exr::prelude::Vec2(SIZE[0] as usize, SIZE[1] as usize);
+        exr::image::Layer::new(size, part.attributes, exr::image::Encoding::SMALL_LOSSLESS, channels)
+    };
+    let window = IntegerBounds::from_dimensions(exr::prelude::Vec2(SIZE[0] as usize, SIZE[1] as usize));
+    let mut attributes = exr::meta::header::ImageAttributes::new(window);
+    attributes.pixel_aspect = 2.0;
+    let image = exr::image::Image::from_layers(attributes, [layer(part)].to_vec());
+    image.write().to_file(folder.path("f.exr")).unwrap();
+    assert_eq!(said(&folder, &map(&[], POSITION)), None);
+    folder.write("map.toml", map(&[], ""));
+    let data = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
+    assert!((f64::from(data.camera.aspect) - 2.0 * aspect()).abs() < 1e-5, "{}", data.camera.aspect);
+}

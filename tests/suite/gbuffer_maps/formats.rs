@@ -1,0 +1,103 @@
+//! Files as other programs write them: compressions that keep some channels, and images with overscan.
+
+use super::errors::{self, MAP};
+use super::files::{Part, floats, halves, write_exr};
+use super::named;
+use crate::common::folder::Folder;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use exr::meta::attribute::IntegerBounds;
+use exr::meta::header::{ImageAttributes, LayerAttributes};
+use exr::prelude::{Compression, Vec2, WritableImage};
+use glam::Vec3;
+use ssct_lab::scene::GBufferData;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [8, 4];
+const NAMES: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B"];
+
+/// The values of each channel in a place of the image.
+fn values(x: i32, y: i32) -> [f64; 8] {
+    let depth = 2.0 + 0.01 * f64::from(x) + 0.13 * f64::from(y);
+    let [red, green] = [12.9, 78.2].map(|rate| 0.5 + 0.4 * (rate * f64::from(x) + 4.1 * f64::from(y)).sin());
+    [depth, 0.6, 0.0, -0.8, 0.25, red, green, 0.5]
+}
+
+/// A channel for each name, over a window of the image.
+fn channels(position: [i32; 2], [width, height]: [u32; 2]) -> Vec<FlatSamples> {
+    let places = || (0..height as i32).flat_map(|y| (0..width as i32).map(move |x| (x + position[0], y + position[1])));
+    (0..NAMES.len()).map(|k| floats(places().map(|(x, y)| values(x, y)[k]))).collect()
+}
+
+fn read(folder: &Folder, name: &str) -> Result<GBufferData, String> {
+    folder.write("map.toml", MAP);
+    let map = GBufferMap::load(&folder.path("map.toml")).unwrap();
+    map.read(&folder.path(name)).map_err(|e| e.to_string())
+}
+
+/// The frame as it is without compression or overscan.
+fn plain(folder: &Folder) -> GBufferData {
+    write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&NAMES, channels([0, 0], SIZE)))]);
+    read(folder, "plain.exr").unwrap()
+}
+
+#[test]
+fn floats_survive_b44_to_the_bit() {
+    let folder = Folder::new();
+    let expected = plain(&folder);
+    for compression in [Compression::B44, Compression::B44A] {
+        let part = Part::new(named(&NAMES, channels([0, 0], SIZE))).compressed(compression);
+        write_exr(&folder.path("b44.exr"), SIZE, vec![part]);
+        assert!(read(&folder, "b44.exr").unwrap() == expected, "{compression}");
+    }
+}
+
+#[test]
+fn colours_may_be_rounded_by_b44_and_depth_may_not() {
+    let folder = Folder::new();
+    let expected = plain(&folder);
+    let mut mixed = channels([0, 0], SIZE);
+    for samples in &mut mixed[5..] {
+        let FlatSamples::F32(values) = samples.clone() else { unreachable!("they are floats") };
+        *samples = halves(values.into_iter().map(f64::from));
+    }
+    write_exr(&folder.path("b44.exr"), SIZE, vec![Part::new(named(&NAMES, mixed)).compressed(Compression::B44)]);
+    let got = read(&folder, "b44.exr").unwrap();
+    assert_eq!((&got.depth, &got.normal), (&expected.depth, &expected.normal));
+    let off = got.color.iter().zip(&expected.color).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(off < 0.1 && off > 0.0, "{off}");
+    let depth = ("channel = \"Z\"\n", "file = \"b44.exr\"\nchannel = \"R\"\n");
+    let said = errors::said(&errors::folder(), &[depth]);
+    assert!(said.contains("was rounded by b44 compression"), "{said}");
+}
+
+/// Writes a part whose data begin at `position` and whose image is [`SIZE`] from 0, 0 on.
+fn write_overscan(folder: &Folder, name: &str, position: [i32; 2], stored: [u32; 2]) {
+    let all = NAMES.iter().zip(channels(position, stored)).map(|(name, samples)| AnyChannel::new(*name, samples));
+    let attributes = LayerAttributes { layer_position: Vec2(position[0], position[1]), ..LayerAttributes::default() };
+    let size = Vec2(stored[0] as usize, stored[1] as usize);
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(all.collect()));
+    let window = IntegerBounds::from_dimensions(Vec2(SIZE[0] as usize, SIZE[1] as usize));
+    Image::from_layers(ImageAttributes::new(window), [layer].to_vec()).write().to_file(folder.path(name)).unwrap();
+}
+
+#[test]
+fn overscan_is_cut_to_the_image() {
+    let folder = Folder::new();
+    let expected = plain(&folder);
+    for (position, stored) in [([-2, -1], [12, 7]), ([0, 0], [9, 4]), ([0, -3], [8, 7])] {
+        write_overscan(&folder, "over.exr", position, stored);
+        assert!(read(&folder, "over.exr").unwrap() == expected, "{position:?} {stored:?}");
+    }
+    let [_, _, _, _, _, red, green, blue] = values(1, 0).map(|v| v as f32);
+    assert_eq!(expected.color[1], Vec3::new(red, green, blue));
+}
+
+#[test]
+fn data_that_leave_a_part_of_the_image_out_are_refused() {
+    let folder = Folder::new();
+    for (position, stored) in [([1, 0], [8, 4]), ([0, 0], [8, 3]), ([-4, -4], [8, 4])] {
+        write_overscan(&folder, "piece.exr", position, stored);
+        let said = read(&folder, "piece.exr").unwrap_err();
+        assert!(said.ends_with("only whole images can be read"), "{said}");
+    }
+}

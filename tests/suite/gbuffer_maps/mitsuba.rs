@@ -1,0 +1,79 @@
+//! The map for Mitsuba reads a frame of its layout: a floor and a ball, whose depth is counted from the near plane.
+
+use super::files::{Part, floats, write_exr};
+use super::named;
+use crate::common::folder::Folder;
+use crate::common::repository;
+use glam::DVec3;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// What a pixel sees: the distance from the eye over that of the near plane along the ray, place, normal and shape.
+#[derive(Clone, Copy)]
+struct Seen {
+    from_near: f64,
+    place: DVec3,
+    normal: DVec3,
+    shape: f64,
+}
+
+/// The scene of `mitsuba_scene.py` in its own right-handed world, through the camera of the map.
+fn seen(x: u32, y: u32) -> Seen {
+    let (eye, target, near) = (DVec3::new(2.5, 1.6, -5.0), DVec3::new(0.0, 0.6, 0.0), 0.5);
+    let forward = (target - eye).normalize();
+    let right = forward.cross(DVec3::Y).normalize();
+    let up = right.cross(forward);
+    let tan = 30_f64.to_radians().tan();
+    let [width, height] = SIZE.map(f64::from);
+    let across = ((f64::from(x) + 0.5) / width * 2.0 - 1.0) * tan;
+    let above = (1.0 - (f64::from(y) + 0.5) / height * 2.0) * tan * height / width;
+    let ray = forward + across * right + above * up;
+    let middle = DVec3::new(0.0, 0.9, 0.0);
+    let to = eye - middle;
+    let (a, b, c) = (ray.length_squared(), to.dot(ray), to.length_squared() - 0.81);
+    let ball = if b * b > a * c { (-b - (b * b - a * c).sqrt()) / a } else { f64::INFINITY };
+    let floor = if ray.y < 0.0 { -eye.y / ray.y } else { f64::INFINITY };
+    let z = ball.min(floor);
+    let place = eye + z * ray;
+    if !z.is_finite() || place.abs().max_element() > 6.0 {
+        return Seen { from_near: 0.0, place: DVec3::ZERO, normal: DVec3::ZERO, shape: 0.0 };
+    }
+    let (normal, shape) = if ball < floor { ((place - middle) / 0.9, 1.0) } else { (DVec3::Y, 2.0) };
+    Seen { from_near: (z - near) * ray.length(), place, normal, shape }
+}
+
+#[test]
+fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
+    let pixels: Vec<Seen> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| seen(x, y))).collect();
+    let channel = |value: &dyn Fn(&Seen) -> f64| floats(pixels.iter().map(value));
+    let names = ["depth.T", "normal.X", "normal.Y", "normal.Z", "place.X", "place.Y", "place.Z", "shape.I"];
+    let samples = [
+        channel(&|s| s.from_near),
+        channel(&|s| s.normal.x),
+        channel(&|s| s.normal.y),
+        channel(&|s| s.normal.z),
+        channel(&|s| s.place.x),
+        channel(&|s| s.place.y),
+        channel(&|s| s.place.z),
+        channel(&|s| s.shape),
+    ];
+    let folder = Folder::new();
+    write_exr(&folder.path("frame.exr"), SIZE, vec![Part::new(named(&names, samples))]);
+    let grey = ["R", "G", "B"];
+    write_exr(&folder.path("lit.exr"), SIZE, vec![Part::new(named(&grey, [0, 1, 2].map(|_| channel(&|_| 0.5))))]);
+    let map = GBufferMap::load(&repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
+    let file = folder.path("frame.exr");
+    let data = map.read(&file).unwrap();
+    // The map has the places of surfaces, which depth and camera must give.
+    assert_eq!(map.check(&file, &data).unwrap(), None);
+    let [floor, ball] = [data.index(80, 80), data.index(80, 45)];
+    assert!((data.reflectivity[floor] - 0.8).abs() < 1e-6 && data.reflectivity[ball] == 0.0);
+    assert_eq!(data.depth[data.index(2, 2)], 0.0, "what meets nothing is sky");
+
+    let text = std::fs::read_to_string(repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
+    folder.write("wrong.toml", text.replace("distance-from-near", "distance"));
+    let wrong = GBufferMap::load(&folder.path("wrong.toml")).unwrap();
+    let said = wrong.check(&file, &wrong.read(&file).unwrap()).unwrap().unwrap();
+    assert!(said.contains("with kind = \"distance-from-near\" in [depth] it would be 0 %"), "{said}");
+}

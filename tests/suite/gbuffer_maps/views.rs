@@ -1,0 +1,114 @@
+//! Files of several views, as of both eyes: each in parts of its own, or all in one part.
+
+use super::errors::MAP;
+use super::files::{Part, floats, write_exr};
+use super::named;
+use crate::common::folder::Folder;
+use ssct_lab::scene::GBufferData;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [4, 3];
+const PASSES: [(&str, &[&str]); 4] =
+    [("Depth", &["Z"]), ("Normal", &["X", "Y", "Z"]), ("rough", &["V"]), ("Light", &["R", "G", "B"])];
+
+fn values(pass: &str, component: &str, is_left: bool) -> f64 {
+    match (pass, component) {
+        ("Depth", _) => {
+            if is_left {
+                2.0
+            } else {
+                3.0
+            }
+        }
+        ("Normal", "Z") => -1.0,
+        ("Normal", _) => 0.0,
+        ("rough", _) => 0.25,
+        _ => {
+            if is_left {
+                0.5
+            } else {
+                0.75
+            }
+        }
+    }
+}
+
+/// A map of the passes as they are named in a layer, with what stands before it.
+fn map(top: &str) -> String {
+    let named = [
+        ("\"Z\"", "\"L.Depth.Z\""),
+        ("[\"N.X\", \"N.Y\", \"N.Z\"]", "[\"L.Normal.X\", \"L.Normal.Y\", \"L.Normal.Z\"]"),
+        ("\"rough\"", "\"L.rough.V\""),
+        ("[\"R\", \"G\", \"B\"]", "[\"L.Light.R\", \"L.Light.G\", \"L.Light.B\"]"),
+    ];
+    let map = named.iter().fold(MAP.to_owned(), |map, (from, to)| {
+        assert!(map.contains(from), "{from}");
+        map.replacen(from, to, 1)
+    });
+    format!("{top}{map}")
+}
+
+fn read(folder: &Folder, map: &str, file: &str) -> Result<GBufferData, String> {
+    folder.write("map.toml", map);
+    GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|e| e.to_string())
+}
+
+/// A part for each pass and view, as `L.Depth-left` with the channel `L.Depth.Z`.
+fn write_parts(folder: &Folder) {
+    let part = |(pass, components): &(&str, &[&str]), view: &str| {
+        let names: Vec<String> = components.iter().map(|c| format!("L.{pass}.{c}")).collect();
+        let samples = components.iter().map(|c| floats(vec![values(pass, c, view == "left"); 12]));
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut part = Part::new(named(&names, samples)).named(&format!("L.{pass}-{view}"));
+        part.attributes.view_name = Some(view.into());
+        part
+    };
+    let parts = PASSES.iter().flat_map(|pass| ["left", "right"].map(|view| part(pass, view)));
+    write_exr(&folder.path("parts.exr"), SIZE, parts.collect());
+}
+
+/// All in one part, with channels as `L.Depth.left.Z`.
+fn write_one(folder: &Folder) {
+    let mut channels = Vec::new();
+    for (pass, components) in PASSES {
+        for (view, component) in ["left", "right"].iter().flat_map(|v| components.iter().map(move |c| (v, c))) {
+            let value = values(pass, component, *view == "left");
+            channels.push((format!("L.{pass}.{view}.{component}"), floats(vec![value; 12])));
+        }
+    }
+    write_exr(&folder.path("one.exr"), SIZE, vec![Part::new(channels)]);
+}
+
+#[test]
+fn a_view_is_read_from_parts_and_from_one_part() {
+    let folder = Folder::new();
+    write_parts(&folder);
+    write_one(&folder);
+    for (view, colour) in [("left", 0.5), ("right", 0.75)] {
+        let map = map(&format!("view = \"{view}\"\n"));
+        let of_parts = read(&folder, &map, "parts.exr").unwrap();
+        assert!(of_parts == read(&folder, &map, "one.exr").unwrap(), "{view}");
+        assert_eq!(of_parts.color[0].x, colour, "{view}");
+    }
+}
+
+#[test]
+fn a_file_of_several_views_says_which_there_are() {
+    let folder = Folder::new();
+    write_parts(&folder);
+    let none = read(&folder, &map(""), "parts.exr").unwrap_err();
+    assert!(none.contains("or at the top of the map by view, one of left, right"), "{none}");
+    let other = read(&folder, &map("view = \"middle\"\n"), "parts.exr").unwrap_err();
+    assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
+}
+
+#[test]
+fn parts_without_a_view_belong_to_every_view() {
+    let folder = Folder::new();
+    let channels =
+        ["L.Depth.Z", "L.Normal.X", "L.Normal.Y", "L.Normal.Z", "L.rough.V", "L.Light.R", "L.Light.G", "L.Light.B"];
+    let values = [2.0, 0.0, 0.0, -1.0, 0.25, 0.5, 0.5, 0.5].map(|v| floats(vec![v; 12]));
+    write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&channels, values))]);
+    let with = read(&folder, &map("view = \"left\"\n"), "plain.exr").unwrap();
+    assert!(with == read(&folder, &map(""), "plain.exr").unwrap());
+}

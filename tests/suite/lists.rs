@@ -1,0 +1,40 @@
+//! Lists on the command line: a value that is named twice counts once, and a table says which average it shows.
+
+use crate::common::folder::Folder;
+use serde_json::Value;
+
+/// The records of a command.
+fn records(folder: &Folder, arguments: &[&str]) -> Vec<Value> {
+    let output = folder.run(&[arguments, &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_value_that_a_list_names_twice_counts_once() {
+    let folder = Folder::new();
+    let time = ["time", "--scene", "rooms", "--samples", "2", "--warmup", "0"];
+    let twice = ["--size", "16x9,16X9", "--method", "linear,linear", "--roughness", "0.1,0.10"];
+    let made = records(&folder, &[&time[..], &twice].concat());
+    assert_eq!(made.len(), 1, "{made:?}");
+    assert_eq!(made[0]["total"]["samples"], 2);
+    let variants = ["--size", "16x9", "--variant", "linear", "--variant", "linear"];
+    assert_eq!(records(&folder, &[&time[..], &variants].concat()).len(), 1);
+    let two = ["--size", "16x9,18x9", "--method", "linear"];
+    assert_eq!(records(&folder, &[&time[..], &two].concat()).len(), 2, "different values are all measured");
+}
+
+#[test]
+fn each_table_of_an_error_names_its_average() {
+    let folder = Folder::new();
+    let run = ["error", "--scene", "rooms", "--size", "32x18", "--method", "linear", "--roughness", "0.1,0.1"];
+    let run = [&run[..], &["--samples", "1", "--rays", "4", "--no-sweep", "-o", "e"]].concat();
+    let output = folder.run(&run);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_to_string(folder.path("e/error.md")).unwrap();
+    let titles: Vec<&str> = page.lines().filter(|l| l.starts_with('#')).collect();
+    for title in titles.iter().filter(|t| t.contains("RMSE") || t.contains("Where the error comes from")) {
+        assert!(title.contains("mean") || title.contains("median"), "{title}");
+    }
+    assert!(titles.iter().any(|t| t.contains("Where the error comes from: the median")), "{titles:?}");
+}

@@ -1,0 +1,113 @@
+//! Extensions of glTF that place geometry, hide it or store it in another way.
+
+use super::gltf::{Square, close, error, scene, sentences, square};
+use super::*;
+use glam::Quat;
+use serde_json::{Value, json};
+
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// The square, placed by the attributes of an extension that the document uses and does not require.
+fn copies(mut made: Square, attributes: Value) -> Value {
+    // A file has what each of the square's accessors says, and copies behind it.
+    made.accessors.iter_mut().skip(4).for_each(|a| {
+        a.as_object_mut().unwrap().retain(|key, _| key != "min" && key != "max");
+    });
+    let mut document = made.document(json!({}));
+    document["extensionsUsed"] = json!([INSTANCING]);
+    document["nodes"][0]["translation"] = json!([10, 0, 0]);
+    document["nodes"][0]["extensions"] = json!({INSTANCING: {"attributes": attributes}});
+    document
+}
+
+/// The bounds of the scene's meshes, in order.
+fn bounds(scene: &Scene) -> Vec<[Vec3; 2]> {
+    scene.meshes.iter().map(|m| [m.bounds.min, m.bounds.max]).collect()
+}
+
+#[test]
+fn copies_stand_where_their_node_places_them() {
+    let mut made = Square::new();
+    made.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, -7.0]);
+    let quarter = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2).to_array();
+    made.floats("VEC4", &[[0.0, 0.0, 0.0, 1.0], quarter, [0.0, 0.0, 0.0, 0.0]].concat());
+    made.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 3.0, 1.0]);
+    let scene = scene(&copies(made, json!({"TRANSLATION": 4, "ROTATION": 5, "SCALE": 6})));
+    assert_eq!((sentences(&scene).len(), scene.triangle_count()), (0, 6));
+    let expected = [
+        [Vec3::new(10.0, 0.0, 0.0), Vec3::new(12.0, 1.0, 0.0)],
+        [Vec3::new(8.0, 5.0, 0.0), Vec3::new(10.0, 9.0, 0.0)],
+        // The third lies at z = -7 of a right-handed file, and a rotation without a length turns nothing.
+        [Vec3::new(10.0, 0.0, 7.0), Vec3::new(12.0, 3.0, 7.0)],
+    ];
+    for (got, expected) in bounds(&scene).iter().zip(&expected) {
+        assert!(got.iter().zip(expected).all(|(a, b)| a.distance(*b) < 1e-5), "{got:?} {expected:?}");
+    }
+}
+
+#[test]
+fn rotations_of_copies_may_be_quantised() {
+    let mut made = Square::new();
+    let half = (32767.0 * std::f32::consts::FRAC_1_SQRT_2).round() as i16;
+    let turns: Vec<u8> = [0_i16, 0, 0, 32767, 0, 0, half, half].into_iter().flat_map(i16::to_le_bytes).collect();
+    made.accessor("VEC4", 5122, 2, &turns);
+    made.accessors[4]["normalized"] = true.into();
+    let scene = scene(&copies(made, json!({"ROTATION": 4})));
+    let [first, second] = bounds(&scene)[..] else { panic!("{}", scene.meshes.len()) };
+    assert!(
+        first[1].distance(Vec3::new(12.0, 1.0, 0.0)) < 1e-3 && second[1].distance(Vec3::new(10.0, 2.0, 0.0)) < 1e-3
+    );
+}
+
+#[test]
+fn copies_that_cannot_be_placed_are_refused() {
+    let mut made = Square::new();
+    made.floats("VEC3", &[0.0; 6]);
+    made.floats("VEC3", &[1.0; 9]);
+    let differ = error(&copies(made, json!({"TRANSLATION": 4, "SCALE": 5})));
+    assert_eq!(differ, "node 0: the attributes of EXT_mesh_gpu_instancing differ in length");
+    let absent = error(&copies(Square::new(), json!({"TRANSLATION": 9})));
+    assert_eq!(
+        absent,
+        "nodes[0].extensions.EXT_mesh_gpu_instancing.attributes.TRANSLATION refers to what is not there"
+    );
+    let wrong = error(&copies(Square::new(), json!({"TRANSLATION": 2})));
+    assert!(wrong.contains("must have 3 components"), "{wrong}");
+    // Without attributes, the node places its mesh as any other.
+    assert_eq!(scene(&copies(Square::new(), json!({}))).triangle_count(), 2);
+}
+
+#[test]
+fn hidden_nodes_and_what_hangs_from_them_are_not_drawn() {
+    let document = square(json!({}), |d| {
+        d["extensionsUsed"] = json!(["KHR_node_visibility"]);
+        let hides = json!({"KHR_node_visibility": {"visible": false}});
+        d["nodes"] = json!([
+            {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+            {"children": [2], "extensions": hides},
+            {"mesh": 0, "translation": [50, 0, 0]},
+        ]);
+        d["scenes"][0]["nodes"] = json!([0, 1]);
+    });
+    let scene = scene(&document);
+    assert_eq!((scene.triangle_count(), sentences(&scene).len()), (2, 0));
+    assert!(close(scene.bounds().max.x, 2.0));
+}
+
+#[test]
+fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
+    for (name, said) in [
+        (
+            "MSFT_lod",
+            "only the finest level of detail of each thing is drawn, since the extension MSFT_lod is not supported",
+        ),
+        (
+            "CESIUM_RTC",
+            "the scene stands at the origin and not around its centre, since the extension CESIUM_RTC is not supported",
+        ),
+        ("KHR_materials_sheen", "the extension KHR_materials_sheen is not supported and was ignored"),
+    ] {
+        let scene = scene(&square(json!({}), |d| d["extensionsUsed"] = json!([name])));
+        assert_eq!(sentences(&scene), [said]);
+    }
+}

@@ -1,0 +1,73 @@
+//! What is chosen for a glTF file without lights or cameras, and the exposure of those that it has.
+
+use super::gltf::{close, scene, square};
+use super::*;
+use serde_json::{Value, json};
+use ssct_lab::scene::Light;
+
+/// The notes without the name of the file.
+fn notes(document: &Value) -> Vec<String> {
+    scene(document).notes.iter().map(|n| n.split_once("a.gltf: ").expect("the file's name").1.to_owned()).collect()
+}
+
+fn camera(document: &mut Value) {
+    document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1, "zfar": 100.0}}]);
+    document["nodes"].as_array_mut().unwrap().push(json!({"camera": 0, "translation": [0, 0, 5]}));
+    document["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(1));
+}
+
+/// The square with a light that stands at a place and shines along the file's −z.
+fn lit(light: Value, translation: [f32; 3]) -> Value {
+    square(json!({}), |d| {
+        d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        d["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
+        d["nodes"][0] = json!({"mesh": 0});
+        d["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"translation": translation, "extensions": {"KHR_lights_punctual": {"light": 0}}}));
+        d["scenes"][0]["nodes"] = json!([0, 1]);
+    })
+}
+
+#[test]
+fn a_file_without_lights_or_cameras_says_what_was_chosen() {
+    let neither = notes(&square(json!({}), |_| ()));
+    assert_eq!(
+        neither,
+        [
+            "it has neither lights nor cameras; one directional light shines from above, and the view shows all of the scene"
+        ]
+    );
+    assert_eq!(notes(&square(json!({}), camera)), ["it has no lights; one directional light shines from above"]);
+}
+
+#[test]
+fn suns_and_lamps_of_any_strength_give_one_exposure() {
+    // A sun of 3 W/m² as Blender exports it, and a lamp of 1000 W, 2 m in front of the square's centre.
+    let sun = lit(json!({"type": "directional", "intensity": 2049.0}), [0.0, 0.0, 0.0]);
+    let lamp = lit(json!({"type": "point", "intensity": 54_351.0}), [1.0, 0.5, 2.0]);
+    for (document, lux) in [(&sun, "2049"), (&lamp, "13588")] {
+        let said = notes(document);
+        let expected = format!(
+            "its lights are exposed so that the brightest, which gives {lux} lx at the scene's centre, gives 1"
+        );
+        assert_eq!(said, [expected, "it has no cameras; the view shows all of the scene".to_owned()]);
+    }
+    let energy = |document: &Value| match scene(document).lights[..] {
+        [Light::Directional { energy, .. } | Light::Point { energy, .. }] => energy,
+        _ => panic!("one light"),
+    };
+    assert!(close(energy(&sun), 1.0) && close(energy(&lamp), 4.0), "{} {}", energy(&sun), energy(&lamp));
+    // Neither black nor white: what faces the light is lit, and less than fully by a lamp.
+    let lit_by = scene(&lamp).lights[0].shading(Vec3::new(1.0, 0.5, 0.0), Vec3::NEG_Z);
+    assert!(lit_by > 0.2 && lit_by < 1.0, "{lit_by}");
+}
+
+#[test]
+fn a_dim_lamp_is_exposed_as_a_bright_one_is() {
+    let dim = lit(json!({"type": "point", "intensity": 0.5}), [1.0, 0.5, 2.0]);
+    let bright = lit(json!({"type": "point", "intensity": 5e6}), [1.0, 0.5, 2.0]);
+    assert_eq!(scene(&dim).lights, scene(&bright).lights);
+    assert!(notes(&dim)[0].contains("which gives 0.125 lx"), "{:?}", notes(&dim));
+}
