@@ -21,6 +21,7 @@ pub mod path;
 pub mod precision;
 pub mod record;
 pub mod shard;
+pub mod sound;
 pub mod steps;
 pub mod stress;
 pub mod sweep;

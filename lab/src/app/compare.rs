@@ -1,6 +1,8 @@
 //! `ssct compare`: two runs of the time study, or two images.
 
+use super::printed;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::metrics::bootstrap::Verdict;
 use crate::report::{compare as report, files, images};
 use crate::study::compare::{self, Run, TOTAL};
@@ -79,7 +81,7 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
         anyhow::bail!("{} and {} have no pass in common{differs}", options.a.display(), options.b.display());
     }
     if let Some(folder) = &options.output {
-        report::write_times(folder, &records)?;
+        report::write_times(&Inside::folder(folder), &records)?;
     }
     print(options, || files::json(&records), || report::times(&records))?;
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
@@ -99,9 +101,16 @@ pub fn check_threshold(threshold: f64) -> Result<()> {
 
 /// A run from its folder or its samples, with the device of the time.json beside them.
 fn load(path: &Path) -> Result<Run> {
-    let csv = if path.is_dir() { path.join("time-samples.csv") } else { path.to_path_buf() };
-    let device = files::read_device(&csv.with_file_name("time.json"))?;
-    Ok(Run { name: path.display().to_string(), device, samples: files::read_samples(&csv)? })
+    let name = path.display().to_string();
+    if path.is_dir() {
+        let folder = Inside::folder(path);
+        let device = files::read_device(&folder.join("time.json"))?;
+        return Ok(Run { name, device, samples: files::read_samples(&folder.join("time-samples.csv"))? });
+    }
+    // A link that the user names is followed; its file is in a folder of its own.
+    let file = path.canonicalize().map_err(|e| Error::io("read", path, e))?;
+    let device = files::read_device(&Inside::file(path.with_file_name("time.json")))?;
+    Ok(Run { name, device, samples: files::read_samples(&Inside::file(file))? })
 }
 
 fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
@@ -116,13 +125,13 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
         anyhow::bail!("images of one size are compared; {} has {} pixels, {} has {}", a.0, sizes.0, b.0, sizes.1);
     };
     if let Some(folder) = &options.output {
-        report::write_images(folder, &found)?;
+        report::write_images(&Inside::folder(folder), &found)?;
     }
     print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
 }
 
 fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
     let said = if options.json { json() } else { text() };
-    std::io::stdout().lock().write_all(said.as_bytes())?;
+    printed::out().write_all(said.as_bytes())?;
     Ok(())
 }
