@@ -142,7 +142,7 @@ library: build
 # Coverage-guided fuzzing of the loaders, so many executions of each target; logs go to $(OUT)/fuzz, and what the
 # kept inputs (an archive a target, in fuzz/corpus) lack is added to them. `make test` replays them.
 FUZZ_RUNS ?= 200000
-FUZZ_TARGETS = obj gltf texture gbuffer gbuffer_map scene camera_path method
+FUZZ_TARGETS = obj gltf texture gbuffer gbuffer_map scene camera_path method includes run
 
 fuzz: setup
 	scripts/fuzz.sh build

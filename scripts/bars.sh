@@ -6,6 +6,7 @@
 # The environment may set SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES, RAYS and ORACLE; WHAT=time or WHAT=error
 # selects one of the two measurements.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/release/ssct}

@@ -2,6 +2,7 @@
 # Draws the hall of examples/bevy, unlit and lit, with each kind of reflections: figures.json and a picture of each.
 # Usage: scripts/bevy.sh OUT [SIZE [FRAMES]]
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 [ $# -ge 1 ] || { sed -n 3p "$0" >&2; exit 2; }
 mkdir -p "$1"
 out=$(cd "$1" && pwd)

@@ -10,6 +10,7 @@
 # ERROR_SIZE, ROUGHNESS, SAMPLES and RAYS; ONLY=rooms,museum selects scenes; WHAT=time or WHAT=error selects one of the two
 # measurements. Interrupted, the same command goes on with the errors where it was.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/debug/ssct}

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Makes one archive of the program for machines that have nothing but a Vulkan driver, with its loader, and the C library:
-# target/dist/ssct-VERSION-x86_64-linux.tar.gz with ssct, the window ssct-view, the licences, a README of one screen and
-# gpu-study.sh. What the programs need of the C library is read off them, and stands in the README.
+# target/dist/ssct-VERSION-x86_64-linux.tar.gz with ssct, the window ssct-view, the licences (those of all crates, which are
+# checked, among them), a README of one screen and gpu-study.sh. What the programs need of the C library is read off them, and stands in the README.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
 cargo=${CARGO:-cargo}
 target=${CARGO_TARGET_DIR:-target}
@@ -20,6 +21,7 @@ for program in "${programs[@]}"; do
     strip -o "$folder/$(basename "$program")" "$program"
 done
 cp LICENSE-APACHE LICENSE-MIT "$folder/"
+CARGO="$cargo" python3 scripts/licences.py "$folder/LICENCES-OF-CRATES" >&2
 install -m 755 scripts/gpu-study.sh "$folder/gpu-study.sh"
 
 # The youngest version of a library's symbols that the programs ask for.
@@ -43,6 +45,7 @@ What it needs: a Vulkan driver with the loader libvulkan.so.1, and the C library
   ./ssct --help                           all commands
 
 Licence: MIT or Apache-2.0, at your option (LICENSE-MIT, LICENSE-APACHE).
+The licences of the crates that it is built of are in LICENCES-OF-CRATES.
 TEXT
 tar -C "$target/dist" -czf "$target/dist/$name.tar.gz" "$name"
 echo "$target/dist/$name.tar.gz ($(du -h "$target/dist/$name.tar.gz" | cut -f1))"

@@ -5,10 +5,12 @@
 # unpacks packages and installs nothing. It fetches only what is missing, so it is safe to run again.
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
+#   scripts/drivers.sh --help  print this
 #   scripts/drivers.sh --mesa  print the variable with which a program sees the younger Mesa alone; nothing where there is none
 #   scripts/drivers.sh --radv  print the variables with which a program sees Mesa's driver for AMD's GPUs alone, of the younger
 #                              Mesa or of the system's; with RADV_FORCE_FAMILY it compiles for a GPU that is not there
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 package=chromium-common
@@ -19,6 +21,14 @@ layer=libVkLayer_khronos_validation.so
 mesa="$folder/mesa"
 
 say() { printf 'drivers: %s\n' "$*" >&2; }
+
+case "${1:-}" in
+    '' | --env | --mesa) ;;
+    *)
+        say "$1: there is --env, --mesa and --help, and without any of them packages are fetched"
+        exit 2
+        ;;
+esac
 
 if [ "${1:-}" = --env ]; then
     # The driver is added to those that the loader finds. The folder of layers is replaced, since both layers have the

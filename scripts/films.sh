@@ -7,6 +7,7 @@
 # The environment may set ROUGHNESS of the walks in the folders rooms and museum, and SIZE, FRAMES and RAYS of all films but those of stops. Interrupted, the same
 # command goes on where it was.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/debug/ssct}

@@ -6,6 +6,7 @@
 #
 # usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET… | summary LOG…]
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
 host=$(rustc -vV | sed -n 's/^host: //p')
 target_dir=${CARGO_TARGET_DIR:-fuzz/target}

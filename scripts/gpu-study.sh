@@ -5,6 +5,7 @@
 # target/release/ssct). FOLDER is made; its page is
 # index.html. In the repository, the device's images are also compared with the kept ones of lavapipe and SwiftShader.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")

@@ -4,6 +4,7 @@
 #
 # usage: install-c.sh PREFIX [OPTIONS OF cargo build]
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 [ $# -ge 1 ] || { echo 'usage: install-c.sh PREFIX [OPTIONS OF cargo build]' >&2; exit 2; }
 mkdir -p "$1"
 prefix=$(cd "$1" && pwd)

@@ -6,6 +6,7 @@
 # The run's folder is named by date, time and commit. The library keeps the latest KEEP (100) runs, and of all but the
 # newest only the records and samples, so that it stays small enough for a static site.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 ssct=$(realpath "${1:?usage: scripts/library.sh SSCT LIBRARY}")
 library=${2:?usage: scripts/library.sh SSCT LIBRARY}

@@ -5,6 +5,7 @@
 #
 # usage: package.sh [OPTIONS OF cargo package]
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
 cargo=${CARGO:-cargo}
 

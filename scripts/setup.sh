@@ -3,6 +3,7 @@
 # the Vulkan loader, a software device, the validation layers and the libraries of the
 # shader compiler. It installs only what is missing, so it is safe to run again.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/packages.sh

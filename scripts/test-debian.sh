@@ -10,6 +10,7 @@
 # MIRROR names another mirror of Debian than that of debootstrap, TMPDIR another folder than /var/tmp. However the script
 # ends, it leaves nothing mounted and nothing running: all happens in namespaces that go with it.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
 
 say() { printf 'test-debian: %s\n' "$*" >&2; }

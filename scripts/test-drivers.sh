@@ -4,6 +4,7 @@
 # (scripts/drivers.sh fetches all three). Before that, every program is compiled for GPUs that are not there. tests/expected_failures.toml lists under "suite" the tests that fail on one of
 # them for a reason outside this program. Each of them must fail, and no other test may.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
 
 scripts/drivers.sh

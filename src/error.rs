@@ -41,7 +41,7 @@ pub enum Error {
     NoWindow(String),
 
     /// A Vulkan call failed.
-    #[error("Vulkan: {what} failed: {result}")]
+    #[error("Vulkan: {what} failed: {}", vulkan_text(*result))]
     Vulkan {
         /// The call, and the object or pass it was for.
         what: String,
@@ -101,6 +101,19 @@ pub enum Error {
 
 /// The library's result.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// What a result of Vulkan says, and for some what it means.
+fn vulkan_text(result: ash::vk::Result) -> String {
+    use ash::vk::Result as R;
+    match result {
+        R::ERROR_DEVICE_LOST => {
+            "the device has been lost; a shader that runs too long, or reads where it must not, is the most frequent cause".into()
+        }
+        R::ERROR_OUT_OF_HOST_MEMORY => "the memory of the host is short (ulimit -v may bound it)".into(),
+        R::ERROR_OUT_OF_DEVICE_MEMORY => "the memory of the device is short".into(),
+        other => other.to_string(),
+    }
+}
 
 fn signal_name(signal: u8) -> String {
     match signal {

@@ -13,11 +13,13 @@
 // the usage that an image was really made with: turn the validation layers on for that.
 //
 // Lifetimes. Instance, device and loader outlive every object. Objects may be destroyed in any order, a context before what
-// was made with it, once the device is done with what was recorded. Output images go with their reflections.
+// was made with it, once the device is done with what was recorded. Output images go with their reflections. A call on an
+// object that was destroyed, or on one of another type, is refused, as long as no other object has its address.
 //
 // Threads. A context may be used by several threads at once. Any other object may be used by any thread, by one
 // at a time; different objects, of one context, too, by different threads at once. A frame reads the capture cubes and
-// the triangles that it is given while it is recorded. Nothing here submits, waits or presents.
+// the triangles that it is given while it is recorded. A call on an object that another call uses is refused, and one that
+// destroys it too. Nothing here submits, waits or presents.
 
 
 #ifndef SSCT_H

@@ -1,6 +1,7 @@
 //! What every function has at the border: codes and sentences of failures, structs that begin with their size, texts, and
 //! a net below panics.
 
+use crate::live;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -233,24 +234,26 @@ pub fn text(text: &str) -> CString {
 ///
 /// # Safety
 /// The place to write it to is NULL or valid.
-pub unsafe fn create<T>(argument: &str, to: *mut *mut T, make: impl FnOnce() -> Outcome<T>) -> SsctResult {
+pub unsafe fn create<T: 'static>(argument: &str, to: *mut *mut T, make: impl FnOnce() -> Outcome<T>) -> SsctResult {
     guard(|| {
         // SAFETY: by the contract.
         let to = unsafe { needed_mut(argument, to) }?;
         *to = std::ptr::null_mut();
         *to = Box::into_raw(Box::new(make()?));
+        live::add(*to);
         Ok(())
     })
 }
 
-/// Destroys an object of [`create`]; NULL is none.
+/// Destroys an object of [`create`]; NULL is none, and one that was destroyed before is refused.
 ///
 /// # Safety
-/// The pointer is NULL, or of [`create`] and not yet destroyed.
-pub unsafe fn destroy<T>(object: *mut T) {
+/// What [`create`] made at the address, if it is still there, is of this type.
+pub unsafe fn destroy<T: 'static>(object: *mut T) {
     guard(|| {
         if !object.is_null() {
-            // SAFETY: by the contract.
+            live::remove(object)?;
+            // SAFETY: by the contract; it was there until now, and no call uses it.
             drop(unsafe { Box::from_raw(object) });
         }
         Ok(())

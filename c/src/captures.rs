@@ -1,8 +1,9 @@
 //! Images of the scene around places.
 
-use crate::border::{Failure, Growing, Guarded, SsctResult, array, create, destroy, guard, needed, needed_mut, take};
+use crate::border::{Failure, Growing, Guarded, SsctResult, array, create, destroy, guard, take};
 use crate::context::SsctContext;
 use crate::image::{SsctClipY, SsctImage, clip_y, image};
+use crate::live;
 use crate::vulkan::VkCommandBuffer;
 use ssct::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 
@@ -71,7 +72,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
 ) -> SsctResult {
     let make = || {
         // SAFETY: the header asks for such pointers.
-        let (context, info) = unsafe { (needed("context", context)?, take("info", info)?) };
+        let (context, info) = unsafe { (live::read("context", context)?, take("info", info)?) };
         // SAFETY: as above: three numbers of each place, and six of a box.
         let (places, bounds) = unsafe {
             (
@@ -114,8 +115,8 @@ pub unsafe extern "C" fn ssct_capture_cubes_record_face(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (cubes, input) = unsafe {
-            let cubes = needed_mut("cubes", cubes)?;
+        let (mut cubes, input) = unsafe {
+            let cubes = live::write("cubes", cubes)?;
             let face = take("face", face)?;
             let (color, depth) = (image("face.color", face.color, 1)?, image("face.depth", face.depth, 1)?);
             (cubes, CaptureFaceInput { capture: face.capture as usize, face: face.face as usize, color, depth })

@@ -3,6 +3,7 @@
 use crate::border::{
     Failure, Growing, Outcome, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take, text,
 };
+use crate::live;
 use crate::memory::{CallersMemory, SsctMemory};
 use crate::vulkan::{
     PFN_vkGetInstanceProcAddr, VkBool32, VkDevice, VkInstance, VkPhysicalDevice, VkPhysicalDeviceFeatures,
@@ -159,7 +160,7 @@ pub unsafe extern "C" fn ssct_context_device_info(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (context, struct_size) = unsafe { (needed("context", context)?, size_of_theirs("info", info)?) };
+        let (context, struct_size) = unsafe { (live::read("context", context)?, size_of_theirs("info", info)?) };
         let [name, driver, api, kind] = context.device.each_ref().map(|told| told.as_ptr());
         // SAFETY: as above.
         unsafe { info.write(SsctDeviceInfo { struct_size, name, driver, api, kind }) };
@@ -171,14 +172,14 @@ pub unsafe extern "C" fn ssct_context_device_info(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_has_timestamps(context: *const SsctContext) -> bool {
     // SAFETY: the header asks for such a pointer.
-    or(false, || Ok(unsafe { needed("context", context) }?.context.has_timestamps()))
+    or(false, || Ok(unsafe { live::read("context", context) }?.context.has_timestamps()))
 }
 
 /// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContext) -> u64 {
     // SAFETY: the header asks for such a pointer.
-    or(0, || Ok(unsafe { needed("context", context) }?.context.allocated_bytes()))
+    or(0, || Ok(unsafe { live::read("context", context) }?.context.allocated_bytes()))
 }
 
 /// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next compiles
@@ -186,7 +187,7 @@ pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContex
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
     // SAFETY: the header asks for such a pointer.
-    or((), || unsafe { needed("context", context) }.map(|context| context.context.trim()));
+    or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
 }
 
 /// Returns the methods that need no more than a G-buffer, and writes how many there are to `count`. "captures" needs

@@ -19,6 +19,8 @@ mod triangles;
 
 mod memory;
 
+mod live;
+
 mod vulkan;
 
 #[cfg(test)]

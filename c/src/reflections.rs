@@ -3,8 +3,8 @@
 mod reported;
 
 use crate::border::{
-    Failure, Growing, Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut, size_of_theirs,
-    take, text, text_of,
+    Failure, Growing, Guarded, Outcome, SsctResult, array, create, destroy, guard, needed_mut, size_of_theirs, take,
+    text, text_of,
 };
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
@@ -12,6 +12,7 @@ use crate::image::{
     SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctMotion, SsctNormals, camera, factor, image, motion, none_of,
     normals,
 };
+use crate::live::{self, Written};
 use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
 use ash::vk;
@@ -235,13 +236,14 @@ pub unsafe extern "C" fn ssct_reflections_create(
     let make = || {
         // SAFETY: the header asks for such pointers.
         unsafe {
-            let (context, info) = (needed("context", context)?, take("info", info)?);
+            let (context, info) = (live::read("context", context)?, take("info", info)?);
+            let _read = live::read_any("info.triangles", info.triangles)?;
             let method = if info.method.is_null() { "unified" } else { text_of("info.method", info.method)? };
             let pair =
                 |p: &SsctParameter| Ok((text_of("parameter.name", p.name)?, text_of("parameter.value", p.value)?));
             let parameters = array("info.parameters", info.parameters, info.parameter_count)?;
             let parameters: Vec<_> = parameters.iter().map(pair).collect::<Outcome<_>>()?;
-            reflections_of(context, &info, method, (&parameters, triangles(info.triangles)?))
+            reflections_of(&context, &info, method, (&parameters, triangles(info.triangles)?))
         }
     };
     // SAFETY: the header asks for a valid place.
@@ -299,7 +301,7 @@ pub unsafe extern "C" fn ssct_reflections_destroy(reflections: *mut SsctReflecti
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_resize(reflections: *mut SsctReflections, extent: VkExtent2D) -> SsctResult {
     // SAFETY: the header asks for such a pointer.
-    with(|| unsafe { needed_mut("reflections", reflections) }, |r| Ok(r.resize([extent.width, extent.height])?))
+    with(|| unsafe { live::write("reflections", reflections) }, |r| Ok(r.resize([extent.width, extent.height])?))
 }
 
 /// Forgets the frames that the parameter "history" averages, so that the next one stands alone: after a cut, and after a
@@ -308,7 +310,7 @@ pub unsafe extern "C" fn ssct_reflections_resize(reflections: *mut SsctReflectio
 pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut SsctReflections) -> SsctResult {
     // SAFETY: the header asks for such a pointer.
     with(
-        || unsafe { needed_mut("reflections", reflections) },
+        || unsafe { live::write("reflections", reflections) },
         |r| {
             r.restart_history();
             Ok(())
@@ -336,11 +338,13 @@ pub unsafe extern "C" fn ssct_reflections_record(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (object, input, struct_size) = unsafe {
+        let (mut object, _read, input, struct_size) = unsafe {
             let frame = take("frame", frame)?;
-            let object = needed_mut("reflections", reflections)?;
+            let object = live::write("reflections", reflections)?;
+            let captures = live::read_any("frame.captures", frame.captures)?;
+            let read = (captures, live::read_any("frame.triangles", frame.triangles)?);
             let size = if recorded.is_null() { None } else { Some(size_of_theirs("recorded", recorded)?) };
-            (object, frame_input(&frame)?, size)
+            (object, read, frame_input(&frame)?, size)
         };
         if commands == VkCommandBuffer::null() {
             return Err(Failure::usage("the argument commands is a null handle"));
@@ -368,8 +372,8 @@ pub unsafe extern "C" fn ssct_reflections_times(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (object, times, count) = unsafe {
-            (needed_mut("reflections", reflections)?, needed_mut("times", times)?, needed_mut("count", count)?)
+        let (mut object, times, count) = unsafe {
+            (live::write("reflections", reflections)?, needed_mut("times", times)?, needed_mut("count", count)?)
         };
         let taken = object.reflections.with(|r| Ok(r.times(slot as usize)?))?;
         let names: Vec<_> = taken.iter().map(|t| text(&t.name)).collect();
@@ -388,10 +392,13 @@ pub unsafe extern "C" fn ssct_reflections_times(
 
 /// Does something with the reflections of a handle.
 fn with<'a>(
-    object: impl FnOnce() -> Outcome<&'a mut SsctReflections>,
+    object: impl FnOnce() -> Outcome<Written<'a, SsctReflections>>,
     run: impl FnOnce(&mut Reflections) -> Outcome<()>,
 ) -> SsctResult {
-    guard(|| object()?.reflections.with(run))
+    guard(|| {
+        let mut object = object()?;
+        object.reflections.with(run)
+    })
 }
 
 /// The frame as the door takes it.

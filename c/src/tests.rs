@@ -8,6 +8,7 @@
     reason = "a program's own handles"
 )]
 
+mod misuse;
 mod program;
 
 use crate::border::{SsctResult, ssct_last_error};

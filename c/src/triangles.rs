@@ -1,7 +1,8 @@
 //! Triangles of the scene.
 
-use crate::border::{Guarded, Outcome, SsctResult, array, create, destroy, guard, needed, needed_mut};
+use crate::border::{Guarded, Outcome, SsctResult, array, create, destroy, guard};
 use crate::context::SsctContext;
+use crate::live;
 use crate::vulkan::{VkBool32, VkCommandBuffer};
 use ash::vk;
 use ssct::{HitTexture, MeshTexture, TriangleMesh, Triangles};
@@ -76,7 +77,7 @@ pub unsafe extern "C" fn ssct_triangles_create_textured(
 ) -> SsctResult {
     let make = || {
         // SAFETY: the header asks for such pointers.
-        let (context, meshes) = unsafe { (needed("context", context)?, array("meshes", meshes, mesh_count)?) };
+        let (context, meshes) = unsafe { (live::read("context", context)?, array("meshes", meshes, mesh_count)?) };
         // SAFETY: as above.
         let textures = unsafe { array("textures", textures, texture_count) }?;
         // SAFETY: as above.
@@ -105,7 +106,7 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such a pointer.
-        let triangles = unsafe { needed_mut("triangles", triangles) }?;
+        let mut triangles = unsafe { live::write("triangles", triangles) }?;
         // SAFETY: the header asks for what this does of the command buffer.
         triangles.triangles.with(|triangles| Ok(unsafe { triangles.record_upload(commands) }?))
     })

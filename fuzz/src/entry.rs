@@ -5,9 +5,15 @@ use exr::meta::MetaData;
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct_lab::custom;
+use ssct_lab::report::{library, run_folder};
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Opening, Scene, Surface};
 use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
+use ssct_lab::study::engine;
+use ssct_lab::study::error::ErrorRecord;
+use ssct_lab::study::merge::{ResultKind, merge};
+use ssct_lab::study::precision::PrecisionRecord;
+use ssct_lab::study::timing::TimeRow;
 use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
@@ -16,7 +22,7 @@ use tempfile::TempDir;
 pub type Entry = fn(&[u8]) -> bool;
 
 /// Every entry with its name, which is also the name of its fuzz target and of its folder of inputs.
-pub const ENTRIES: [(&str, Entry); 8] = [
+pub const ENTRIES: [(&str, Entry); 10] = [
     ("obj", obj),
     ("gltf", gltf),
     ("texture", texture),
@@ -25,6 +31,8 @@ pub const ENTRIES: [(&str, Entry); 8] = [
     ("scene", scene),
     ("camera_path", camera_path),
     ("method", method),
+    ("includes", includes),
+    ("run", run),
 ];
 
 /// An OBJ file, followed by a byte 0 and the MTL file `a.mtl`. Beside them are the images `x.png`, a normal
@@ -125,6 +133,55 @@ pub fn method(data: &[u8]) -> bool {
             Err(Error::Io { .. }) => false,
             checked => judged(checked, |()| ()),
         }
+    })
+}
+
+/// A method of one fragment shader `a.frag`, and behind bytes 0 the files `b.glsl` and `c.glsl`, which it and they may
+/// include.
+pub fn includes(data: &[u8]) -> bool {
+    const MANIFEST: &str = "name = \"a\"\nsummary = \"a\"\n[image.result]\nformat = \"rgba16f\"\n[[pass]]\nname = \"one\"\n\
+        shader = \"a.frag\"\ntargets = [\"result\"]\n[output]\nreflection = \"result\"\n";
+    let mut parts = data.splitn(3, |b| *b == 0);
+    let files = [(); 3].map(|()| parts.next().unwrap_or_default());
+    in_folder(|folder| {
+        write(folder, custom::MANIFEST, MANIFEST.as_bytes());
+        for (name, text) in ["a.frag", "b.glsl", "c.glsl"].into_iter().zip(files) {
+            write(folder, name, text);
+        }
+        // An include may name any file, and so does the error.
+        custom::check(folder).is_ok()
+    })
+}
+
+/// The folder of a run: its list of cells, behind a byte 0 its journal, and behind another one its records. It is read as
+/// `ssct merge` and `ssct index` read it, as a run of each of several studies.
+pub fn run(data: &[u8]) -> bool {
+    let mut parts = data.splitn(3, |b| *b == 0);
+    let files = [(); 3].map(|()| parts.next().unwrap_or_default());
+    in_folder(|folder| {
+        let folder = folder.join("run");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        for (name, text) in ["cells.json", "journal.jsonl", "error.json"].into_iter().zip(files) {
+            write(&folder, name, text);
+        }
+        let found = library::scan(&folder).expect("the folder can be read");
+        assert!(found.runs.len() + found.unreadable.len() + found.without_records.len() <= 1);
+        let input = match run_folder::read(&folder) {
+            Ok(input) => input,
+            Err(error) => {
+                assert!(matches!(error, Error::Malformed { .. }) && error.to_string().contains("run"), "{error}");
+                return false;
+            }
+        };
+        let is_sound = engine::check::<ErrorRecord>(&input).is_ok();
+        let others = [engine::check::<PrecisionRecord>(&input).is_ok(), engine::check::<TimeRow>(&input).is_ok()];
+        let rows = engine::rows::<ErrorRecord>(&input.cells, &input.journal);
+        assert!(!is_sound || rows.iter().all(|row| row.head.width > 0 && row.head.height > 0));
+        let kind = ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |_| false };
+        // Two results of a cell may differ in their figures.
+        let Ok(merged) = merge(&[input], kind) else { return false };
+        assert!(merged.results.len() <= merged.lines.len() * merged.cells.cells.len().max(1));
+        is_sound && others.len() == 2 && !rows.is_empty()
     })
 }
 

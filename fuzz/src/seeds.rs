@@ -56,6 +56,8 @@ pub fn write_all(root: &Path) {
     write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
     write(root, "texture", &textures());
     write(root, "method", &[march(), passes()]);
+    write(root, "includes", &includes());
+    write(root, "run", &[include_bytes!("../seeds/run").to_vec()]);
     let gbuffers = gbuffers();
     write(root, "gbuffer_map", &maps(&gbuffers));
     write(root, "gbuffer", &gbuffers);
@@ -86,6 +88,17 @@ fn passes() -> Vec<u8> {
         layout(location = 0) out vec4 made;\nvoid main() {\n\
         made = HALF * texture(before, gl_FragCoord.xy / 8.0) + texelFetch(ends, ivec2(block.wide), 0);\n}\n";
     [manifest, fragment, compute].join("\0").into_bytes()
+}
+
+/// Shaders that include each other: plainly, with a guard, and without an end.
+fn includes() -> Vec<Vec<u8>> {
+    let fragment =
+        "#version 460\n#include \"b.glsl\"\nlayout(location = 0) out vec4 made;\nvoid main() { made = b(); }\n";
+    let plain = [fragment, "#include \"c.glsl\"\nvec4 b() { return c(); }\n", "vec4 c() { return vec4(1.0); }\n"];
+    let guard = "#ifndef G\n#define G\n#include \"b.glsl\"\nvec4 b() { return vec4(1.0); }\n#endif\n";
+    let endless = "#include \"c.glsl\"\n";
+    let all = [plain, [fragment, guard, ""], [fragment, endless, "#include \"b.glsl\"\n"]];
+    all.iter().map(|files| files.join("\0").into_bytes()).collect()
 }
 
 /// The glTF file as binary, with its buffer inside.

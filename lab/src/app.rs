@@ -23,6 +23,7 @@ mod numbers;
 pub mod parameters;
 mod path;
 mod precision;
+pub mod printed;
 mod progress;
 pub mod reference;
 mod reference_part;
@@ -41,6 +42,7 @@ mod video;
 mod view;
 
 use crate::error::Error;
+use crate::study::names::one_line;
 use clap::FromArgMatches;
 use command::{Cli, Command};
 use std::ffi::OsString;
@@ -92,9 +94,13 @@ pub fn program<P: FromArgMatches>(
         Ok(options) => options,
         Err(e) => {
             let status = u8::try_from(e.exit_code()).unwrap_or(2);
-            // Printing to a closed pipe may fail, and there is nobody left to tell.
-            let _ = e.print();
-            return ExitCode::from(status);
+            // A help that was asked for may find no room, as what is printed.
+            return match e.print().and_then(|()| std::io::stdout().flush()) {
+                Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe && !e.use_stderr() => {
+                    ended(Err(failed.into()))
+                }
+                _ => ExitCode::from(status),
+            };
         }
     };
     // What is still to be printed may find no room, as what is printed.
@@ -124,16 +130,16 @@ fn ended(done: anyhow::Result<()>) -> ExitCode {
             match e.downcast_ref::<Error>() {
                 Some(own) => eprintln!("ssct: {}{}", printable(&own.to_string()), advice(own)),
                 None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
-                None => eprintln!("ssct: {e:#}"),
+                None => eprintln!("ssct: {}", printable(&format!("{e:#}"))),
             }
             ExitCode::from(e.downcast_ref::<Error>().map_or(1, exit_status))
         }
     }
 }
 
-/// A sentence without the control characters that a name of a file may bring, which a terminal would obey.
+/// A sentence in one line, without the control characters that a name of a file may bring, which a terminal would obey.
 fn printable(sentence: &str) -> String {
-    sentence.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+    one_line(sentence).into_owned()
 }
 
 /// The exit status for an error of the library: 2 for wrong arguments, 128 + n for signal n, else 1.

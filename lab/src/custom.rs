@@ -3,12 +3,13 @@
 //!
 //! `manifest` reads what the folder says, `shader` compiles the stages, with the uniforms that stand alone in blocks
 //! (`loose_uniforms`, `own_values`), `reflect` reads their interfaces, `kinds` holds images, inputs and outputs against what is there, `source` names what a shader may
-//! read, `inputs` makes it of the G-buffer, `values` fills uniform blocks, `bindings` holds what a shader binds against the
+//! read, `includes` says which files it may be made of, `inputs` makes it of the G-buffer, `values` fills uniform blocks, `bindings` holds what a shader binds against the
 //! manifest, `method` records the passes, and `finish` makes a reflection of what they made.
 
 mod bindings;
 mod conventions;
 mod finish;
+mod includes;
 mod inputs;
 mod kinds;
 mod loose_uniforms;
@@ -26,6 +27,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{self, Added, Making, Method, MethodInfo};
 use crate::parameter::Parameter;
+pub use includes::allow as allow_includes;
 use manifest::Manifest;
 use method::CustomMethod;
 use std::path::{Path, PathBuf};

@@ -6,6 +6,6 @@ pub mod report;
 pub mod stage;
 pub mod study;
 
-pub use ssct_truth::{metrics, reference, scene};
+pub use ssct_truth::{inside, metrics, reference, scene};
 
 use ssct::{conventions, error, gpu, math, methods, parameter, passes};

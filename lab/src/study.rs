@@ -22,6 +22,7 @@ pub mod precision;
 pub mod record;
 pub mod shaders;
 pub mod shard;
+pub mod sound;
 pub mod steps;
 pub mod stress;
 pub mod sweep;

@@ -3,6 +3,7 @@
 # however the tasks ended, so that a task that failed for good is named, and no job waits for it forever. submit.sh
 # submits this script; nobody else calls it.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 folder=$1 round=$2
 source "$folder/study"

@@ -2,6 +2,7 @@
 # Installs Debian's Slurm and MUNGE if they are missing, and keeps their services from starting, both at once and with
 # the machine.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 # shellcheck source=scripts/packages.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../packages.sh"

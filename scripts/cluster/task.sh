@@ -2,6 +2,7 @@
 # A task of a study on Slurm: runs one shard, and goes on with its journal where an earlier attempt was stopped or
 # killed. submit.sh submits it; nobody else calls it.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 folder=$1
 source "$folder/study"

@@ -10,6 +10,7 @@
 #
 # The environment may set KEEP=1, which keeps the folder, and TASKS (8).
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source=scripts/cluster/testing.sh

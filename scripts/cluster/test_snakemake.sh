@@ -4,6 +4,7 @@
 #
 #   scripts/cluster/test_snakemake.sh SSCT SNAKEMAKE
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source=scripts/cluster/testing.sh

@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod doors;
+
 use crate::common::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,12 +14,13 @@ use std::path::Path;
 const LAYERS: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("conventions", &[]),
+    ("inside", &["error"]),
     // Values and their names: what every layer may have parameters by.
     ("parameter", &["error"]),
     ("math", &["error", "parameter"]),
     ("scene", &["error", "conventions", "math"]),
     ("gpu", &["error", "parameter", "math"]),
-    ("reference", &["error", "math", "scene"]),
+    ("reference", &["error", "inside", "math", "scene"]),
     ("metrics", &["error", "math", "scene", "reference"]),
     ("passes", &["error", "parameter", "math", "scene", "gpu"]),
     ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
@@ -27,12 +30,26 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "stage"]),
     (
         "report",
-        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "stage", "study"],
+        &[
+            "error",
+            "inside",
+            "parameter",
+            "math",
+            "scene",
+            "gpu",
+            "reference",
+            "metrics",
+            "passes",
+            "methods",
+            "stage",
+            "study",
+        ],
     ),
     (
         "app",
         &[
             "error",
+            "inside",
             "parameter",
             "math",
             "scene",
@@ -58,7 +75,7 @@ const VIEW: &str = "lab/view/src";
 /// what loads and generates scenes is in `lab/truth`. The window's modules are not listed, since nothing imports them.
 const PACKAGES: &[(&str, &[&str])] = &[
     ("src", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods", "embed", "lib"]),
-    ("lab/truth/src", &["scene", "reference", "metrics", "lib"]),
+    ("lab/truth/src", &["inside", "scene", "reference", "metrics", "lib"]),
     ("lab/src", &["stage", "study", "report", "custom", "app", "main", "lib"]),
     (VIEW, &[]),
 ];
@@ -446,20 +463,6 @@ fn no_modules_beside_each_other_import_each_other_in_a_circle() {
     assert!(found > 300, "imports are found: {found}");
 }
 
-/// Whether a source is of a program that reads arguments and prints.
-fn is_command(s: &Source) -> bool {
-    s.package == VIEW || s.is_of("app")
-}
-
-#[test]
-fn only_the_command_prints() {
-    for s in sources().iter().filter(|s| !is_command(s)) {
-        for word in ["println!", "print!(", "dbg!(", "stdout()"] {
-            assert!(!s.code.contains(word), "{}: {word}", s.path);
-        }
-    }
-}
-
 #[test]
 fn no_shader_only_defines_and_includes() {
     let wrappers: Vec<_> = shaders().into_iter().filter(|s| is_wrapper(&s.code)).map(|s| s.path).collect();
@@ -475,28 +478,4 @@ fn no_constant_is_declared_in_both_languages() {
     let rust: Vec<_> = sources().iter().flat_map(numbers_of_rust).collect();
     assert!(glsl.len() > 40 && rust.len() > 100, "only {} and {} found", glsl.len(), rust.len());
     assert_eq!(declared_twice(&glsl, &rust), [""; 0], "shaders-glsl/common/constants.glsl is for both");
-}
-
-/// A flag in a string: two hyphens after its beginning or a blank, and a letter.
-fn names_a_flag(code: &str) -> bool {
-    let flag = |(at, _): (usize, &str)| {
-        let before = code[..at].chars().next_back();
-        before.is_some_and(|c| c == '"' || c == ' ' || c == '`')
-            && code[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
-    };
-    code.match_indices("--").any(flag)
-}
-
-#[test]
-fn only_the_command_knows_flags_and_exit_statuses() {
-    for s in sources().iter().filter(|s| !is_command(s)) {
-        // The property `--rows` of a style sheet is no flag.
-        let code = s.code.replace("\"--rows: \"", "");
-        let flag = code.lines().find(|l| names_a_flag(l));
-        assert!(flag.is_none(), "{} names a flag: {flag:?}", s.path);
-        for word in ["clap::", "exit_status", "ExitCode", "process::exit"] {
-            assert!(!code.contains(word) || s.path == "main.rs", "{}: {word}", s.path);
-        }
-    }
-    assert!(names_a_flag("\"give --one\"") && names_a_flag("\"--one\"") && !names_a_flag("i-- ; a--b"));
 }

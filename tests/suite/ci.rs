@@ -88,3 +88,29 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{args:?} leaves nothing");
     }
 }
+
+#[test]
+fn every_script_says_what_it_is_for() {
+    let mut seen = 0;
+    for folder in ["scripts", "scripts/cluster"] {
+        for entry in std::fs::read_dir(repository().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let is_run = |path: &std::path::Path| {
+                path.extension().is_some_and(|e| e == "sh") && std::fs::read_to_string(path).unwrap().starts_with("#!")
+            };
+            if !is_run(&path) {
+                continue;
+            }
+            let nowhere = tempfile::tempdir().unwrap();
+            let output = Command::new("bash").arg(&path).arg("--help").current_dir(nowhere.path()).output().unwrap();
+            let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+            assert!(output.status.success() && said.is_empty() && out.lines().count() > 1, "{path:?}: {out}{said}");
+            assert_eq!(std::fs::read_dir(nowhere.path()).unwrap().count(), 0, "{path:?}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 15, "{seen}");
+    let drivers = repository().join("scripts/drivers.sh");
+    let output = Command::new("bash").arg(drivers).arg("--unknown").output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
+}

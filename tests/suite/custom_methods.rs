@@ -52,7 +52,8 @@ fn linear_from_its_folder_is_linear_to_the_bit() {
     let example = repository().join("examples/methods/linear");
     for (method, dump) in [(Path::new("linear"), "a"), (example.as_path(), "b")] {
         let method = method.to_str().unwrap();
-        let size = ["--size", "161x91", "--roughness", "0"];
+        let shaders = repository().join("shaders-glsl");
+        let size = ["--size", "161x91", "--roughness", "0", "--include", shaders.to_str().unwrap()];
         folder.succeed(&[&["render", "--view", "corridor", "--method", method, "--dump", dump], &size[..]].concat());
     }
     for file in ["reflection.exr", "hits.exr", "composite.exr"] {
@@ -243,4 +244,62 @@ fn a_shader_that_never_ends_is_given_up() {
     change(&folder, "m/march.frag", "++i) {", "i = (i + 1) % steps) { place -= along; reflection.x += stride;");
     let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png", "--view-steps", "1000"]));
     assert!(said.contains("not done in 0.5 s") && said.contains("march"), "{said}");
+}
+
+/// The example `march` with a line above its declarations, and more files beside it.
+fn including(line: &str, files: &[(&str, &str)]) -> Folder {
+    let folder = with_example("march");
+    let text = folder.text("m/march.frag");
+    let (version, rest) = text.split_once('\n').unwrap();
+    folder.write("m/march.frag", format!("{version}\n{line}\n{rest}"));
+    for (name, text) in files {
+        folder.write(name, text);
+    }
+    folder
+}
+
+#[test]
+fn includes_end_and_stay_where_they_may_be() {
+    let render = on_room("render", &["--method", "m", "-o", "x.png"]);
+    let said = |line: &str, files: &[(&str, &str)]| sentence(&including(line, files), &render);
+    // A file that includes itself, at once or by way of others, and without end.
+    let own = said("#include \"march.frag\"", &[]);
+    assert!(own.starts_with("m/march.frag:") && own.ends_with("m/march.frag includes itself"), "{own}");
+    let circle = [("m/a.glsl", "#include \"b.glsl\"\n"), ("m/b.glsl", "#include \"a.glsl\"\n")];
+    assert!(said("#include \"a.glsl\"", &circle).ends_with(".glsl includes itself"));
+    // Files that each include the next twice are four thousand after twelve.
+    let twice: Vec<(String, String)> =
+        (0..30).map(|n| (format!("m/{n}.glsl"), format!("#include \"{}.glsl\"\n", n + 1).repeat(2))).collect();
+    let twice: Vec<(&str, &str)> = twice.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    assert!(said("#include \"0.glsl\"", &twice).contains("more than 4096 includes"));
+    let deep: Vec<(String, String)> =
+        (0..80).map(|n| (format!("m/{n}.glsl"), format!("#include \"{}.glsl\"\n", n + 1))).collect();
+    let deep: Vec<(&str, &str)> = deep.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    assert!(said("#include \"0.glsl\"", &deep).contains("more than 64 includes"));
+    let large = format!("// {}\n", "x".repeat(9 << 20));
+    let large = [("m/a.glsl", large.as_str()), ("m/b.glsl", &large)];
+    assert!(said("#include \"a.glsl\"\n#include \"b.glsl\"", &large).contains("more than 16777216 bytes together"));
+    // Other folders are for whom the user allows them.
+    let out = "#include \"../shared.glsl\"";
+    let outside = said(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
+    assert!(outside.contains("shared.glsl is outside of the method's folder m"), "{outside}");
+    let folder = including(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
+    folder.succeed(&[&render[..], &["--include", "."]].concat());
+    folder.succeed(&[&render[..], &["--include=none", "--include=."]].concat());
+    change(&folder, "m/method.toml", "shader = \"march.frag\"", "shader = \"../march.frag\"");
+    std::fs::rename(folder.path("m/march.frag"), folder.path("march.frag")).unwrap();
+    assert!(sentence(&folder, &render).contains("march.frag is outside of the method's folder m"));
+    // A guard leaves a file empty the second time.
+    let guard = "#ifndef A\n#define A\n#include \"b.glsl\"\nconst float TWO = 2.0;\n#endif\n";
+    let guarded = [("m/a.glsl", guard), ("m/b.glsl", "#include \"a.glsl\"\n")];
+    including("#include \"a.glsl\"\n#include \"a.glsl\"", &guarded).succeed(&render);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_brings_no_file_into_a_method() {
+    let folder = including("#include \"a.glsl\"", &[("secret.glsl", "const float SECRET = 1.0;\n")]);
+    std::os::unix::fs::symlink("../secret.glsl", folder.path("m/a.glsl")).unwrap();
+    let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png"]));
+    assert!(said.contains("m/a.glsl is outside of the method's folder m"), "{said}");
 }

@@ -45,6 +45,7 @@ const README_LINES: usize = 150;
 /// Where text stands that cites the pages.
 const CITING: &[&str] = &[
     "README.md",
+    "SECURITY.md",
     "CHANGELOG.md",
     "Makefile",
     "build.rs",

@@ -33,6 +33,7 @@ mod embed_unsound;
 mod error_study;
 mod figures;
 mod filters;
+mod foreign;
 mod gbuffer_file;
 mod gbuffer_maps;
 mod gloss;

@@ -1,8 +1,10 @@
 //! `ssct captures`: where a scene's captures stand, what they see, and their images.
 
 use super::cli::DeviceOptions;
+use super::printed;
 use super::resolve;
 use crate::error::Error;
+use crate::inside::Inside;
 use crate::methods::capture::common_near_m;
 use crate::report::captures::{self, CubePictures};
 use crate::report::files;
@@ -83,7 +85,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     }
     let records = captures::records(&scene.name, &placement);
     let shown = if options.json { files::json(&records) } else { captures::text(&records) };
-    std::io::stdout().lock().write_all(shown.as_bytes())?;
+    printed::out().write_all(shown.as_bytes())?;
     Ok(())
 }
 
@@ -97,28 +99,30 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
+    let (place, inside) = (Inside::folder(folder), Path::new(""));
     let of_face = (sky.side * sky.side) as usize;
     for (f, texels) in sky.texels.chunks_exact(of_face).enumerate() {
-        let path = capture_file::sky_path(folder, f);
-        files::write(&path, &capture_file::encode_sky(sky.side, texels, &path)?)?;
+        let file = place.join(capture_file::sky_path(inside, f));
+        file.write(&capture_file::encode_sky(sky.side, texels, &file.path())?)?;
     }
     let mut pictures = CubePictures::default();
     gbuffer::draw_captures(&mut stage, &materials, captures, |k, f, face| {
-        let path = capture_file::face_path(folder, k, f);
-        files::write(&path, &capture_file::encode_face(&face, &path)?)?;
+        let file = capture_file::face_path(inside, k, f);
+        let to = place.join(&file);
+        to.write(&capture_file::encode_face(&face, &to.path())?)?;
         pictures.add(f, &face);
         if f + 1 < capture_file::FACES.len() {
             return Ok(());
         }
         let [color, depth] = std::mem::take(&mut pictures).crosses();
-        color.write_png(&path.with_file_name("color.png"))?;
-        depth.write_png(&path.with_file_name("depth.png"))
+        color.write_png(&place.join(file.with_file_name("color.png")))?;
+        depth.write_png(&place.join(file.with_file_name("depth.png")))
     })?;
     // The list comes last, so that a folder with a list has all of its faces.
     let near_m = common_near_m(captures);
     let drawn: Vec<Capture> = captures.iter().map(|c| Capture { near_m, ..*c }).collect();
     let list = capture_file::encode_list(&drawn, stage.scene().bounds());
-    files::write(&folder.join(capture_file::LIST), list.as_bytes())?;
+    place.join(capture_file::LIST).write(list.as_bytes())?;
     drop(stage);
     gpu.check_validation()?;
     Ok(())

@@ -1,6 +1,8 @@
 //! `ssct compare`: two runs of the time study, two of the study of compiled programs, or two images.
 
+use super::printed;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::metrics::bootstrap::Verdict;
 use crate::report::{compare as report, files, images, tables};
 use crate::study::compare::{self, Run, TOTAL};
@@ -89,7 +91,7 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
         anyhow::bail!("{} and {} have no pass in common{differs}", options.a.display(), options.b.display());
     }
     if let Some(folder) = &options.output {
-        report::write_times(folder, &records)?;
+        report::write_times(&Inside::folder(folder), &records)?;
     }
     print(options, || files::json(&records), || report::times(&records))?;
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
@@ -109,24 +111,34 @@ pub fn check_threshold(threshold: f64) -> Result<()> {
 
 /// A run from its folder or its samples, with the device of the time.json beside them.
 fn load(path: &Path) -> Result<Run> {
-    let csv = if path.is_dir() { path.join(SAMPLES) } else { path.to_path_buf() };
-    let device = files::read_device(&csv.with_file_name("time.json"))?;
-    Ok(Run { name: path.display().to_string(), device, samples: files::read_samples(&csv)? })
+    let name = path.display().to_string();
+    if path.is_dir() {
+        let folder = Inside::folder(path);
+        let device = files::read_device(&folder.join("time.json"))?;
+        return Ok(Run { name, device, samples: files::read_samples(&folder.join(SAMPLES))? });
+    }
+    // A link that the user names is followed; its file is in a folder of its own.
+    let file = path.canonicalize().map_err(|e| Error::io("read", path, e))?;
+    let device = files::read_device(&Inside::file(path.with_file_name("time.json")))?;
+    Ok(Run { name, device, samples: files::read_samples(&Inside::file(file))? })
 }
 
 fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     if options.threshold.is_some() || options.fail_on_slower {
         return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for shaders".into()).into());
     }
-    let read = |folder: &Path| -> Result<Vec<ShaderRecord>> { files::read_records(&folder.join(SHADERS)) };
+    let read = |folder: &Path| -> Result<Vec<ShaderRecord>> {
+        files::read_records(&Inside::folder(folder).join(SHADERS))
+    };
     let names = [&options.a, &options.b].map(|path| path.display().to_string());
     let (a, b) = (read(&options.a)?, read(&options.b)?);
     let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
     if let Some(folder) = &options.output {
-        files::write(&folder.join("compare.json"), json().as_bytes())?;
-        files::write(&folder.join("compare.txt"), text().as_bytes())?;
+        let folder = Inside::folder(folder);
+        folder.join("compare.json").write(json().as_bytes())?;
+        folder.join("compare.txt").write(text().as_bytes())?;
     }
     print(options, json, text)
 }
@@ -143,13 +155,13 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
         anyhow::bail!("images of one size are compared; {} has {} pixels, {} has {}", a.0, sizes.0, b.0, sizes.1);
     };
     if let Some(folder) = &options.output {
-        report::write_images(folder, &found)?;
+        report::write_images(&Inside::folder(folder), &found)?;
     }
     print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
 }
 
 fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
     let said = if options.json { json() } else { text() };
-    std::io::stdout().lock().write_all(said.as_bytes())?;
+    printed::out().write_all(said.as_bytes())?;
     Ok(())
 }

@@ -10,6 +10,8 @@ use std::path::PathBuf;
 const METHOD: &str = "--method";
 const AGAINST: &str = "--against";
 const VARIANT: &str = "--variant";
+/// The flag whose value is a folder that shaders of methods may include from.
+const INCLUDE: &str = "--include";
 
 /// Ends the program with a sentence: a device at work for ever lets nothing be freed.
 fn give_up(sentence: &str) {
@@ -20,6 +22,8 @@ fn give_up(sentence: &str) {
 /// Adds the methods of all folders that arguments name; gives the arguments with the methods' names instead.
 pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
+    let arguments: Vec<OsString> = arguments.collect();
+    custom::allow_includes(includes(&arguments));
     let mut known = HashMap::new();
     let mut replaced = Vec::new();
     let mut flag: Option<&str> = None;
@@ -44,6 +48,14 @@ pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>>
         }
     }
     Ok(replaced)
+}
+
+/// The folders that arguments allow.
+fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
+    let is_flag = |argument: &OsString| argument == INCLUDE;
+    let behind = arguments.windows(2).filter(|pair| is_flag(&pair[0])).map(|pair| PathBuf::from(&pair[1]));
+    let with = |argument: &OsString| Some(PathBuf::from(argument.to_str()?.strip_prefix(INCLUDE)?.strip_prefix('=')?));
+    behind.chain(arguments.iter().filter_map(with)).collect()
 }
 
 /// The value of a flag with names in place of folders.

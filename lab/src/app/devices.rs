@@ -1,15 +1,17 @@
 //! `ssct devices`.
 
 use super::cli::DevicesOptions;
+use super::printed;
 use crate::gpu::device;
+use crate::study::names::json_text;
 use std::io::Write;
 
 /// Lists the devices; the one that is taken by default comes by type, not by order.
 pub fn run(options: &DevicesOptions) -> anyhow::Result<()> {
     let listing = device::devices()?;
-    let mut out = std::io::stdout().lock();
+    let mut out = printed::out();
     if options.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&listing)?)?;
+        writeln!(out, "{}", json_text(&serde_json::to_string_pretty(&listing)?))?;
         return Ok(());
     }
     for d in &listing {

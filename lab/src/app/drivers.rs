@@ -1,8 +1,10 @@
 //! `ssct drivers`: the same methods on every device here.
 
 use super::cli::{CommonOptions, size};
+use super::printed;
 use super::{progress, resolve};
 use crate::error::Error;
+use crate::inside::Inside;
 use crate::report::{files, tables};
 use crate::stage::Globals;
 use crate::study::agreement::{AgreementRecord, AgreementSpec, DrawnRecord};
@@ -76,10 +78,11 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let all = records.iter().map(serde_json::to_value).chain(drawn.iter().map(serde_json::to_value));
     let json = files::json(&all.collect::<std::result::Result<Vec<Value>, _>>()?);
     if let Some(folder) = &options.output {
-        files::write(&folder.join("drivers.json"), json.as_bytes())?;
-        files::write(&folder.join("drivers.txt"), text.as_bytes())?;
+        let folder = Inside::folder(folder);
+        folder.join("drivers.json").write(json.as_bytes())?;
+        folder.join("drivers.txt").write(text.as_bytes())?;
     }
-    std::io::stdout().lock().write_all(if options.json { &json } else { &text }.as_bytes())?;
+    printed::out().write_all(if options.json { &json } else { &text }.as_bytes())?;
     for gpu in others.iter().chain([&base]) {
         gpu.check_validation()?;
     }

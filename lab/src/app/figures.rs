@@ -7,15 +7,17 @@ mod plates;
 mod workshop;
 
 use super::cli::FiguresOptions;
+use super::printed;
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Gpu};
-use crate::report::files;
+use crate::inside::Inside;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
 use crate::scene::{LoadOptions, Scene};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
+use crate::study::names::one_line;
 use crate::study::record::DEFINITIONS;
 use plate::{Document, FinishedFigure, Plate, PrintedScene, quoted};
 use plates::plates;
@@ -29,6 +31,7 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let own = options.scene.as_deref().map(OwnScene::load).transpose()?;
     let wanted = wanted(&options.only, own.as_ref())?;
     let gpu = resolve::gpu(&options.device)?;
+    let folder = Inside::folder(&options.output);
     let of_scene = own.as_ref().map(|own| own.digest.clone());
     let key = |plate: &Plate| {
         let settings = json!([settings(plate, options), of_scene]);
@@ -46,9 +49,9 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     for plate in list.own(&wanted) {
         bar.set_message(format!("figure {}", plate.number));
         let made = run.journal.get::<Entry>(&key(plate));
-        let is_there = |e: &Entry| e.file.as_ref().map_or(true, |file| options.output.join(file).is_file());
+        let is_there = |e: &Entry| e.file.as_ref().map_or(true, |file| folder.join(file).is_there());
         if !made.is_some_and(|e| is_there(&e)) {
-            outcome = make(plate, &mut workshop, options).and_then(|e| Ok(run.journal.put(key(plate), &e)?));
+            outcome = make(plate, &mut workshop, options, &folder).and_then(|e| Ok(run.journal.put(key(plate), &e)?));
         }
         // The figures that were made before an error are still put on the page.
         outcome = outcome.and_then(|()| Ok(progress::step(&bar)?));
@@ -59,14 +62,14 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let entries = wanted.iter().filter_map(|plate| run.journal.get::<Entry>(&key(plate))).collect::<Vec<_>>();
 
-    let mut out = std::io::stdout().lock();
+    let mut out = printed::out();
     for e in &entries {
         match &e.file {
-            Ok(file) => writeln!(out, "{file}: {}", e.title)?,
-            Err(why) => writeln!(out, "{} left out: {why}", e.stem)?,
+            Ok(file) => writeln!(out, "{}: {}", one_line(file), one_line(&e.title))?,
+            Err(why) => writeln!(out, "{} left out: {}", one_line(&e.stem), one_line(why))?,
         }
     }
-    let wrote = write_page(&options.output, &entries, gpu.info(), &command(options));
+    let wrote = write_page(&folder, &entries, gpu.info(), &command(options));
     let made = entries.iter().filter(|e| e.file.is_ok()).count();
     run.ended(outcome)?;
     wrote?;
@@ -82,9 +85,9 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
 const INDEX: &str = "index.html";
 
 /// Writes the page of some figures of one device, whose files lie in the folder.
-pub fn write_page(folder: &Path, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
+pub fn write_page(folder: &Inside, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
     let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
-    files::write(&folder.join(INDEX), page.render(folder)?.as_bytes())
+    folder.join(INDEX).write(page.render(folder)?.as_bytes())
 }
 
 /// Everything that a figure depends on but the device and the program, which its scene is part of.
@@ -162,12 +165,12 @@ fn wanted(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
-fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
+fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions, folder: &Inside) -> anyhow::Result<Entry> {
     let scene = file(options);
     let arguments = plate.arguments(options.size, scene.as_deref());
     let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
         Some(why) => Err(why),
-        None => Ok(write(plate, (plate.make)(workshop, &arguments)?, &options.output)?),
+        None => Ok(write(plate, (plate.make)(workshop, &arguments)?, folder)?),
     };
     let panels = plate.panels.iter().zip(&arguments).enumerate().map(|(n, ((label, _), arguments))| {
         // A figure made of intermediates has a folder in its arguments, the others have a file.
@@ -192,7 +195,7 @@ fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> any
 }
 
 /// Writes a figure to a file and returns the file's name.
-fn write(plate: &Plate, made: FinishedFigure, folder: &Path) -> Result<String> {
+fn write(plate: &Plate, made: FinishedFigure, folder: &Inside) -> Result<String> {
     match made {
         FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
@@ -201,7 +204,7 @@ fn write(plate: &Plate, made: FinishedFigure, folder: &Path) -> Result<String> {
         }
         FinishedFigure::Drawing(svg) => {
             let file = format!("{}.svg", plate.stem());
-            files::write(&folder.join(&file), svg.as_bytes())?;
+            folder.join(&file).write(svg.as_bytes())?;
             Ok(file)
         }
     }

@@ -2,10 +2,12 @@
 //! those of other devices.
 
 use super::cli::DeviceOptions;
+use super::printed;
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
+use crate::inside::Inside;
 use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, StageChoice, Tracer};
 use crate::methods::unified::{First, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
@@ -22,7 +24,7 @@ use crate::study::{bandwidth, other_devices, shaders, steps};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The views that are timed: the scene and its view.
 const VIEWS: [[&str; 2]; 4] = [["rooms", "corridor"], TABLE_VIEW, ["museum", "exit-sign"], ["street", "car"]];
@@ -173,6 +175,7 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
 /// Measures, writes the folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
+    let to = Inside::folder(folder);
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
@@ -199,12 +202,14 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let times = DeviceTimes { table: records(&table), methods, first, tracers, stages: records(&stages) };
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
-    let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
-        .and_then(|()| files::write(&folder.join(timing::SAMPLES), files::csv(&timing::sample_cells(&all)).as_bytes()));
+    let wrote = to
+        .join("time.json")
+        .write(files::json(&all).as_bytes())
+        .and_then(|()| to.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
     let findings = run.ended(outcome)?;
     wrote?;
-    report::write(folder, gpu.info(), &command(options), &times, &findings)?;
-    writeln!(std::io::stdout().lock(), "{}", folder.join("index.html").display())?;
+    report::write(&to, gpu.info(), &command(options), &times, &findings)?;
+    writeln!(printed::out(), "{}", folder.join("index.html").display())?;
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
@@ -240,10 +245,10 @@ fn findings(
         methods: METHODS.iter().filter(|m| m.lacks(scene).is_empty()).collect(),
         setup: Setup::on_screen(KEPT_SIZE),
     });
-    keep(gpu, &options.output.join(KEPT), &kept_specs)?;
+    keep(gpu, &Inside::folder(&options.output).join(KEPT), &kept_specs)?;
     let (mut same, mut drawn) = (Vec::new(), Vec::new());
     for folder in &options.beside {
-        same.extend(beside(gpu, &folder.join(KEPT), &kept_specs)?);
+        same.extend(beside(gpu, &Inside::folder(folder).join(KEPT), &kept_specs)?);
     }
     for other in other_devices::others(gpu, options.device.validation)? {
         for spec in &kept_specs {
@@ -281,7 +286,7 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
 }
 
 /// Keeps what the methods of the screen make, for studies on other machines.
-fn keep(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<()> {
+fn keep(gpu: &Gpu, folder: &Inside, specs: &[AgreementSpec]) -> Result<()> {
     kept_images::write_device(folder, gpu.info())?;
     for spec in specs.iter().map(of_the_screen) {
         let data = agreement::draw(gpu, &spec)?;
@@ -301,7 +306,7 @@ fn stem(spec: &AgreementSpec) -> String {
 }
 
 /// What the device makes of G-buffers that another one kept, against what that one made of them.
-fn beside(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
+fn beside(gpu: &Gpu, folder: &Inside, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
     for spec in specs.iter().map(of_the_screen) {

@@ -1,14 +1,17 @@
 //! `ssct index`: one page over many runs.
 
 use super::compare::{THRESHOLD, check_threshold};
+use super::printed;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
-use crate::report::{files, library};
+use crate::report::library;
 use crate::study::library::changes::changes;
 use crate::study::library::trends::trends;
+use crate::study::names::one_line;
 use clap::Args;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The page's file.
@@ -37,7 +40,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     check_threshold(options.threshold)?;
     methods::find(&options.base)?;
     let output = options.output.as_deref().unwrap_or(&options.folder);
-    let page = output.join(PAGE);
+    let page = Inside::folder(output).join(PAGE);
     may_be_written(&page)?;
     let library = library::scan(&options.folder)?;
     if library.runs.is_empty() {
@@ -56,16 +59,16 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
         threshold: options.threshold,
         way: way.as_deref(),
     };
-    let html = html.render().map_err(|e| anyhow::anyhow!("cannot draw the plots of {}: {e}", page.display()))?;
-    files::write(&page, html.as_bytes())?;
-    let mut out = std::io::stdout().lock();
+    let html = html.render().map_err(|e| anyhow::anyhow!("cannot draw the plots of {}: {e}", page.path().display()))?;
+    page.write(html.as_bytes())?;
+    let mut out = printed::out();
     for (folder, why) in &library.unreadable {
-        writeln!(out, "left out: {folder}: {why}")?;
+        writeln!(out, "left out: {}: {}", one_line(folder), one_line(why))?;
     }
     writeln!(
         out,
         "{}: {} runs, {} figures over runs, {} folders left out ({:.1} MB)",
-        page.display(),
+        page.path().display(),
         library.runs.len(),
         trends.iter().map(|t| t.lines.len()).sum::<usize>(),
         library.unreadable.len(),
@@ -75,21 +78,24 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
 }
 
 /// Refuses to write over a page that is not of a library, such as the page of a study.
-fn may_be_written(page: &Path) -> Result<()> {
-    match std::fs::read(page) {
-        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
-        Err(e) => Err(Error::io("read", page, e)),
-        Ok(there) if String::from_utf8_lossy(&there).contains(&format!("<title>ssct {LIBRARY_TITLE}</title>")) => {
-            Ok(())
+fn may_be_written(page: &Inside) -> Result<()> {
+    if !page.path().parent().is_some_and(Path::exists) {
+        return Ok(());
+    }
+    let is_library = |text: &str| text.contains(&format!("<title>ssct {LIBRARY_TITLE}</title>"));
+    match page.read()? {
+        Some(there) if !is_library(&String::from_utf8_lossy(&there)) => {
+            let page = page.path();
+            Err(Error::Usage(format!("{} is no page of a library: name another folder with -o", page.display())))
         }
-        Ok(_) => Err(Error::Usage(format!("{} is no page of a library: name another folder with -o", page.display()))),
+        _ => Ok(()),
     }
 }
 
 /// The path from the page's folder to the library's: empty, or with a slash at its end. `None` if the library is not
 /// below the page's folder.
 fn way(output: &Path, library: &Path) -> Result<Option<String>> {
-    std::fs::create_dir_all(output).map_err(|e| Error::io("create the folder", output, e))?;
+    Inside::folder(output).make()?;
     let whole = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
     let (output, library) = (whole(output)?, whole(library)?);
     let parts = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();

@@ -2,10 +2,12 @@
 
 use super::cli::{DeviceOptions, RunOptions};
 use super::merger::{Merger, passed};
+use super::printed;
 use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::inside::Inside;
 use crate::report::results::{self, Results};
 use crate::study::cell_list::CellList;
 use crate::study::engine::{self, Bench, Row, Study};
@@ -79,13 +81,26 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     let list = engine::list(&study, &gpu, command_line(), to.shard);
     let mut run = Run::begin(to.output.as_deref(), to.resume)?;
     run.list(&list)?;
+    let unreadable = engine::unreadable::<<O::Study as Study>::Row>(&list, &run.journal);
+    if let [first, ..] = &unreadable[..] {
+        let (count, first) = (unreadable.len(), super::printable(first));
+        eprintln!(
+            "ssct: warning: {count} result(s) of the journal cannot be read and are measured again, the first {first}"
+        );
+    }
     let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
-    let keep = &mut |file: &ExtraFile| to.output.as_ref().map_or(Ok(()), |folder| results::keep(folder, file));
+    let keep = &mut |file: &ExtraFile| {
+        to.output.as_ref().map_or(Ok(()), |folder| results::keep(&Inside::folder(folder), file))
+    };
     let advance = &mut |steps: usize| bar.inc(steps as u64);
     let outcome =
         engine::measure(&mut study, &list, &mut Bench { gpu: &gpu, journal: &mut run.journal, go_on, advance, keep });
     bar.finish_and_clear();
     drop(study);
+    // The files of the run have what its journal lost, so that less is not written over them.
+    if outcome.is_err() && !unreadable.is_empty() {
+        return run.ended(outcome);
+    }
     // What was measured is written even after an error, and that error is reported before one of writing.
     let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
     let wrote = write(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
@@ -100,9 +115,9 @@ fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]
     let missing = engine::missing::<R>(list, journal);
     let results = Results { rows, list, missing: &missing };
     if let Some(folder) = &to.output {
-        results.write(folder)?;
+        results.write(&Inside::folder(folder))?;
     }
     let shown = if to.json { results.json() } else { results.text() };
-    std::io::stdout().lock().write_all(shown.as_bytes())?;
+    printed::out().write_all(shown.as_bytes())?;
     Ok(())
 }

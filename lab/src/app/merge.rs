@@ -1,27 +1,32 @@
 //! `ssct merge`: makes the run of the whole study from its shards.
 
 use super::cli::MergeOptions;
-use super::merger::{Merger, Merging};
+use super::merger::{Merger, Merging, wrong_journal};
+use super::printed;
 use super::run::Run;
 use super::{figures, reference_part, studies};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
+use crate::inside::Inside;
 use crate::report::devices::{by_device, device_name};
 use crate::report::html::{self, DeviceText, Entry};
 use crate::report::results::{PAGE, device_folder};
-use crate::report::run_folder::{self, CELLS};
+use crate::report::run_folder::{self, CELLS, JOURNAL};
 use crate::report::{copies, files};
 use crate::study::cell_list::CellList;
+use crate::study::journal;
 use crate::study::merge::{MergeInput, MergedResult, MergedRun, ResultKind, merge};
+use crate::study::names::one_line;
 use crate::study::record::Provenance;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Merges the runs, writes the files of the whole study, and says which cells are missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
-    let is_run = |folder: &PathBuf| folder.join(CELLS).exists();
+    let is_run = |folder: &PathBuf| Inside::folder(folder).join(CELLS).is_there();
     if !options.folders.iter().any(is_run) && options.folders.iter().any(|folder| reference_part::has_parts(folder)) {
         return reference_part::merge(options);
     }
@@ -36,8 +41,11 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         let message = format!("is a run of a kind that is not known: {kind}");
         return Err(Error::malformed(&inputs[0].folder, None, message).into());
     };
+    inputs.iter().try_for_each(merger.check)?;
     let merged = merge(&inputs, merger.results)?;
     check_program(&inputs[0].folder, &merged.cells)?;
+    let folder = Inside::folder(&options.output);
+    check_nothing_is_lost(&folder, &merged)?;
     let count = merged.cells.cells.len();
     if !merged.missing.is_empty() && !options.partial {
         anyhow::bail!(
@@ -46,13 +54,13 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
             merged.missing.join(", ")
         );
     }
-    let mut run = Run::begin(Some(&options.output), false)?;
+    let mut run = Run::begin_anew(&options.output)?;
     run.list(&merged.cells)?;
     for line in &merged.lines {
         run.journal.keep_line(line)?;
     }
     // Cases of the stress study that are not passed are reported last, once everything is written.
-    let wrote = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &options.output });
+    let wrote = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder });
     if wrote.as_ref().is_err_and(|e| e.is::<Error>()) {
         return wrote;
     }
@@ -72,6 +80,22 @@ fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     Err(Error::malformed(folder, None, message))
 }
 
+/// Refuses to write over results that are not among those that are merged, whether the run that has them was finished
+/// or not: they would be lost.
+fn check_nothing_is_lost(folder: &Inside, merged: &MergedRun) -> Result<()> {
+    let kept: BTreeSet<String> = merged.lines.iter().filter_map(|line| journal::key_of(line)).collect();
+    let lost = run_folder::keys(folder)?.into_iter().filter(|key| !kept.contains(key)).count();
+    if lost == 0 {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "-o {}: it holds {lost} result(s) that are not among those that are merged; merge it with them into another folder, \
+         or remove {}",
+        folder.path().display(),
+        folder.join(JOURNAL).path().display()
+    )))
+}
+
 fn same_folder(a: &Path, b: &Path) -> bool {
     a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
@@ -79,7 +103,25 @@ fn same_folder(a: &Path, b: &Path) -> bool {
 /// The merger of figures, which are no study.
 fn of_figures() -> Merger {
     let results = ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |_| false };
-    Merger { kind: "figures", results, write: write_figures }
+    Merger { kind: "figures", results, check: check_figures, write: write_figures }
+}
+
+/// Checks the entries of a run's figures, and the files that they name: nothing else than pictures in the run's folder.
+fn check_figures(input: &MergeInput) -> Result<()> {
+    let keys: BTreeSet<&str> = input.cells.cells.iter().flat_map(|c| &c.results).map(|of| of.key.as_str()).collect();
+    for line in &input.lines {
+        let Some((key, value)) = journal::entry(&line.text).filter(|(key, _)| keys.contains(key.as_str())) else {
+            continue;
+        };
+        let wrong = |why: String| wrong_journal(input, Some(line.number), &format!("the value of {key:?} {why}"));
+        let entry = Entry::deserialize(&value).map_err(|e| wrong(format!("is no figure: {e}")))?;
+        if let Ok(file) = &entry.file {
+            copies::check_name(file).map_err(|why| wrong(format!("has the file {file:?}, which {why}")))?;
+            let places = pictures_of(std::slice::from_ref(input), None, file);
+            places.iter().try_for_each(copies::check_file)?;
+        }
+    }
+    Ok(())
 }
 
 /// A figure with the device that drew it.
@@ -107,9 +149,9 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     let apart = by_device(&all, |r| &r.device);
     let mut parts = Vec::new();
     for (n, (device, drawn)) in apart.iter().enumerate() {
-        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.to_path_buf() };
+        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
         for file in drawn.iter().filter_map(|r| r.entry.file.as_ref().ok()) {
-            copies::copy_file(&pictures_of(inputs, device, file), &to.join(file), same)?;
+            copies::copy_file(&pictures_of(inputs, Some(device), file), &to.join(file), same)?;
         }
         let entries: Vec<Entry> = drawn.iter().map(|r| r.entry.clone()).collect();
         figures::write_page(&to, &entries, device, command)?;
@@ -118,37 +160,37 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     }
     let page = folder.join(PAGE);
     if apart.len() > 1 {
-        files::write(&folder.join("figures.json"), files::json(&all).as_bytes())?;
+        folder.join("figures.json").write(files::json(&all).as_bytes())?;
         let text = html::devices_page("Merged: figures", *definitions, command, &parts, &merged.missing);
-        files::write(&page, text.as_bytes())?;
+        page.write(text.as_bytes())?;
     } else if !merged.missing.is_empty() {
-        let text = std::fs::read_to_string(&page).map_err(|e| Error::io("read", &page, e))?;
-        files::write(&page, html::with_missing_cells(&text, &merged.missing).as_bytes())?;
+        let text = String::from_utf8_lossy(&page.bytes()?).into_owned();
+        page.write(html::with_missing_cells(&text, &merged.missing).as_bytes())?;
     }
     Ok(())
 }
 
-/// The paths where the runs on a device may have one of its figures.
-fn pictures_of(inputs: &[MergeInput], device: &DeviceInfo, file: &str) -> Vec<PathBuf> {
-    let of = |input: &MergeInput| {
-        let place = input.cells.devices.iter().position(|d| d == device)?;
+/// The places where the runs on a device, or on any, may have one of its figures.
+fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<Inside> {
+    let of_run = |input: &MergeInput| {
+        let run = Inside::folder(&input.folder);
         let apart = input.cells.devices.len() > 1;
-        let folder = if apart { input.folder.join(device_folder(place)) } else { input.folder.clone() };
-        Some(folder.join(file))
+        let devices = input.cells.devices.iter().enumerate().filter(|(_, d)| device.is_none_or(|device| *d == device));
+        let folder = |(n, _): (usize, _)| if apart { run.join(device_folder(n)) } else { run.clone() };
+        devices.map(folder).map(|folder| folder.join(file)).collect::<Vec<_>>()
     };
-    inputs.iter().filter_map(of).collect()
+    inputs.iter().flat_map(of_run).collect()
 }
 
 fn report(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = printed::out();
     let (cells, missing) = (merged.cells.cells.len(), &merged.missing);
     if options.json {
         let summary = json!({
             "kind": merged.cells.kind, "folders": options.folders, "output": options.output, "cells": cells,
             "devices": merged.cells.devices, "missing": missing,
         });
-        writeln!(out, "{summary}")?;
-        return Ok(());
+        return Ok(printed::json(&summary)?);
     }
     let devices = match merged.cells.devices.len() {
         1 => "one device".to_owned(),
@@ -156,7 +198,7 @@ fn report(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<()> {
     };
     writeln!(out, "{}: {} of {cells} cells, of {devices}", options.output.display(), cells - missing.len())?;
     for name in missing {
-        writeln!(out, "missing: {name}")?;
+        writeln!(out, "missing: {}", one_line(name))?;
     }
     Ok(())
 }

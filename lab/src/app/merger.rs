@@ -1,12 +1,14 @@
 //! How the runs of a study become one, whatever the study.
 
+use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::report::copies;
 use crate::report::devices::by_device;
 use crate::report::results::{Results, device_folder};
+use crate::report::run_folder::JOURNAL;
 use crate::study::columns::Columns;
 use crate::study::engine::{self, Row, Study};
 use crate::study::merge::{MergeInput, MergedRun, ResultKind};
-use std::path::{Path, PathBuf};
 
 /// How runs of one kind are merged.
 pub struct Merger {
@@ -14,6 +16,8 @@ pub struct Merger {
     pub kind: &'static str,
     /// What their results are.
     pub results: ResultKind,
+    /// Checks what a run has before any of it is written: the line of its journal that cannot be, if it is known, and why.
+    pub check: fn(&MergeInput) -> Result<()>,
     /// Writes the files of the whole.
     pub write: fn(&Merging) -> anyhow::Result<()>,
 }
@@ -25,7 +29,7 @@ pub struct Merging<'a> {
     /// The whole.
     pub merged: &'a MergedRun,
     /// The folder of the whole.
-    pub folder: &'a Path,
+    pub folder: &'a Inside,
 }
 
 impl Merger {
@@ -39,7 +43,7 @@ impl Merger {
             },
             is_time: |name| S::Row::columns().times.contains(name),
         };
-        Self { kind: S::Row::KIND, results, write: write_study::<S::Row> }
+        Self { kind: S::Row::KIND, results, check: check_study::<S::Row>, write: write_study::<S::Row> }
     }
 }
 
@@ -48,9 +52,9 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
     let rows = engine::rows::<R>(&merged.cells, &merged.journal);
     let apart = by_device(&rows, |r| &r.program().device);
     for (n, (device, _)) in apart.iter().enumerate() {
-        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.to_path_buf() };
-        let of = |input: &&MergeInput| input.cells.devices.contains(device);
-        let of_device: Vec<&MergeInput> = inputs.iter().filter(of).collect();
+        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+        let has_device = |input: &&MergeInput| input.cells.devices.contains(device);
+        let of_device: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
         for name in R::FOLDERS {
             copies::copy_files(&below(&of_device, name), &to.join(name), false)?;
         }
@@ -59,13 +63,26 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
     passed(&rows)
 }
 
+/// Checks the journal of a run, and the files beside it that would be copied.
+fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
+    engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
+    let folders = R::FOLDERS.iter().flat_map(|name| below(&[input], name));
+    folders.into_iter().try_for_each(|folder| copies::check(&folder))
+}
+
+/// The error of a journal that says what cannot be.
+pub fn wrong_journal(input: &MergeInput, line: Option<usize>, why: &str) -> Error {
+    Error::malformed(input.folder.join(JOURNAL), line, why)
+}
+
 /// The folders of one name in each run and in the folders of its devices.
-fn below(inputs: &[&MergeInput], name: &str) -> Vec<PathBuf> {
-    let of = |input: &&MergeInput| {
-        let devices = (0..input.cells.devices.len()).map(|n| input.folder.join(device_folder(n)).join(name));
-        std::iter::once(input.folder.join(name)).chain(devices).collect::<Vec<_>>()
+fn below(inputs: &[&MergeInput], name: &str) -> Vec<Inside> {
+    let of_run = |input: &&MergeInput| {
+        let run = Inside::folder(&input.folder);
+        let devices = (0..input.cells.devices.len()).map(|n| run.join(device_folder(n)).join(name));
+        std::iter::once(run.join(name)).chain(devices).collect::<Vec<_>>()
     };
-    inputs.iter().flat_map(of).collect()
+    inputs.iter().flat_map(of_run).collect()
 }
 
 /// Fails if rows have to pass and do not.

@@ -182,8 +182,19 @@ impl Args for MethodOptions {
             .help("Whose constants a published method uses")
             .long_help("Whose constants a published method uses [default: published]")
             .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
+        // Methods from folders are read before the other flags are known, so that `custom_methods` reads its value.
+        let include = Arg::new(INCLUDE)
+            .long(INCLUDE)
+            .value_name("DIR")
+            .help("Folder whose shaders a method from a folder may use")
+            .long_help(
+                "Folder whose shaders a method from a folder may use; without it, a method has the files of its own folder \
+                 alone",
+            )
+            .value_parser(clap::value_parser!(PathBuf))
+            .action(clap::ArgAction::Append);
         let mut all = methods::parameters();
-        let mut command = command.arg(preset);
+        let mut command = command.arg(preset).arg(include);
         while let Some((first, _)) = all.first().cloned() {
             let (same, rest) = all.into_iter().partition::<Vec<_>, _>(|(p, _)| p.name == first.name);
             (command, all) = (command.arg(flag(&same)), rest);
@@ -217,6 +228,9 @@ pub struct BesideGBufferOptions {
     /// The folder.
     pub captures: Option<PathBuf>,
 }
+
+/// The flag of folders that methods' shaders may use.
+const INCLUDE: &str = "include";
 
 /// The flag of the captures.
 const CAPTURES: &str = "captures";

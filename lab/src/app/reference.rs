@@ -1,6 +1,7 @@
 //! `ssct render --method reference`: the world reference as an image. It needs no Vulkan device.
 
 use super::cli::RenderOptions;
+use super::printed;
 use super::reference_part::{self, ReferencePart};
 use super::run::go_on;
 use super::{progress, resolve};
@@ -16,7 +17,6 @@ use crate::report::images;
 use crate::scene::{Camera, GBufferData, Material, Scene};
 use crate::study::record::DEFINITIONS;
 use glam::Vec3;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Rays a pixel between two chances to stop, where nobody looks at the standard error.
@@ -71,7 +71,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
             "width": options.size[0], "height": options.size[1],
             "rays": made.samples.iter().max(), "standard_error": state.overall_standard_error(),
         });
-        writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
+        printed::json(&serde_json::json!([summary]))?;
     }
     Ok(())
 }

@@ -2,8 +2,10 @@
 //! share, and how `ssct merge` makes one reference of several shares.
 
 use super::cli::MergeOptions;
+use super::printed;
 use super::run::command_line;
 use crate::error::{Error, Result};
+use crate::inside::{Inside, Listed};
 use crate::reference::kept_samples::{part_file, short, whole_file};
 use crate::reference::world::WorldReference;
 use crate::reference::world::state::WorldState;
@@ -12,6 +14,7 @@ use crate::report::files;
 use crate::report::run_folder::Claim;
 use crate::scene::{Scene, View};
 use crate::study::merge::difference_of_properties;
+use crate::study::names::one_line;
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::shard::Shard;
 use serde::{Deserialize, Serialize};
@@ -128,16 +131,23 @@ type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
 /// The shares in a folder.
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(|e| Error::io("read", folder, e))? {
-        let path = entry.map_err(|e| Error::io("read", folder, e))?.path();
-        if !path.file_name().and_then(|n| n.to_str()).is_some_and(|name| name.ends_with(&format!(".{PART}"))) {
-            continue;
+    let inside = Inside::folder(folder);
+    let is_part = |listed: &Listed| listed.name.ends_with(&format!(".{PART}"));
+    for listed in inside.list()?.into_iter().filter(is_part) {
+        let place = inside.join(&listed.name);
+        let path = place.path();
+        let wrong = |line: Option<usize>, why: String| {
+            Error::malformed(&path, line, format!("is no share of a reference: {why}"))
+        };
+        let text = place.bytes()?;
+        let part: ReferencePart = serde_json::from_slice(&text).map_err(|e| wrong(Some(e.line()), e.to_string()))?;
+        // The digest becomes the name of a file.
+        if part.fingerprint.is_empty() || !part.fingerprint.chars().all(|c| c.is_ascii_hexdigit()) {
+            return Err(wrong(None, format!("its digest is {:?}", part.fingerprint)));
         }
-        let text = std::fs::read(&path).map_err(|e| Error::io("read", &path, e))?;
-        let part: ReferencePart = serde_json::from_slice(&text)
-            .map_err(|e| Error::malformed(&path, Some(e.line()), format!("is no share of a reference: {e}")))?;
         let kept = part.sums_in(folder);
-        let sums = kept.exists().then(|| WorldPart::read(&kept)).transpose()?;
+        let is_there = inside.join(kept.file_name().unwrap_or_default()).open()?.is_some();
+        let sums = is_there.then(|| WorldPart::read(&kept)).transpose()?;
         parts.push((path, part, sums));
     }
     Ok(parts)
@@ -186,22 +196,21 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
 }
 
 fn report(options: &MergeOptions, merged: &[(ReferencePart, WorldPart)], missing: &[String]) -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = printed::out();
     if options.json {
         let of = |(part, whole): &(ReferencePart, WorldPart)| json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": whole.samples().end});
         let references: Vec<_> = merged.iter().map(of).collect();
         let (folders, output) = (&options.folders, &options.output);
         let summary = json!({"kind": "reference", "folders": folders, "output": output, "references": references, "missing": missing});
-        writeln!(out, "{summary}")?;
-        return Ok(());
+        return Ok(printed::json(&summary)?);
     }
     for (part, whole) in merged {
-        let (rays, name, folder) = (whole.samples().end, part.name(), options.output.display());
+        let (rays, name, folder) = (whole.samples().end, one_line(&part.name()).into_owned(), options.output.display());
         writeln!(out, "{folder}: {rays} of {} rays a pixel of {name}", part.rays)?;
-        writeln!(out, "to show them: {} --cache {folder} -o FILE", part.command)?;
+        writeln!(out, "to show them: {} --cache {folder} -o FILE", one_line(&part.command))?;
     }
     for name in missing {
-        writeln!(out, "missing: {name}")?;
+        writeln!(out, "missing: {}", one_line(name))?;
     }
     Ok(())
 }

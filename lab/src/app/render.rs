@@ -1,8 +1,10 @@
 //! `ssct render`.
 
 use super::cli::RenderOptions;
+use super::printed;
 use super::resolve;
 use crate::error::Error;
+use crate::inside::Inside;
 use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
@@ -49,7 +51,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let intermediates = rendered.intermediates.as_ref();
     if let (Some(folder), Some(all)) = (&options.dump, intermediates) {
-        images::write_intermediates(folder, all, &camera.lens)?;
+        images::write_intermediates(&Inside::folder(folder), all, &camera.lens)?;
     }
     if let Some(path) = &options.output {
         match (options.figure, intermediates) {
@@ -66,10 +68,10 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
             "validation": common.device.validation.then(|| gpu.violations().len()),
         });
-        writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
+        printed::json(&serde_json::json!([summary]))?;
     }
     if options.explain {
-        std::io::stdout().write_all(explain(&rendered, shot.prepared()).as_bytes())?;
+        printed::out().write_all(explain(&rendered, shot.prepared()).as_bytes())?;
     }
     drop((shot, stage));
     gpu.check_validation()?;

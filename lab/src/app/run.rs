@@ -30,6 +30,20 @@ impl Run {
     pub fn begin(folder: Option<&Path>, resume: bool) -> Result<Self> {
         let claim = folder.map(|f| Ok::<_, Error>((Claim::new(f)?, f.to_owned()))).transpose()?;
         let journal = claim.as_ref().map(|(claim, _)| claim.journal(resume)).transpose()?.unwrap_or_default();
+        Self::listening(journal, claim)
+    }
+
+    /// Claims the folder as [`Run::begin`] does, and begins anew whatever is there: all of it is known and written again.
+    ///
+    /// # Errors
+    /// Errors of [`Claim::new`] and [`Claim::new_journal`].
+    pub fn begin_anew(folder: &Path) -> Result<Self> {
+        let claim = Claim::new(folder)?;
+        let journal = claim.new_journal()?;
+        Self::listening(journal, Some((claim, folder.to_owned())))
+    }
+
+    fn listening(journal: Journal, claim: Option<(Claim, PathBuf)>) -> Result<Self> {
         let again = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
             let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))

@@ -3,11 +3,13 @@
 
 use super::cli::StudyOptions;
 use super::error::{QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
+use super::printed;
 use super::run::{Run, go_on};
 use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, Shown, TRUTH_FOLDER};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
+use crate::inside::Inside;
 use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Times};
 use crate::report::results::{self, Results};
@@ -26,7 +28,7 @@ use crate::study::{TimeRecord, other_devices};
 use indicatif::ProgressBar;
 use std::cell::RefCell;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Size of pictures and of the views' times: the thesis's own benchmark size.
 const SIZE: [u32; 2] = [960, 540];
@@ -236,7 +238,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let wrote = study.write(&run.journal, &made);
     run.ended(outcome)?;
     let written = wrote?;
-    let mut out = std::io::stdout().lock();
+    let mut out = printed::out();
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
     write!(out, "{}", tables::aligned(&table::cells(&written.table)))?;
     writeln!(out, "{} ({:.1} MB)", study.index().display(), written.page_bytes as f64 / 1e6)?;
@@ -254,7 +256,7 @@ struct Written {
 impl<'a> Study<'a> {
     /// The page.
     fn index(&self) -> PathBuf {
-        self.pictures.path().join("index.html")
+        self.pictures.place().path().join("index.html")
     }
 
     /// Makes every part, and writes the page after each but the last.
@@ -281,7 +283,7 @@ impl<'a> Study<'a> {
         made: &mut Made,
         last: &mut Last<&'a str, Stage>,
     ) -> anyhow::Result<()> {
-        let (folder, step) = (self.pictures.path(), &mut || progress::step(&self.bar));
+        let (folder, step) = (self.pictures.place(), &mut || progress::step(&self.bar));
         match part {
             Part::Pictures(scene, view) => {
                 let methods = self.plan.methods_in(scene);
@@ -313,7 +315,7 @@ impl<'a> Study<'a> {
 
     /// Writes the records and the page with what there is.
     fn write(&self, journal: &Journal, made: &Made) -> anyhow::Result<Written> {
-        let (folder, mut tabled, mut viewed) = (self.pictures.path(), Vec::new(), Vec::new());
+        let (folder, mut tabled, mut viewed) = (self.pictures.place(), Vec::new(), Vec::new());
         let mut errors: Vec<ErrorRecord> = Vec::new();
         for part in self.parts {
             match part {
@@ -328,8 +330,8 @@ impl<'a> Study<'a> {
             }
         }
         let all: Vec<TimeRecord> = viewed.iter().chain(&tabled).cloned().collect();
-        files::write(&folder.join("time.json"), files::json(&all).as_bytes())?;
-        files::write(&folder.join(timing::SAMPLES), files::csv(&timing::sample_cells(&all)).as_bytes())?;
+        folder.join("time.json").write(files::json(&all).as_bytes())?;
+        folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes())?;
         let table = compare(&tabled);
         let page = Page {
             device: self.gpu.info(),
@@ -354,7 +356,7 @@ impl<'a> Study<'a> {
             records: records(folder),
         };
         let html = page.render(&self.pictures)?;
-        files::write(&self.index(), html.as_bytes())?;
+        folder.join("index.html").write(html.as_bytes())?;
         Ok(Written { table, page_bytes: html.len() })
     }
 }
@@ -374,7 +376,7 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
 }
 
 /// What lies beside the page.
-fn records(folder: &Path) -> Vec<(String, String)> {
+fn records(folder: &Inside) -> Vec<(String, String)> {
     let of = |file: &str, what: &str| (file.to_owned(), what.to_owned());
     let mut all = vec![
         of("time.json", "every time, one record a method, view, size and roughness"),
@@ -386,7 +388,7 @@ fn records(folder: &Path) -> Vec<(String, String)> {
         (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),
         (format!("{ERROR_FOLDER}/images/"), "reflections and FLIP maps as PNG, error maps as EXR".into()),
     ];
-    all.retain(|(file, _)| folder.join(file).exists());
+    all.retain(|(file, _)| folder.path().join(file).exists());
     all
 }
 

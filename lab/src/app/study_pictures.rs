@@ -3,6 +3,7 @@
 use super::reference;
 use crate::error::Result;
 use crate::gpu::Pixels;
+use crate::inside::Inside;
 use crate::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
@@ -12,7 +13,6 @@ use crate::stage::{Globals, Shot, Stage, gbuffer, image};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
 use crate::study::names::{cell_name, roughness, safe_word};
 use crate::study::table;
-use std::path::Path;
 
 /// Name of the pictures without reflections.
 const LIT: &str = "direct light";
@@ -42,7 +42,12 @@ pub struct Shown<'a> {
 
 /// A view on its scene's stage: lit only, the truth, every method, and `unified` on the screen alone. `step` is called after each of
 /// them.
-pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMut() -> Result<()>) -> Result<Gallery> {
+pub fn of_view(
+    stage: &mut Stage,
+    of: &Shown,
+    folder: &Inside,
+    step: &mut dyn FnMut() -> Result<()>,
+) -> Result<Gallery> {
     let Shown { scene, view, size, methods } = *of;
     let plain = Setup::new(size);
     let on_screen = Setup::on_screen(size);
@@ -53,8 +58,8 @@ pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMu
     let materials = GLOSSY.materials(scene, view);
     let mut pictures = Vec::new();
     let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
-        let [of, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
-        let file = format!("images/{of}-{seen}-{}.png", name.replace(' ', "-"));
+        let [named, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
+        let file = format!("images/{named}-{seen}-{}.png", name.replace(' ', "-"));
         images::write_image(&folder.join(&file), pixels)?;
         pictures.push(Picture { file, name: name.into(), caption });
         Ok(())
@@ -65,7 +70,7 @@ pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMu
         if n == 0 {
             let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
             picture(&lit, LIT, "direct light only".into())?;
-            let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.join(TRUTH_FOLDER));
+            let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.path().join(TRUTH_FOLDER));
             let truth = reference::truth(scene, &materials, &data, TRUTH_RAYS, &cache)?;
             picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
             step()?;
@@ -81,7 +86,7 @@ pub fn of_view(stage: &mut Stage, of: &Shown, folder: &Path, step: &mut dyn FnMu
 }
 
 /// Figures 4.4, 4.5, 4.9 and 4.10 on a scene that has a view `corridor`.
-pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &Path, size: [u32; 2]) -> Result<Vec<Picture>> {
+pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &Inside, size: [u32; 2]) -> Result<Vec<Picture>> {
     let wanted = [
         (
             Figure::VisibilityChain,

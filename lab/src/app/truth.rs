@@ -1,8 +1,10 @@
 //! `ssct truth`: the world reference, for others to check.
 
 use super::cli::{SceneOptions, size};
+use super::printed;
 use super::resolve;
 use crate::error::Error;
+use crate::inside::Inside;
 use crate::report::mitsuba::{Export, export};
 use clap::{Args, Subcommand};
 use std::io::Write;
@@ -52,7 +54,7 @@ pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &options.place, None)?;
     let materials = globals.materials(&scene, &view);
     let exported = export(
-        &options.output,
+        &Inside::folder(&options.output),
         &Export {
             scene: &scene,
             materials: &materials,
@@ -63,7 +65,7 @@ pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
         },
     )?;
     writeln!(
-        std::io::stdout(),
+        printed::out(),
         "{}: {} triangles, {} reflecting pixels, standard error {:.5}",
         options.output.display(),
         exported.triangles,

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// [`Error::Malformed`] with file and line.
 pub fn check(manifest: &Manifest) -> Result<()> {
     manifest.passes.iter().try_for_each(|pass| {
-        let compiled = shader::compile(&manifest.name, &manifest.include, pass)?;
+        let compiled = shader::compile(manifest, pass)?;
         PassBindings::new(manifest, pass, &compiled).map(|_| ())
     })
 }

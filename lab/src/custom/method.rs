@@ -195,7 +195,7 @@ impl Running {
         let mut compiled = Vec::new();
         let mut passes = Vec::new();
         for pass in &manifest.passes {
-            let made = shader::compile(&manifest.name, &manifest.include, pass)?;
+            let made = shader::compile(manifest, pass)?;
             let bindings = PassBindings::new(manifest, pass, &made)?;
             for bound in &bindings.inputs {
                 if let BoundInput::Buffer(name, _, bytes) = bound

@@ -1,8 +1,9 @@
 //! Compiles a user's shader and finds what it binds. GLSL for OpenGL is taken, too: names get bindings and locations, and
 //! uniforms that stand alone become a block.
 
+use super::includes::{self, Includes, MAX_BYTES};
 use super::loose_uniforms::{self, Hoisted};
-use super::manifest::{Pass, PassStage};
+use super::manifest::{Manifest, Pass, PassStage};
 use super::old_glsl;
 use super::reflect::{ShaderInterface, VariableKind, reflect};
 use crate::error::{Error, Result};
@@ -15,9 +16,6 @@ use shaderc::{CompileOptions, Compiler, OptimizationLevel, ResolvedInclude, Shad
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// The largest shader, in bytes.
-const MAX_BYTES: u64 = 1 << 24;
 
 /// A compiled stage, its interface, and the files that it was made of.
 pub struct CompiledPass {
@@ -35,14 +33,16 @@ struct Compiled {
     files: Vec<PathBuf>,
 }
 
-/// Compiles the shader of a pass; `include` is where includes are looked for that are not beside the file.
+/// Compiles the shader of a pass.
 ///
 /// # Errors
-/// [`Error::Io`] without the file, and [`Error::Malformed`] with its line for what the compiler says first.
-pub fn compile(method: &str, include: &Path, pass: &Pass) -> Result<CompiledPass> {
-    let path = &pass.shader;
+/// [`Error::Io`] without the file, and [`Error::Malformed`] with its line for what the compiler says first, and for files
+/// that lie elsewhere than they may.
+pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
+    let (path, method) = (&pass.shader, &manifest.name);
+    includes::check_shader(path, &manifest.folder)?;
     let is_binary = path.extension().is_some_and(|e| e == "spv");
-    let compiled = if is_binary { binary(path)? } else { glsl(include, pass)? };
+    let compiled = if is_binary { binary(path)? } else { glsl(manifest, pass)? };
     let interface = reflect(&compiled.words, pass.stage == PassStage::Fragment)
         .map_err(|message| Error::malformed(path, None, message))?;
     let spirv: Vec<u8> = interface.words.iter().flat_map(|w| w.to_le_bytes()).collect();
@@ -95,13 +95,13 @@ fn binary(path: &Path) -> Result<Compiled> {
 
 /// Compiles GLSL in two steps: the compiler's preprocessor takes out comments, macros, includes and what is switched off,
 /// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
-fn glsl(include: &Path, pass: &Pass) -> Result<Compiled> {
+fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     let path = &pass.shader;
     let source = source_text::read_program(path, "a shader", MAX_BYTES)?;
     old_glsl::check(path, &source)?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let compiler = Compiler::new().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
-    let files = RefCell::new(vec![path.clone()]);
+    let included = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));
     let mut options = CompileOptions::new().map_err(|e| wrong(e.to_string()))?;
     options.set_target_env(TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_optimization_level(OptimizationLevel::Zero);
@@ -113,24 +113,25 @@ fn glsl(include: &Path, pass: &Pass) -> Result<Compiled> {
         options.add_macro_definition(name, value);
     }
     options.set_include_callback(|name, _, includer, _| {
-        let beside = Path::new(includer).parent().unwrap_or(include).join(name);
-        let path = if beside.exists() { beside } else { include.join(name) };
-        let content = source_text::read_program(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?;
-        files.borrow_mut().push(path.clone());
-        Ok(ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content })
+        let (resolved_name, content) = included.borrow_mut().read(name, includer)?;
+        Ok(ResolvedInclude { resolved_name, content })
     });
     let kind = match pass.stage {
         PassStage::Fragment => ShaderKind::Fragment,
         PassStage::Compute => ShaderKind::Compute,
     };
     let label = path.to_string_lossy();
-    let says = |e: shaderc::Error| compiler_says(path, &e.to_string());
+    let says = |e: shaderc::Error| match (compiler_says(path, &e.to_string()), included.borrow_mut().refused.take()) {
+        // The compiler's words around ours would say less.
+        (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
+        (error, _) => error,
+    };
     let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(says)?.as_text();
     let Hoisted { text, own } = loose_uniforms::hoisted(&plain);
     let made = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(says)?;
     let words = made.as_binary().to_vec();
     drop(options);
-    Ok(Compiled { words, own, files: files.into_inner() })
+    Ok(Compiled { words, own, files: included.into_inner().files })
 }
 
 /// The first of the compiler's messages, with the file and line that it is about.

@@ -4,25 +4,26 @@ use super::images::{Rgb, write_exr};
 use super::{files, tables};
 use crate::error::Result;
 use crate::gpu::Pixels;
+use crate::inside::Inside;
 use crate::math::display_byte;
 use crate::methods::{self, MethodInfo};
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 use crate::parameter::{Choices, Preset};
 use crate::study::compare::{ImageComparison, Side, Subject, TOTAL, TimeComparison};
+use crate::study::names::one_line;
 use crate::study::record::differing;
-use std::path::Path;
 
 /// Writes compare.json and compare.txt.
-pub fn write_times(folder: &Path, records: &[TimeComparison]) -> Result<()> {
-    files::write(&folder.join("compare.json"), files::json(records).as_bytes())?;
-    files::write(&folder.join("compare.txt"), times(records).as_bytes())
+pub fn write_times(folder: &Inside, records: &[TimeComparison]) -> Result<()> {
+    folder.join("compare.json").write(files::json(records).as_bytes())?;
+    folder.join("compare.txt").write(times(records).as_bytes())
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
 /// or more, sRGB-encoded; magenta is no number), and FLIP's map as flip.png.
-pub fn write_images(folder: &Path, found: &ImageComparison) -> Result<()> {
-    files::write(&folder.join("compare.json"), files::json(std::slice::from_ref(found)).as_bytes())?;
-    files::write(&folder.join("compare.txt"), images(found).as_bytes())?;
+pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
+    folder.join("compare.json").write(files::json(std::slice::from_ref(found)).as_bytes())?;
+    folder.join("compare.txt").write(images(found).as_bytes())?;
     let (width, height) = (found.width, found.height);
     let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
     write_exr(&folder.join("error.exr"), &map, &["rmse"])?;
@@ -36,7 +37,8 @@ pub fn write_images(folder: &Path, found: &ImageComparison) -> Result<()> {
 pub fn times(records: &[TimeComparison]) -> String {
     let Some(first) = records.first() else { return String::new() };
     let device = |d: &Option<crate::gpu::DeviceInfo>| {
-        d.as_ref().map_or_else(|| "device not known".into(), |d| format!("{}, {}, {}", d.name, d.kind, d.driver))
+        let known = |d: &crate::gpu::DeviceInfo| format!("{}, {}, {}", d.name, d.kind, d.driver);
+        one_line(&d.as_ref().map_or_else(|| "device not known".into(), known)).into_owned()
     };
     let mut text = format!("A  {} ({})\n", first.head.a, device(&first.device_a));
     text += &format!("B  {} ({})\n", first.head.b, device(&first.device_b));

@@ -1,50 +1,117 @@
-//! Copies of files that runs left, into the folder of the merged run.
+//! Copies of files that runs left, into the folder of the merged run. The runs may be a stranger's: only pictures that lie
+//! in their folders are copied, under names that are names alone.
 
-use super::files;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
+use crate::study::names::safe_word;
 use std::collections::BTreeMap;
-use std::ffi::OsString;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+
+/// The endings of what measurements make beside records.
+const PICTURES: [&str; 4] = ["png", "exr", "webp", "svg"];
+
+/// Elements of the drawings that this program makes. Others, such as a script, could do more than be seen.
+const DRAWN: [&str; 14] = [
+    "svg", "g", "path", "line", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan", "title", "desc",
+    "defs",
+];
+
+/// Checks the name of a picture that a file gives.
+///
+/// # Errors
+/// What is wrong with it, as the end of a sentence about it.
+pub fn check_name(name: &str) -> std::result::Result<(), String> {
+    if safe_word(name) != name {
+        return Err("is no name of a file".to_owned());
+    }
+    if name.rsplit_once('.').is_none_or(|(_, ending)| !PICTURES.contains(&ending)) {
+        return Err(format!("is no picture: its name must end in .{}", PICTURES.join(", .")));
+    }
+    Ok(())
+}
+
+/// Checks the files of a folder that [`copy_files`] would copy, before anything is written.
+///
+/// # Errors
+/// [`Error::Malformed`] for a file that is not copied, [`Error::Io`] for a folder that cannot be read.
+pub fn check(folder: &Inside) -> Result<()> {
+    for listed in folder.list()? {
+        let place = folder.join(&listed.name);
+        check_name(&listed.name).map_err(|why| Error::malformed(place.path(), None, why))?;
+        check_file(&place)?;
+    }
+    Ok(())
+}
+
+/// Checks a picture, if it is there.
+///
+/// # Errors
+/// Those of [`Inside::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
+pub fn check_file(place: &Inside) -> Result<()> {
+    if place.path().extension().is_some_and(|e| e == "svg") {
+        return place.read()?.map_or(Ok(()), |svg| check_drawing(&svg, place));
+    }
+    place.open().map(|_| ())
+}
+
+/// A drawing is opened by itself, too, where a browser would run what stands in it.
+fn check_drawing(svg: &[u8], place: &Inside) -> Result<()> {
+    let wrong = |why: String| Err(Error::malformed(place.path(), None, format!("is no drawing that is copied: {why}")));
+    let Ok(text) = str::from_utf8(svg) else { return wrong("it is no text".to_owned()) };
+    for tag in text.split('<').skip(1) {
+        if tag.starts_with("?xml ") || tag.starts_with("!--") || tag.starts_with('/') {
+            continue;
+        }
+        let end = tag.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(tag.len());
+        let name = &tag[..end];
+        if !DRAWN.contains(&name) {
+            return wrong(format!("it has the element {name:?}"));
+        }
+        let attributes = tag[end..].split('>').next().unwrap_or_default();
+        let mut names = attributes.split('=').filter_map(|part| part.split_whitespace().next_back());
+        if let Some(name) = names.find(|name| name.to_ascii_lowercase().starts_with("on") || name.contains("href")) {
+            return wrong(format!("it has the attribute {name:?}"));
+        }
+    }
+    Ok(())
+}
 
 /// Copies the files of some folders into one. Of several files of one name, the first is copied; with `same`, they must
 /// all be equal.
 ///
 /// # Errors
-/// Errors of [`copy_file`].
-pub fn copy_files(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
-    let mut all: BTreeMap<OsString, Vec<PathBuf>> = BTreeMap::new();
+/// Errors of [`check`] and of [`copy_file`].
+pub fn copy_files(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
+    let mut all: BTreeMap<String, Vec<Inside>> = BTreeMap::new();
     for folder in from {
-        let entries = match std::fs::read_dir(folder) {
-            Ok(entries) => entries,
-            Err(e) if e.kind() == ErrorKind::NotFound => continue,
-            Err(e) => return Err(Error::io("read", folder, e)),
-        };
-        for entry in entries {
-            let path = entry.map_err(|e| Error::io("read", folder, e))?.path();
-            if let Some(name) = path.file_name().filter(|_| path.is_file()) {
-                all.entry(name.to_owned()).or_default().push(path);
-            }
+        check(folder)?;
+        for listed in folder.list()? {
+            all.entry(listed.name.clone()).or_default().push(folder.join(&listed.name));
         }
     }
-    all.iter().try_for_each(|(name, paths)| copy_file(paths, &to.join(name), same))
+    all.iter().try_for_each(|(name, places)| copy_file(places, &to.join(name), same))
 }
 
 /// Copies the first of some files that exists. With `same`, all that exist must be equal.
 ///
 /// # Errors
-/// [`Error::Io`] for what cannot be read or written, [`Error::Malformed`] for files that are not equal.
-pub fn copy_file(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
-    let read = |path: &PathBuf| std::fs::read(path).map_err(|e| Error::io("read", path, e));
-    let mut there = from.iter().filter(|path| path.is_file());
-    let Some(first) = there.next() else { return Ok(()) };
-    let bytes = read(first)?;
-    for other in there.filter(|_| same) {
-        if read(other)? != bytes {
-            return Err(Error::malformed(other, None, format!("is not the same as {}", first.display())));
+/// Those of [`check_file`] and of writing, and [`Error::Malformed`] for files that are not equal.
+pub fn copy_file(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
+    let mut first: Option<(&Inside, Vec<u8>)> = None;
+    for place in from {
+        check_file(place)?;
+        match (&first, place.read()?) {
+            (None, Some(bytes)) => first = Some((place, bytes)),
+            (Some((known, bytes)), Some(other)) if same && *bytes != other => {
+                let message = format!("is not the same as {}", known.path().display());
+                return Err(Error::malformed(place.path(), None, message));
+            }
+            _ => {}
+        }
+        if first.is_some() && !same {
+            break;
         }
     }
-    files::write(to, &bytes)
+    first.map_or(Ok(()), |(_, bytes)| to.write(&bytes))
 }
 
 #[cfg(test)]
@@ -52,16 +119,48 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_files_of_one_name_the_first_is_copied_and_others_may_have_to_be_equal() {
+    fn first_files_of_a_name_are_copied_and_others_may_have_to_be_equal() {
         let folder = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| folder.path().join(name);
-        for (path, text) in [("a/1", "one"), ("b/1", "other"), ("b/2", "two"), ("c/2", "two")] {
-            files::write(&at(path), text.as_bytes()).expect("written");
+        let place = |name: &str| Inside::folder(folder.path()).join(name);
+        for (path, text) in [("a/1.png", "one"), ("b/1.png", "other"), ("b/2.png", "two"), ("c/2.png", "two")] {
+            place(path).write(text.as_bytes()).expect("written");
         }
-        copy_files(&[at("a"), at("none"), at("b")], &at("to"), false).expect("copied");
-        assert_eq!(["to/1", "to/2"].map(|f| std::fs::read_to_string(at(f)).unwrap_or_default()), ["one", "two"]);
-        copy_files(&[at("b"), at("c")], &at("same"), true).expect("equal");
-        let refused = copy_files(&[at("a"), at("b")], &at("not"), true).expect_err("not equal").to_string();
+        copy_files(&[place("a"), place("none"), place("b")], &place("to"), false).expect("copied");
+        assert_eq!(
+            ["to/1.png", "to/2.png"].map(|f| place(f).bytes().expect("there")),
+            [b"one", b"two"].map(|t| t.to_vec())
+        );
+        copy_files(&[place("b"), place("c")], &place("same"), true).expect("equal");
+        let refused = copy_files(&[place("a"), place("b")], &place("not"), true).expect_err("not equal").to_string();
         assert!(refused.contains("is not the same as"), "{refused}");
+    }
+
+    #[test]
+    fn only_names_of_pictures_are_copied() {
+        for name in ["a.png", "figure-4.4.svg", "x-r0.1-ssct.exr", "Küche.webp"] {
+            assert_eq!(check_name(name), Ok(()), "{name}");
+        }
+        for name in ["../x.svg", "/etc/x.png", "a/b.png", "x.html", "x", ".x.png", "javascript:x.svg", "a\nb.png", ""] {
+            assert!(check_name(name).is_err(), "{name:?}");
+        }
+    }
+
+    #[test]
+    fn drawings_that_could_do_more_than_be_seen_are_refused() {
+        let place = Inside::folder("run").join("x.svg");
+        let check = |svg: &str| check_drawing(svg.as_bytes(), &place).map_err(|e| e.to_string());
+        let good = "<?xml version=\"1.0\"?><svg width=\"1\"><!-- a --><g><text x=\"1\">on = href</text></g></svg>";
+        assert_eq!(check(good), Ok(()));
+        for (bad, what) in [
+            ("<svg><script>alert(1)</script></svg>", "\"script\""),
+            ("<svg onload=\"alert(1)\"></svg>", "\"onload\""),
+            ("<svg><g\nONCLICK = 'x'/></svg>", "\"ONCLICK\""),
+            ("<svg><foreignObject/></svg>", "\"foreignObject\""),
+            ("<svg><a href=\"http://x\"/></svg>", "\"a\""),
+            ("<svg><path xlink:href='x'/></svg>", "\"xlink:href\""),
+            ("<!DOCTYPE svg [<!ENTITY x 'y'>]><svg/>", "\"\""),
+        ] {
+            assert!(check(bad).is_err_and(|said| said.contains(what)), "{bad}: {:?}", check(bad));
+        }
     }
 }

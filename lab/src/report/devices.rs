@@ -2,6 +2,7 @@
 //! device apart (docs/many-machines.md, "Merging").
 
 use crate::gpu::DeviceInfo;
+use crate::study::names::one_line;
 
 /// Records by device, in the order in which the devices appear.
 pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) -> Vec<(DeviceInfo, Vec<T>)> {
@@ -17,5 +18,5 @@ pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) ->
 
 /// The name of a device in a report of several.
 pub fn device_name(device: &DeviceInfo) -> String {
-    format!("{} ({}, {})", device.name, device.kind, device.driver)
+    one_line(&format!("{} ({}, {})", device.name, device.kind, device.driver)).into_owned()
 }

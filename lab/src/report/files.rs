@@ -1,45 +1,28 @@
-//! Files written whole or not at all: a temporary name beside the target, then a rename.
+//! Records as text, and files of times.
 
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
+use crate::inside::Inside;
 use crate::methods::{self, EffectParams, MethodInfo};
 use crate::parameter::{Parameter, Parameters};
 use crate::study::compare::{Subject, TimeSample};
+use crate::study::names::{csv_cell, json_text};
 use crate::study::timing::{FLOORS, MEASURED, PLACE};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::io::Write;
-use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Writes a file through a temporary one in the same folder, which is made if it is missing.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    write_with(path, |file| file.write_all(bytes))
-}
-
-/// Writes a file whole or not at all, as [`write()`] does; `fill` streams the content.
-pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
-    let failed = |e| Error::io("write", path, e);
-    let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
-    fill(file.as_file_mut()).map_err(failed)?;
-    // A temporary file is private; a result is as readable as any other file.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).map_err(failed)?;
-    }
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
+/// Writes a file whole or not at all ([`Inside::write`]); a path is one that the user named.
+pub fn write(to: impl Into<Inside>, bytes: &[u8]) -> Result<()> {
+    to.into().write(bytes)
 }
 
 /// Records as a JSON array, one record a line.
 pub fn json<T: Serialize>(records: &[T]) -> String {
     let lines: Vec<String> =
         records.iter().map(|r| serde_json::to_string(r).unwrap_or_else(|e| e.to_string())).collect();
-    format!("[{}]\n", lines.join(",\n "))
+    json_text(&format!("[{}]\n", lines.join(",\n ")))
 }
 
 /// Rows of cells as CSV.
@@ -47,7 +30,7 @@ pub fn csv(cells: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in cells {
         // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
-        let _ = writer.write_record(row);
+        let _ = writer.write_record(row.iter().map(|cell| csv_cell(cell).into_owned()));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
@@ -56,9 +39,9 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 ///
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] if it holds other records.
-pub fn read_records<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>> {
-    let text = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-    serde_json::from_slice(&text).map_err(|e| Error::malformed(path, None, format!("holds other records: {e}")))
+pub fn read_records<R: DeserializeOwned>(file: &Inside) -> Result<Vec<R>> {
+    serde_json::from_slice(&file.bytes()?)
+        .map_err(|e| Error::malformed(&file.path(), None, format!("holds other records: {e}")))
 }
 
 /// Reads what [`sample_cells`](crate::study::timing::sample_cells) makes, as CSV, now or at an earlier version, whose files have fewer columns.
@@ -66,8 +49,8 @@ pub fn read_records<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>> {
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
 /// or has a time that is no finite number ≥ 0, or if there are no rows.
-pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
-    let text = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+pub fn read_samples(file: &Inside) -> Result<Vec<TimeSample>> {
+    let (path, text) = (&file.path(), file.bytes()?);
     let mut rows = Vec::new();
     let mut reader = csv::Reader::from_reader(&text[..]);
     let headers = reader.headers().map_err(|e| Error::malformed(path, Some(1), e.to_string()))?.clone();
@@ -136,12 +119,9 @@ fn subject(
 ///
 /// # Errors
 /// [`Error::Io`] if it is there and can't be read, [`Error::Malformed`] if it holds no record with a device.
-pub fn read_device(path: &Path) -> Result<Option<DeviceInfo>> {
-    let text = match std::fs::read(path) {
-        Ok(text) => text,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(Error::io("read", path, e)),
-    };
+pub fn read_device(file: &Inside) -> Result<Option<DeviceInfo>> {
+    let Some(text) = file.read()? else { return Ok(None) };
+    let path = &file.path();
     let wrong = |e: serde_json::Error| Error::malformed(path, None, format!("holds no record with a device: {e}"));
     let mut records: serde_json::Value = serde_json::from_slice(&text).map_err(wrong)?;
     let device = records.pointer_mut("/0/device").map(serde_json::Value::take).unwrap_or_default();

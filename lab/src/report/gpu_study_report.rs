@@ -3,6 +3,7 @@
 use super::{files, html};
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
+use crate::inside::Inside;
 use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
@@ -13,7 +14,6 @@ use crate::study::shaders::ShaderRecord;
 use crate::study::steps::StepsRecord;
 use crate::study::table;
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// The messages of the validation layers outside the allow-list.
 pub enum LayerMessages {
@@ -72,10 +72,10 @@ pub struct Findings {
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write(folder: &Path, device: &DeviceInfo, command: &str, times: &DeviceTimes, found: &Findings) -> Result<()> {
+pub fn write(folder: &Inside, device: &DeviceInfo, command: &str, times: &DeviceTimes, found: &Findings) -> Result<()> {
     let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
-    files::write(&folder.join("gpu-study.json"), files::json(&records(device, &rates, found)).as_bytes())?;
-    files::write(&folder.join("index.html"), page(device, command, times, &rates, found).as_bytes())
+    folder.join("gpu-study.json").write(files::json(&records(device, &rates, found)).as_bytes())?;
+    folder.join("index.html").write(page(device, command, times, &rates, found).as_bytes())
 }
 
 fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {

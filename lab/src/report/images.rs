@@ -1,13 +1,15 @@
 //! Images: PNG to look at, EXR to compute with.
 
-use super::files::write;
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
+use crate::inside::Inside;
 use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
 use crate::passes::Content;
 use crate::passes::PathCode;
 use crate::scene::Lens;
-use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
+use crate::scene::bounded;
+use crate::scene::gbuffer_file::{MAX_BYTES, check_claims};
+use crate::scene::texture::{self, Encoding, Texture};
 use crate::stage::Intermediates;
 use crate::study::compare::LinearImage;
 use std::io::Cursor;
@@ -31,21 +33,21 @@ impl Rgb {
     }
 
     /// Writes a PNG.
-    pub fn write_png(&self, path: &Path) -> Result<()> {
-        write_png(path, [self.width, self.height], &self.bytes, image::ExtendedColorType::Rgb8)
+    pub fn write_png(&self, to: impl Into<Inside>) -> Result<()> {
+        write_png(&to.into(), [self.width, self.height], &self.bytes, image::ExtendedColorType::Rgb8)
     }
 }
 
 /// Writes 8-bit RGBA, rows from the top, as it stands.
-pub fn write_rgba_png(path: &Path, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
-    write_png(path, extent, rgba, image::ExtendedColorType::Rgba8)
+pub fn write_rgba_png(to: impl Into<Inside>, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
+    write_png(&to.into(), extent, rgba, image::ExtendedColorType::Rgba8)
 }
 
-fn write_png(path: &Path, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
+fn write_png(to: &Inside, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
     let mut encoded = Cursor::new(Vec::new());
     image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
-        .map_err(|e| Error::io("encode", path, std::io::Error::other(e)))?;
-    write(path, encoded.get_ref())
+        .map_err(|e| Error::io("encode", to.path(), std::io::Error::other(e)))?;
+    to.write(encoded.get_ref())
 }
 
 /// The display image: clamped, sRGB-encoded, no tone mapping.
@@ -62,9 +64,10 @@ pub fn check_extension(path: &Path) -> Result<()> {
 }
 
 /// Writes a linear image by its extension: `.png` (the display image) or `.exr` (32-bit floats).
-pub fn write_image(path: &Path, pixels: &Pixels) -> Result<()> {
-    check_extension(path)?;
-    if is(path, "exr") { write_exr(path, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(path) }
+pub fn write_image(to: impl Into<Inside>, pixels: &Pixels) -> Result<()> {
+    let to = to.into();
+    check_extension(&to.path())?;
+    if is(&to.path(), "exr") { write_exr(to, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(&to) }
 }
 
 fn is(path: &Path, extension: &str) -> bool {
@@ -72,7 +75,7 @@ fn is(path: &Path, extension: &str) -> bool {
 }
 
 /// Writes every channel as 32-bit floats, under the names given.
-pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
+pub fn write_exr(to: impl Into<Inside>, pixels: &Pixels, names: &[&str]) -> Result<()> {
     use exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
     };
@@ -85,30 +88,43 @@ pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
         Encoding::FAST_LOSSLESS,
         AnyChannels::sort(channels),
     );
+    let to = to.into();
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
         // In order, so that equal images are equal files.
         .non_parallel()
         .to_buffered(&mut bytes)
-        .map_err(|e| Error::io("encode", path, std::io::Error::other(e.to_string())))?;
-    write(path, bytes.get_ref())
+        .map_err(|e| Error::io("encode", to.path(), std::io::Error::other(e.to_string())))?;
+    to.write(bytes.get_ref())
 }
+
+/// The most pixels of an image that is compared: of more, the differences alone would take gigabytes.
+const MOST_PIXELS: u64 = 1 << 26;
 
 /// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
 /// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more
-/// than [`MAX_EXTENT`] pixels on a side, which is found out before memory is taken for them.
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`](texture::MAX_EXTENT)
+/// pixels on a side or more than 2²⁶ in all; of an `.exr` this is found out before memory is taken for them.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
     if is(path, "exr") {
         return read_exr(path);
     }
     let Texture { width, height, rgba, .. } = texture::decode(path, Encoding::Srgb)?;
+    check_pixels([width, height], path)?;
     let linear = |byte: u8| srgb_to_linear(f32::from(byte) / 255.0);
     let rgb = rgba.chunks_exact(4).map(|t| [linear(t[0]), linear(t[1]), linear(t[2])]).collect();
     Ok(LinearImage { width, height, rgb })
+}
+
+fn check_pixels([width, height]: [u32; 2], path: &Path) -> Result<()> {
+    if u64::from(width) * u64::from(height) <= MOST_PIXELS {
+        return Ok(());
+    }
+    let message = format!("an image of {width}x{height} pixels; images of at most {MOST_PIXELS} in all are read here");
+    Err(Error::malformed(path, None, message))
 }
 
 /// The channels R, G and B of the first layer that has them.
@@ -122,17 +138,26 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
 ///
 /// # Errors
 /// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, lacks a channel, or has more than
-/// [`MAX_EXTENT`] pixels on a side, which is found out before memory is taken for them.
+/// [`MAX_EXTENT`](texture::MAX_EXTENT) pixels on a side or more than 2²⁶ in all, which is found out before memory is taken for them.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
+    exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
+}
+
+/// Decodes what [`read_exr_channels`] reads.
+///
+/// # Errors
+/// The [`Error::Malformed`] of [`read_exr_channels`].
+pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
-    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
-    let limit = MAX_EXTENT as usize;
-    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
-        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
-    }
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+    check_claims(&meta, bytes.len(), path, "the image")?;
+    // No side is longer than a 32-bit number by now.
+    meta.headers
+        .iter()
+        .map(|h| h.layer_size)
+        .try_for_each(|size| check_pixels([size.0 as u32, size.1 as u32], path))?;
     let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
     // The decoder of single channels takes every channel for one of full resolution.
     if let Some(c) = channels.clone().find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
@@ -158,7 +183,7 @@ pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) ->
         )
         .first_valid_layer()
         .all_attributes()
-        .from_buffered(Cursor::new(&bytes))
+        .from_buffered(Cursor::new(bytes))
         .map_err(unreadable)?
         .layer_data;
     // Both sides are at most MAX_EXTENT, so they fit.
@@ -167,7 +192,7 @@ pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) ->
 }
 
 /// Writes intermediates, each as PNG and EXR.
-pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> Result<()> {
+pub fn write_intermediates(folder: &Inside, all: &Intermediates, lens: &Lens) -> Result<()> {
     for (stem, kind, pixels) in all {
         picture(*kind, pixels, lens).write_png(&folder.join(format!("{stem}.png")))?;
         let names: &[&str] = match kind {

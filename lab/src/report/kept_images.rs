@@ -2,22 +2,22 @@
 //! it.
 
 use super::files;
-use super::images::{read_exr_channels, write_exr};
+use super::images::{exr_channels, write_exr};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Pixels};
+use crate::inside::Inside;
 use crate::methods::MethodInfo;
 use crate::scene::{GBufferData, gbuffer_file};
 use crate::study::agreement::DeviceImage;
-use std::path::{Path, PathBuf};
 
 const COLOR: [&str; 4] = ["R", "G", "B", "A"];
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
 
-fn gbuffer_path(folder: &Path, stem: &str) -> PathBuf {
+fn gbuffer_path(folder: &Inside, stem: &str) -> Inside {
     folder.join(format!("gbuffer-{stem}.exr"))
 }
 
-fn image_path(folder: &Path, method: &str, stem: &str, what: &str) -> PathBuf {
+fn image_path(folder: &Inside, method: &str, stem: &str, what: &str) -> Inside {
     folder.join(format!("{method}-{stem}{what}.exr"))
 }
 
@@ -25,7 +25,7 @@ fn image_path(folder: &Path, method: &str, stem: &str, what: &str) -> PathBuf {
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write_device(folder: &Path, device: &DeviceInfo) -> Result<()> {
+pub fn write_device(folder: &Inside, device: &DeviceInfo) -> Result<()> {
     files::write(&folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
 }
 
@@ -33,21 +33,20 @@ pub fn write_device(folder: &Path, device: &DeviceInfo) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Io`] for a file that cannot be read, [`Error::Malformed`] for one that says something else.
-pub fn read_device(folder: &Path) -> Result<DeviceInfo> {
+pub fn read_device(folder: &Inside) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
-    let text = std::fs::read_to_string(&path).map_err(|e| Error::io("read", &path, e))?;
-    let all: Vec<DeviceInfo> =
-        serde_json::from_str(&text).map_err(|e| Error::malformed(&path, None, format!("names no device: {e}")))?;
-    all.into_iter().next().ok_or_else(|| Error::malformed(&path, None, "names no device".to_owned()))
+    let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));
+    let all: Vec<DeviceInfo> = serde_json::from_slice(&path.bytes()?).map_err(|e| wrong(format!(": {e}")))?;
+    all.into_iter().next().ok_or_else(|| wrong(String::new()))
 }
 
 /// Writes a G-buffer and what methods made of it; `stem` tells several of a folder apart.
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write(folder: &Path, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
+pub fn write(folder: &Inside, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
     let path = gbuffer_path(folder, stem);
-    files::write(&path, &gbuffer_file::encode(data, &path)?)?;
+    path.write(&gbuffer_file::encode(data, &path.path())?)?;
     for DeviceImage { method, reflection, hits } in made {
         write_exr(&image_path(folder, method.name, stem, ""), reflection, &COLOR)?;
         if let Some(hits) = hits {
@@ -61,8 +60,9 @@ pub fn write(folder: &Path, stem: &str, data: &GBufferData, made: &[DeviceImage]
 ///
 /// # Errors
 /// Errors of [`gbuffer_file::load`].
-pub fn read_gbuffer(folder: &Path, stem: &str) -> Result<GBufferData> {
-    gbuffer_file::load(&gbuffer_path(folder, stem))
+pub fn read_gbuffer(folder: &Inside, stem: &str) -> Result<GBufferData> {
+    let path = gbuffer_path(folder, stem);
+    gbuffer_file::decode(&path.bytes()?, &path.path())
 }
 
 /// Reads what methods made of the G-buffer; those of which the folder has nothing are left out.
@@ -70,20 +70,22 @@ pub fn read_gbuffer(folder: &Path, stem: &str) -> Result<GBufferData> {
 /// # Errors
 /// [`Error::Malformed`] for a file that cannot be read as such an image, or is of another size than the G-buffer.
 pub fn read(
-    folder: &Path,
+    folder: &Inside,
     stem: &str,
     data: &GBufferData,
     methods: &[&'static MethodInfo],
 ) -> Result<Vec<DeviceImage>> {
     let read = |method: &MethodInfo, what: &str, [x, y, z, w]: [&str; 4]| -> Result<Option<Pixels>> {
         let path = image_path(folder, method.name, stem, what);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let pixels = read_exr_channels(&path, [x, y, z], Some(w))?;
+        let Some(bytes) = path.read()? else { return Ok(None) };
+        let pixels = exr_channels(&bytes, &path.path(), [x, y, z], Some(w))?;
         if [pixels.width, pixels.height] != [data.width, data.height] {
             let (width, height) = (data.width, data.height);
-            return Err(Error::malformed(&path, None, format!("its G-buffer has another size, {width}x{height}")));
+            return Err(Error::malformed(
+                path.path(),
+                None,
+                format!("its G-buffer has another size, {width}x{height}"),
+            ));
         }
         Ok(Some(pixels))
     };

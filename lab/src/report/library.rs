@@ -5,13 +5,13 @@ use super::files;
 use super::run_folder::{JOURNAL, is_finished};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
+use crate::inside::Inside;
 use crate::study::compare;
 use crate::study::library::changes::totals_only;
 use crate::study::library::read::{self, KINDS, ReadRecord};
 use crate::study::library::{DatedBy, LibraryRun, Measurement, Quantity, RecordFile, Setting};
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::fs::DirEntry;
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 use time::{Date, OffsetDateTime};
@@ -42,10 +42,11 @@ pub struct Library {
 /// [`Error::Io`] if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
     // That a folder below cannot be read is a part of the answer; that the root cannot is an error.
-    std::fs::read_dir(root).map_err(|e| Error::io("read", root, e))?;
+    let inside = Inside::folder(root);
+    inside.list()?;
     let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
-    let mut folders = folders(root, &mut library.unreadable);
+    let mut folders = folders(&inside, &mut library.unreadable);
     join_error_folders(&mut folders);
     // The page in the root is the library's, and belongs to no run.
     folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
@@ -63,29 +64,24 @@ pub fn scan(root: &Path) -> Result<Library> {
     Ok(library)
 }
 
-/// Every folder from a root down, with its files.
-fn folders(root: &Path, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
+/// Every folder from a root down, with whatever else than folders is in it.
+fn folders(root: &Inside, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut found = BTreeMap::new();
-    let mut left = vec![root.to_owned()];
+    let mut left = vec![root.clone()];
     while let Some(folder) = left.pop() {
-        let entries: std::io::Result<Vec<DirEntry>> = std::fs::read_dir(&folder).and_then(Iterator::collect);
-        let entries = match entries {
-            Ok(entries) => entries,
+        let all = match folder.list() {
+            Ok(all) => all,
             Err(e) => {
-                unreadable.push((relative(root, &folder), e.to_string()));
+                unreadable.push((relative(&root.path(), &folder.path()), e.to_string()));
                 continue;
             }
         };
-        let mut files = Vec::new();
-        for entry in entries.iter().filter(|entry| !entry.file_name().to_string_lossy().starts_with('.')) {
-            match entry.file_type() {
-                Ok(kind) if kind.is_dir() => left.push(entry.path()),
-                Ok(kind) if kind.is_symlink() && entry.path().is_dir() => {}
-                _ => files.push(entry.path()),
-            }
-        }
-        files.sort();
-        found.insert(folder, files);
+        let (below, others): (Vec<_>, Vec<_>) =
+            all.iter().filter(|listed| !listed.name.starts_with('.')).partition(|listed| listed.is_folder);
+        left.extend(below.iter().map(|listed| folder.join(&listed.name)));
+        let files = others.iter().map(|listed| folder.join(&listed.name).path());
+        // Links to folders are not followed.
+        found.insert(folder.path(), files.filter(|path| !path.is_dir()).collect());
     }
     found
 }
@@ -131,8 +127,8 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
             Err(why) => wrong.push(why),
         }
     }
-    let journal = folder.join(JOURNAL);
-    let unfinished = journal.is_file() && !is_finished(&journal);
+    let inside = Inside::folder(folder);
+    let unfinished = inside.join(JOURNAL).is_there() && !is_finished(&inside).unwrap_or(false);
     if all.files.is_empty() {
         return match (wrong.is_empty(), unfinished) {
             (false, _) => Found::Unreadable(wrong.join("; ")),
@@ -171,7 +167,8 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let must = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
-    let content = std::fs::read(path)
+    let content = Inside::file(path)
+        .bytes()
         .map_err(|e| e.to_string())
         .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
     match content {
@@ -256,8 +253,8 @@ impl Gathered {
 
 /// The totals of a run's raw samples, if it has any.
 fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::Run>> {
-    let path = folder.join(SAMPLES);
-    if !path.is_file() {
+    let file = Inside::folder(folder).join(SAMPLES);
+    if file.open()?.is_none() {
         return Ok(None);
     }
     // The samples do not name their device. Of several devices, it is not known which one they are from.
@@ -265,7 +262,7 @@ fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::
         [one] => Some(one.clone()),
         _ => None,
     };
-    let run = compare::Run { name: name.to_owned(), device, samples: files::read_samples(&path)? };
+    let run = compare::Run { name: name.to_owned(), device, samples: files::read_samples(&file)? };
     Ok(Some(totals_only(run)))
 }
 

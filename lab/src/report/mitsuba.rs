@@ -6,9 +6,9 @@
 //! mirrors x to make up for it. `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know
 //! the environment, so a surface that shows it counts as a lit one here, in the answer as well.
 
-use super::files::write;
 use super::images::write_rgba_png;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
 use crate::reference::world::{RAY_START_M, WorldReference};
@@ -18,7 +18,6 @@ use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// What is exported.
 pub struct Export<'a> {
@@ -51,7 +50,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// [`Error::Usage`] for an orthographic camera, and errors of writing files.
-pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
+pub fn export(folder: &Inside, what: &Export) -> Result<Exported> {
     let fov_y_radians = what.camera.lens.fov_y_radians().ok_or_else(|| {
         let message = "scenes are exported for Mitsuba with perspectives alone, and this camera is orthographic";
         Error::Usage(message.into())
@@ -64,9 +63,9 @@ pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
     let mut state = reference.start();
     reference.add(&mut state, what.samples);
 
-    write(&folder.join("scene.xml"), scene_xml(what, fov_y_radians, &materials).as_bytes())?;
+    folder.join("scene.xml").write(scene_xml(what, fov_y_radians, &materials).as_bytes())?;
     for (i, mesh) in what.scene.meshes.iter().enumerate() {
-        write(&folder.join(mesh_file(i)), &ply(mesh))?;
+        folder.join(mesh_file(i)).write(&ply(mesh))?;
     }
     for (i, texture) in what.scene.textures.iter().enumerate() {
         write_rgba_png(&folder.join(texture_file(i)), [texture.width, texture.height], &texture.rgba)?;
@@ -82,7 +81,7 @@ pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
     arrays.i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
     arrays.tangents(&what.scene.meshes)?;
     let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
-    write(&folder.join("truth.json"), text.as_bytes())?;
+    folder.join("truth.json").write(text.as_bytes())?;
     Ok(Exported {
         triangles: what.scene.triangle_count(),
         receivers: reflecting.len(),
@@ -206,7 +205,7 @@ fn description(what: &Export, materials: &[Material]) -> Value {
 }
 
 /// The folder of the arrays.
-struct Arrays<'a>(&'a Path);
+struct Arrays<'a>(&'a Inside);
 
 impl Arrays<'_> {
     /// What each pixel's centre sees: direction, mesh and triangle (−1: none), position, lit colour.
@@ -282,7 +281,7 @@ impl Arrays<'_> {
         bytes.extend((header.len() as u16).to_le_bytes());
         bytes.extend(header.into_bytes());
         bytes.extend(content);
-        write(&self.0.join(format!("{name}.npy")), &bytes)
+        self.0.join(format!("{name}.npy")).write(&bytes)
     }
 }
 

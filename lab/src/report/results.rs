@@ -9,6 +9,7 @@ use super::plot::{self, DrawnChart};
 use super::{clips, files, tables};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Pixels};
+use crate::inside::Inside;
 use crate::study::cell_list::CellList;
 use crate::study::columns::Columns;
 use crate::study::engine::Row;
@@ -55,15 +56,15 @@ impl<R: Row> Results<'_, R> {
     ///
     /// # Errors
     /// [`Error::Io`] with the file that cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<()> {
+    pub fn write(&self, folder: &Inside) -> Result<()> {
         let apart = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
         for (n, (device, rows)) in apart.iter().enumerate() {
-            let own = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.to_owned() };
+            let own = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
             let mut part = self.part(&own, device, rows)?;
             self.write_part(&own, rows, &part)?;
             if apart.len() > 1 {
-                files::write(&own.join(PAGE), self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
+                own.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
                 let place = device_folder(n).to_string_lossy().replace('\\', "/");
                 let clips = part.clips.iter_mut().flat_map(|group| &mut group.clips);
                 clips.for_each(|clip| clip.file = format!("{place}/{}", clip.file));
@@ -72,25 +73,25 @@ impl<R: Row> Results<'_, R> {
             parts.push(part);
         }
         if apart.len() != 1 {
-            files::write(&folder.join(format!("{}.json", R::KIND)), self.json().as_bytes())?;
-            files::write(&folder.join(format!("{}.txt", R::KIND)), self.text().as_bytes())?;
+            folder.join(format!("{}.json", R::KIND)).write(self.json().as_bytes())?;
+            folder.join(format!("{}.txt", R::KIND)).write(self.text().as_bytes())?;
         }
-        files::write(&folder.join(PAGE), self.page(self.rows, &parts).as_bytes())
+        folder.join(PAGE).write(self.page(self.rows, &parts).as_bytes())
     }
 
-    fn part(&self, folder: &Path, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
-        let failed = |e: String| Error::io("draw the charts of", folder, std::io::Error::other(e));
+    fn part(&self, folder: &Inside, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
+        let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
         // An interrupted run may lack the pictures of what it measured.
-        clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_file()));
+        clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_there()));
         let charts = plot::drawn(rows).map_err(failed)?;
         let tables = R::tables(rows, &self.list.settings);
         Ok(DevicePart { device: device.clone(), folder: None, charts, tables, clips })
     }
 
     /// The files of one device, but for the page.
-    fn write_part(&self, folder: &Path, rows: &[R], part: &DevicePart) -> Result<()> {
-        let write = |name: &str, text: &str| files::write(&folder.join(name), text.as_bytes());
+    fn write_part(&self, folder: &Inside, rows: &[R], part: &DevicePart) -> Result<()> {
+        let write = |name: &str, text: &str| folder.join(name).write(text.as_bytes());
         for (stem, rows) in R::files(rows) {
             write(&format!("{stem}.json"), &files::json(&rows))?;
         }
@@ -160,7 +161,7 @@ fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be written, and for a film that is too large for its format.
-pub fn keep(folder: &Path, file: &ExtraFile) -> Result<()> {
+pub fn keep(folder: &Inside, file: &ExtraFile) -> Result<()> {
     let path = folder.join(&file.path);
     match &file.content {
         Content::Picture([width, height], bytes) => {
@@ -172,7 +173,7 @@ pub fn keep(folder: &Path, file: &ExtraFile) -> Result<()> {
         }
         Content::Film(film, frames_per_second) => {
             let encoded = clips::animated(film, *frames_per_second);
-            files::write(&path, &encoded.map_err(|e| Error::io("encode", &path, std::io::Error::other(e)))?)
+            path.write(&encoded.map_err(|e| Error::io("encode", path.path(), std::io::Error::other(e)))?)
         }
     }
 }

@@ -1,13 +1,14 @@
 //! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
 
-use super::files;
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::study::cell_list::CellList;
 use crate::study::journal::{self, Journal};
-use crate::study::merge::MergeInput;
-use std::fs::{File, OpenOptions, TryLockError};
+use crate::study::merge::{Line, MergeInput};
+use std::collections::BTreeSet;
+use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The journal's file, one entry a line.
 pub const JOURNAL: &str = "journal.jsonl";
@@ -15,19 +16,25 @@ pub const JOURNAL: &str = "journal.jsonl";
 /// The file with the list of the run's cells.
 pub const CELLS: &str = "cells.json";
 
+/// The most samples that all results of a run that is read may have together.
+const MOST_SAMPLES: u64 = 100_000_000;
+
 /// Its last line once all is done.
 const FINISHED: &str = "{\"finished\":true}";
 
-/// Whether the last line of a journal says that its run was finished; false if the journal cannot be read.
-pub fn is_finished(journal: &Path) -> bool {
-    let text = std::fs::read(journal).unwrap_or_default();
-    String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED)
+/// Whether the last line of a folder's journal says that its run was finished; false if there is no journal.
+///
+/// # Errors
+/// Those of [`Inside::read`].
+pub fn is_finished(folder: &Inside) -> Result<bool> {
+    let text = folder.join(JOURNAL).read()?.unwrap_or_default();
+    Ok(String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED))
 }
 
 /// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
 /// back.
 pub struct Claim {
-    folder: PathBuf,
+    folder: Inside,
     _lock: File,
 }
 
@@ -37,11 +44,9 @@ impl Claim {
     /// # Errors
     /// [`Error::Io`] for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
     pub fn new(folder: &Path) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
-        tempfile::Builder::new()
-            .prefix(".ssct-")
-            .tempfile_in(folder)
-            .map_err(|e| Error::io("write into", folder, e))?;
+        let inside = Inside::folder(folder);
+        inside.make()?;
+        inside.check_writable()?;
         let lock = lockable(folder).map_err(|e| Error::io("open", folder, e))?;
         match lock.try_lock() {
             // Where a file system has no locks, runs must keep apart by themselves.
@@ -50,7 +55,7 @@ impl Claim {
             Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
             Ok(()) => {}
         }
-        Ok(Self { folder: folder.to_owned(), _lock: lock })
+        Ok(Self { folder: inside, _lock: lock })
     }
 
     /// The folder's journal: with `resume` it goes on from what the folder has, else it begins anew.
@@ -59,21 +64,32 @@ impl Claim {
     /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
     /// that cannot be read or written.
     pub fn journal(&self, resume: bool) -> Result<Journal> {
-        let path = self.folder.join(JOURNAL);
-        let text = journal_bytes(&path)?;
+        let place = self.folder.join(JOURNAL);
+        let text = place.read()?.unwrap_or_default();
         // A run that was killed while it wrote left a line without an end.
-        let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
+        let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1);
         let text = String::from_utf8_lossy(&text[..whole]).into_owned();
         let unfinished = text.lines().next_back().is_some_and(|last| last != FINISHED);
         if !resume && unfinished {
-            return Err(Error::Unfinished { folder: self.folder.clone(), journal: path });
+            return Err(Error::Unfinished { folder: self.folder.path(), journal: place.path() });
         }
-        let failed = |e| Error::io("write", &path, e);
-        let mut file =
-            OpenOptions::new().create(true).append(true).open(&path).map_err(|e| Error::io("write", &path, e))?;
-        file.set_len(if resume { whole as u64 } else { 0 }).map_err(failed)?;
-        let known = if resume { text.as_str() } else { "" };
-        let to = path.clone();
+        self.begun(if resume { whole } else { 0 }, if resume { text.as_str() } else { "" })
+    }
+
+    /// A journal that begins anew, whatever the folder has.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be written.
+    pub fn new_journal(&self) -> Result<Journal> {
+        self.begun(0, "")
+    }
+
+    /// A journal whose file keeps its first bytes, which hold the lines that are known.
+    fn begun(&self, bytes: usize, known: &str) -> Result<Journal> {
+        let place = self.folder.join(JOURNAL);
+        let mut file = place.append()?;
+        file.set_len(bytes as u64).map_err(|e| Error::io("write", place.path(), e))?;
+        let to = place.path();
         let sink =
             move |line: &str| file.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::io("write", &to, e));
         Ok(Journal::resume(known.lines(), Some(Box::new(sink))))
@@ -84,9 +100,9 @@ impl Claim {
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
     pub fn list(&self, cells: &CellList) -> Result<()> {
-        let text =
-            serde_json::to_string_pretty(cells).map_err(|e| Error::io("write", self.folder.join(CELLS), e.into()))?;
-        files::write(&self.folder.join(CELLS), format!("{text}\n").as_bytes())
+        let text = serde_json::to_string_pretty(cells)
+            .map_err(|e| Error::io("write", self.folder.join(CELLS).path(), e.into()))?;
+        self.folder.join(CELLS).write(format!("{text}\n").as_bytes())
     }
 
     /// Notes that the run is finished, so that the next may begin anew.
@@ -94,9 +110,9 @@ impl Claim {
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
     pub fn finish(&self) -> Result<()> {
-        let path = self.folder.join(JOURNAL);
-        let mut file = OpenOptions::new().append(true).open(&path).map_err(|e| Error::io("write", &path, e))?;
-        file.write_all(format!("{FINISHED}\n").as_bytes()).map_err(|e| Error::io("write", &path, e))
+        let place = self.folder.join(JOURNAL);
+        let line = format!("{FINISHED}\n");
+        place.append()?.write_all(line.as_bytes()).map_err(|e| Error::io("write", place.path(), e))
     }
 }
 
@@ -106,6 +122,10 @@ impl Claim {
 /// [`Error::Busy`] if a run is going on in the folder, [`Error::Io`] for files that cannot be read,
 /// [`Error::Malformed`] if the list of cells is missing or cannot be read.
 pub fn read(folder: &Path) -> Result<MergeInput> {
+    // A pipe in place of a folder would be waited for.
+    if !std::fs::metadata(folder).map_err(|e| Error::io("read", folder, e))?.is_dir() {
+        return Err(Error::malformed(folder, None, "is no folder of a run"));
+    }
     let _lock = match File::open(folder) {
         // Several processes may read at once. Without locks, or where a folder cannot be opened as a file, a run that
         // is going on is not noticed.
@@ -116,30 +136,39 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
         Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::io("read", folder, e)),
         Err(_) => None,
     };
-    let path = folder.join(CELLS);
-    let text = match std::fs::read(&path) {
-        Ok(text) => text,
-        Err(e) if e.kind() == ErrorKind::NotFound => {
-            let what = "does not say which cells it has (no cells.json): it is no folder of a run that can be merged";
-            return Err(Error::malformed(folder, None, what));
-        }
-        Err(e) => return Err(Error::io("read", &path, e)),
+    let inside = Inside::folder(folder);
+    let Some(text) = inside.join(CELLS).read()? else {
+        let what = "does not say which cells it has (no cells.json): it is no folder of a run that can be merged";
+        return Err(Error::malformed(folder, None, what));
     };
-    let cells = serde_json::from_slice(&text)
-        .map_err(|e| Error::malformed(&path, Some(e.line()), format!("is no list of cells: {e}")))?;
-    let bytes = journal_bytes(&folder.join(JOURNAL))?;
+    let wrong = |e: serde_json::Error| {
+        Error::malformed(inside.join(CELLS).path(), Some(e.line()), format!("is no list of cells: {e}"))
+    };
+    let cells: CellList = serde_json::from_slice(&text).map_err(wrong)?;
+    // Rows are made of as many samples as the settings say.
+    let asked = ["samples", "frames"].into_iter().filter_map(|name| cells.settings.get(name)?.as_u64()).max();
+    let results = cells.cells.iter().map(|cell| cell.results.len() as u64).sum::<u64>().max(1);
+    if let Some(asked) = asked.filter(|asked| asked.saturating_mul(results) > MOST_SAMPLES) {
+        let message = format!(
+            "its settings ask for {asked} samples of each of {results} result(s); at most {MOST_SAMPLES} in all are read"
+        );
+        return Err(Error::malformed(inside.join(CELLS).path(), None, message));
+    }
+    let bytes = inside.join(JOURNAL).read()?.unwrap_or_default();
     let text = String::from_utf8_lossy(&bytes);
-    let lines = text.lines().filter(|line| journal::key_of(line).is_some()).map(str::to_owned).collect();
+    let is_entry = |(_, line): &(usize, &str)| journal::key_of(line).is_some();
+    let numbered = text.lines().enumerate().filter(is_entry);
+    let lines = numbered.map(|(n, line)| Line { number: n + 1, text: line.to_owned() }).collect();
     Ok(MergeInput { folder: folder.to_owned(), cells, journal: Journal::resume(text.lines(), None), lines })
 }
 
-/// The content of a journal's file; nothing if there is none.
-fn journal_bytes(path: &Path) -> Result<Vec<u8>> {
-    match std::fs::read(path) {
-        Ok(bytes) => Ok(bytes),
-        Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-        Err(e) => Err(Error::io("read", path, e)),
-    }
+/// The keys of everything that the journal of a folder has, for whoever is about to write over it.
+///
+/// # Errors
+/// Those of [`Inside::read`].
+pub fn keys(folder: &Inside) -> Result<BTreeSet<String>> {
+    let bytes = folder.join(JOURNAL).read()?.unwrap_or_default();
+    Ok(String::from_utf8_lossy(&bytes).lines().filter_map(journal::key_of).collect())
 }
 
 /// What is locked: the folder itself, which leaves nothing behind.
@@ -151,7 +180,7 @@ fn lockable(folder: &Path) -> std::io::Result<File> {
 /// What is locked: a file in it, where a folder cannot be.
 #[cfg(not(unix))]
 fn lockable(folder: &Path) -> std::io::Result<File> {
-    OpenOptions::new().create(true).append(true).open(folder.join(".ssct-lock"))
+    Inside::folder(folder).join(".ssct-lock").append().map_err(std::io::Error::other)
 }
 
 #[cfg(test)]

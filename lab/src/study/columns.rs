@@ -3,7 +3,7 @@
 //! which is kept apart by device. Tables, CSV files and the comparison of shards follow from that.
 
 use crate::metrics::HitAgreement;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// A value of a column.
@@ -165,11 +165,13 @@ pub struct ColumnSet<R> {
     pub series: Option<Series<R>>,
     /// The fields of records, at whatever depth, that are times.
     pub times: BTreeSet<&'static str>,
+    /// The fields of records, at whatever depth, with the least and the greatest number that each can be.
+    pub ranges: BTreeMap<&'static str, [f64; 2]>,
 }
 
 impl<R> Default for ColumnSet<R> {
     fn default() -> Self {
-        Self { columns: Vec::new(), series: None, times: BTreeSet::new() }
+        Self { columns: Vec::new(), series: None, times: BTreeSet::new(), ranges: BTreeMap::new() }
     }
 }
 
@@ -184,16 +186,20 @@ pub struct Scalar {
     title: &'static str,
     form: Form,
     is_time: bool,
+    range: [f64; 2],
 }
+
+/// What numbers can be unless their column says otherwise.
+const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 
 /// A figure, which is equal to the bit on every machine; `title` is its header in tables, where it has one.
 pub const fn figure(title: &'static str) -> Scalar {
-    Scalar { title, form: Form { digits: 4, is_share: false }, is_time: false }
+    Scalar { title, form: Form { digits: 4, is_share: false }, is_time: false, range: NOT_NEGATIVE }
 }
 
 /// A time, or what follows from times, which is kept apart by device.
 pub const fn time(title: &'static str) -> Scalar {
-    Scalar { title, form: Form { digits: 3, is_share: false }, is_time: true }
+    Scalar { title, form: Form { digits: 3, is_share: false }, is_time: true, range: NOT_NEGATIVE }
 }
 
 impl Scalar {
@@ -206,6 +212,13 @@ impl Scalar {
     /// A share, which tables show in percent.
     pub const fn share(mut self) -> Self {
         self.form.is_share = true;
+        self.range = [0.0, 1.0];
+        self
+    }
+
+    /// A number that may be negative.
+    pub const fn signed(mut self) -> Self {
+        self.range = [f64::NEG_INFINITY, f64::INFINITY];
         self
     }
 
@@ -219,6 +232,7 @@ impl Scalar {
         if self.is_time {
             to.times.insert(name);
         }
+        to.ranges.insert(name, self.range);
         let (name, title) = (name.to_owned(), self.title.to_owned());
         let form = self.form;
         let value: Value<R> = Rc::new(move |row| get(row).datum());
@@ -251,6 +265,7 @@ impl Part {
     ) {
         let own = T::columns();
         to.times.extend(own.times);
+        to.ranges.extend(own.ranges);
         to.columns.extend(own.columns.iter().map(|column| {
             let mut column = column.within(get);
             if let Some(title) = self.prefix {
@@ -301,6 +316,7 @@ impl List {
     ) {
         let own = T::columns();
         to.times.extend(own.times);
+        to.ranges.extend(own.ranges);
         let names = own.columns.iter().map(|c| c.name.clone()).collect();
         let columns = own.columns;
         let items = move |row: &R| {

@@ -5,15 +5,19 @@
 use super::cell_list::{CellList, CellListHead, ListedResult, PlannedCell};
 use super::columns::Columns;
 use super::exhibit::{Chart, ClipGroup, ExtraFile, Sheet, Table};
-use super::journal::{Journal, digest, scene_digest};
+use super::interleave;
+use super::journal::{self, Journal, digest, scene_digest};
+use super::merge::MergeInput;
 use super::record::{DEFINITIONS, Provenance};
 use super::shard::Shard;
+use super::sound;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::scene::Scene;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// A study: cells that are measured one after the other.
 pub trait Study {
@@ -116,14 +120,14 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
         None
     }
 
-    /// Whether a journal has all of a result.
+    /// Whether a journal has all of a result, in a form that can be read.
     fn is_whole(_list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
-        journal.has(&of.key)
+        kept::<Self>(journal, &of.key).is_some()
     }
 
     /// The rows of a result, as far as a journal has it.
     fn read(_list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
-        journal.get(&of.key).unwrap_or_default()
+        kept(journal, &of.key).unwrap_or_default()
     }
 }
 
@@ -219,6 +223,63 @@ pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> R
         }
     }
     Ok(())
+}
+
+/// The rows that a journal keeps under a key; `None` if it keeps none there, or none that can be.
+pub fn kept<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
+    journal.value(key).and_then(|value| rows_of(value).ok())
+}
+
+/// The rows that a value of a journal is.
+///
+/// # Errors
+/// Why it is none, as the end of a sentence about it.
+pub fn rows_of<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
+    let rows = Vec::deserialize(value).map_err(|e| format!("is no list of records of this study: {e}"))?;
+    value.as_array().into_iter().flatten().find_map(sound::fault::<R>).map_or(Ok(rows), Err)
+}
+
+/// The keys of a list's results, and whether a key of a journal is that of a sample of one of them: it begins with the key of
+/// the result, and one or two words follow.
+fn keys_of(list: &CellList) -> (HashSet<&str>, impl Fn(&str) -> bool) {
+    let of_results = || list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str());
+    let (keys, known): (HashSet<&str>, HashSet<&str>) = (of_results().collect(), of_results().collect());
+    (keys, move |key| key.rmatch_indices(' ').take(2).any(|(end, _)| known.contains(&key[..end])))
+}
+
+/// The keys of what a journal has of a list and what cannot be read: it is measured again.
+pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
+    let (keys, is_sample) = keys_of(list);
+    let is_unread = |key: &&str| match journal.value(key) {
+        Some(value) if keys.contains(key) => rows_of::<R>(value).is_err(),
+        Some(value) if R::IS_SAMPLED && is_sample(key) => interleave::sample_of(value).is_err(),
+        _ => false,
+    };
+    let mut found: Vec<String> = journal.keys().filter(is_unread).map(str::to_owned).collect();
+    found.sort_unstable();
+    found
+}
+
+/// Checks every entry that a run's journal has of its results, and the rows that follow from them.
+///
+/// # Errors
+/// The line, if it is known, and why what it says cannot be, as the end of a sentence about it.
+pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usize>, String)> {
+    let (keys, is_sample) = keys_of(&input.cells);
+    for line in &input.lines {
+        let Some((key, value)) = journal::entry(&line.text) else { continue };
+        let wrong = |why: String| (Some(line.number), format!("the value of {key:?} {why}"));
+        if keys.contains(key.as_str()) {
+            rows_of::<R>(&value).map_err(wrong)?;
+        } else if R::IS_SAMPLED && is_sample(&key) {
+            interleave::sample_of(&value).map_err(wrong)?;
+        }
+    }
+    // What the list of cells says of samples becomes rows, too.
+    let results = input.cells.cells.iter().flat_map(|cell| &cell.results);
+    let rows = results.flat_map(|result| R::read(&input.cells, result, &input.journal));
+    let fault = rows.map(|row| json!(row)).find_map(|row| sound::fault::<R>(&row));
+    fault.map_or(Ok(()), |why| Err((None, format!("a record that follows from its cells {why}"))))
 }
 
 /// The rows of everything that a journal has of a run, in the order of the list.

@@ -14,7 +14,7 @@ pub use self::pictures::{flip_file, picture_file};
 pub use self::row::{Against, ErrorRecord, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
-use super::interleave::{Round, Sample, interleave};
+use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
 use super::record::{Of, Stats};
 use crate::error::Result;
@@ -288,7 +288,7 @@ fn totals(
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, shots, &rounds, &key, journal, go_on)?;
-    let total = |m: usize, n: usize| journal.get::<Sample>(&key(m, &n.to_string())).map(|s| s.effect_ms());
+    let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
 }

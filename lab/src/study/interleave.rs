@@ -2,6 +2,7 @@
 //! them alike. Each frame that counts goes into the journal as soon as it is measured.
 
 use super::journal::Journal;
+use super::sound;
 use super::zones::Zones;
 use crate::error::Result;
 use crate::gpu::FrameReport;
@@ -10,6 +11,7 @@ use crate::passes::gbuffer::Drawn;
 use crate::scene::Camera;
 use crate::stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// A frame as the journal keeps it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -25,6 +27,20 @@ impl Sample {
     pub fn effect_ms(&self) -> f64 {
         self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
     }
+}
+
+/// The sample that a journal keeps under a key; `None` if it keeps none there, or none that can be.
+pub fn kept(journal: &Journal, key: &str) -> Option<Sample> {
+    journal.value(key).and_then(|value| sample_of(value).ok())
+}
+
+/// The sample that a value of a journal is.
+///
+/// # Errors
+/// Why it is none, as the end of a sentence about it.
+pub fn sample_of(value: &Value) -> std::result::Result<Sample, String> {
+    let sample = Sample::deserialize(value).map_err(|e| format!("is no sample of times: {e}"))?;
+    sound::fault_of_sample(value).map_or(Ok(sample), Err)
 }
 
 /// A frame of every shot.
@@ -68,14 +84,14 @@ pub fn interleave(
 ) -> Result<()> {
     let zones = Zones::begin();
     let lacks = |journal: &Journal, shot: usize| {
-        rounds.iter().filter_map(|r| r.label.as_deref()).any(|label| !journal.has(&key(shot, label)))
+        rounds.iter().filter_map(|r| r.label.as_deref()).any(|label| kept(journal, &key(shot, label)).is_none())
     };
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
     for (n, round) in rounds.iter().enumerate() {
         for turn in 0..shots.len() {
             let shot = shot_at(n, turn, shots.len());
             let key = round.label.as_deref().map(|label| key(shot, label));
-            if lacking[shot] && !key.as_ref().is_some_and(|key| journal.has(key)) {
+            if lacking[shot] && !key.as_ref().is_some_and(|key| kept(journal, key).is_some()) {
                 if let Some(camera) = round.camera {
                     shots[shot].camera = camera;
                 }

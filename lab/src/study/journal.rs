@@ -38,6 +38,11 @@ impl Journal {
         self.known.contains_key(key)
     }
 
+    /// The keys of everything that is known.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.known.keys().map(String::as_str)
+    }
+
     /// A known result, as the journal keeps it.
     pub fn value(&self, key: &str) -> Option<&Value> {
         self.known.get(key)
@@ -71,7 +76,7 @@ impl Journal {
 }
 
 /// Key and value of a line; `None` of a line that is no entry.
-fn entry(line: &str) -> Option<(String, Value)> {
+pub fn entry(line: &str) -> Option<(String, Value)> {
     let mut entry: Value = serde_json::from_str(line).ok()?;
     Some((entry["key"].as_str()?.to_owned(), entry.get_mut("value")?.take()))
 }

@@ -18,7 +18,16 @@ pub struct MergeInput {
     /// The journal of the run.
     pub journal: Journal,
     /// The lines of the journal that are entries, in order.
-    pub lines: Vec<String>,
+    pub lines: Vec<Line>,
+}
+
+/// A line of a journal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Line {
+    /// Its number, counted from 1.
+    pub number: usize,
+    /// What it says, without its end.
+    pub text: String,
 }
 
 /// Several runs as one.
@@ -87,7 +96,7 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
         }
     }
     let mut seen = HashSet::new();
-    let all = inputs.iter().flat_map(|input| &input.lines);
+    let all = inputs.iter().flat_map(|input| &input.lines).map(|line| &line.text);
     let lines: Vec<String> = all.filter(|line| key_of(line).is_some_and(|key| seen.insert(key))).cloned().collect();
     let journal = Journal::resume(lines.iter().map(String::as_str), None);
     let (mut results, mut missing) = (Vec::new(), Vec::new());
@@ -236,7 +245,11 @@ mod tests {
         };
         let lines: Vec<String> = errors.iter().enumerate().map(line).collect();
         let journal = Journal::resume(lines.iter().map(String::as_str), None);
-        MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines }
+        MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines: numbered(lines) }
+    }
+
+    fn numbered(lines: Vec<String>) -> Vec<Line> {
+        lines.into_iter().enumerate().map(|(n, text)| Line { number: n + 1, text }).collect()
     }
 
     const KIND: ResultKind =
@@ -269,7 +282,7 @@ mod tests {
             folder: "AB".into(),
             journal: Journal::resume(two.lines.iter().map(String::as_str), None),
             cells: two.cells.clone(),
-            lines: two.lines.clone(),
+            lines: numbered(two.lines.clone()),
         };
         let both = merge(&[again, input("B", "y", &all[1..])], KIND).expect("they agree");
         assert_eq!((both.results, both.cells), (two.results, two.cells));

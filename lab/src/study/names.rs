@@ -20,7 +20,7 @@ pub fn roughness(value: Option<f32>) -> String {
 /// name that had to be changed ends in a digest of what it was, so that different names stay different.
 pub fn safe_word(name: &str) -> Cow<'_, str> {
     const MOST_BYTES: usize = 64;
-    let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|%#"#.contains(c);
+    let is_safe = |c: char| !is_obeyed(c) && !r#"/\:*?"<>|%#"#.contains(c);
     if !name.is_empty() && name.len() <= MOST_BYTES && !name.starts_with('.') && name.chars().all(is_safe) {
         return name.into();
     }
@@ -35,6 +35,50 @@ pub fn safe_word(name: &str) -> Cow<'_, str> {
     word.push('-');
     word.extend(digest.iter().take(4).map(|byte| format!("{byte:02x}")));
     word.into()
+}
+
+/// Whether a character is obeyed by whoever shows a text, instead of being shown: control characters, ends of lines, and
+/// what turns the direction in which a text runs.
+pub fn is_obeyed(c: char) -> bool {
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || turns || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+/// A text with a mark in the place of some characters.
+pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_unsafe) {
+        return text.into();
+    }
+    text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// A name of others in a line of text: without characters that are obeyed, ends of lines among them.
+pub fn one_line(name: &str) -> Cow<'_, str> {
+    without_obeyed(name, is_obeyed)
+}
+
+/// A cell of a table in Markdown: one line, and nothing in it ends the cell, begins HTML, or makes a link or an image.
+pub fn markdown_cell(text: &str) -> String {
+    let escaped = |c: char| match c {
+        '<' => "&lt;".to_owned(),
+        '|' | '`' | '[' | ']' => format!("\\{c}"),
+        _ => c.to_string(),
+    };
+    one_line(text).chars().map(escaped).collect()
+}
+
+/// A cell of a CSV file: one line, and no programs for tables take it for a formula.
+pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    let is_formula = text.len() > 1 && text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
+    if is_formula { format!("'{}", one_line(text)).into() } else { one_line(text) }
+}
+
+/// JSON with the numbers of the characters that a terminal obeys; they stand in names alone.
+pub fn json_text(json: &str) -> String {
+    let escaped = |c: char| {
+        if is_obeyed(c) && !matches!(c, '\n' | '\t') { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
+    };
+    json.chars().map(escaped).collect()
 }
 
 /// Returns the shortest name that tells a device from the others in a table: its own name, with the driver and its version
@@ -74,6 +118,26 @@ mod tests {
             let path = Path::new(word);
             assert!(path.components().count() == 1 && path.file_name().is_some_and(|f| f == word.as_str()), "{word:?}");
             assert!(word.len() < 80 && !word.starts_with('.') && !word.contains(char::is_control), "{word:?}");
+        }
+    }
+
+    #[test]
+    fn names_are_made_safe_for_each_place() {
+        let bad = "=\u{1b}[31m|<b>\u{9b}\n\u{202e}`[x](y)";
+        assert_eq!(one_line(bad), "=\u{fffd}[31m|<b>\u{fffd}\u{fffd}\u{fffd}`[x](y)");
+        assert_eq!(markdown_cell(bad), "=\u{fffd}\\[31m\\|&lt;b>\u{fffd}\u{fffd}\u{fffd}\\`\\[x\\](y)");
+        assert_eq!(csv_cell(bad), format!("'{}", one_line(bad)));
+        for cell in ["+cmd", "-x", "@sum", "=1+1"] {
+            assert_eq!(csv_cell(cell), format!("'{cell}"));
+        }
+        for cell in ["-1.5", "+2", "1e-9", "a=b", "", "-inf", "-"] {
+            assert_eq!(csv_cell(cell), cell);
+        }
+        let json = serde_json::json!([bad]).to_string();
+        assert!(!json_text(&json).contains(is_obeyed));
+        assert_eq!(serde_json::from_str::<Vec<String>>(&json_text(&json)).expect("JSON"), [bad]);
+        for plain in ["Küche (Süd)", "a, b", "\u{30ab}", "r 0.1"] {
+            assert_eq!((one_line(plain).as_ref(), markdown_cell(plain).as_str()), (plain, plain));
         }
     }
 

@@ -5,7 +5,7 @@ use super::cell_list::{CellList, ListedResult};
 use super::columns::{columns, nested, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
 use super::exhibit::{Chart, Drawing, Line};
-use super::interleave::{Round, Sample, interleave};
+use super::interleave::{Round, interleave, kept};
 use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
 use super::record::{Head, Of, Provenance, Stats};
@@ -103,13 +103,13 @@ impl Row for PathRecord {
     }
 
     fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
-        (0..frames_of(list)).all(|n| journal.has(&key(&of.key, n)))
+        (0..frames_of(list)).all(|n| kept(journal, &key(&of.key, n)).is_some())
     }
 
     /// The record of what the journal has: a way that was not walked to its end has fewer frames.
     fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
         let frame = |n: usize| {
-            let sample: Sample = journal.get(&key(&of.key, n))?;
+            let sample = kept(journal, &key(&of.key, n))?;
             let frame_ms = sample.report.frame_ms;
             Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
         };

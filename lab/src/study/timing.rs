@@ -10,7 +10,7 @@ pub use suite::{
 
 use super::compare::SEED;
 use super::error::Variant;
-use super::interleave::{Round, Sample, interleave};
+use super::interleave::{Round, Sample, interleave, kept};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
 use crate::error::Result;
@@ -191,11 +191,11 @@ fn key(prefix: &str, sample: impl Display) -> String {
 /// samples begin with `prefix`.
 fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
     let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
-        (0..samples).filter_map(|n| journal.get::<Sample>(&key(prefix, name(n)))).collect()
+        (0..samples).filter_map(|n| kept(journal, &key(prefix, name(n)))).collect()
     };
     let (reports, reports_again) = (series(&|n| n.to_string()), series(&|n| again(n)));
     let first = reports.first()?;
-    let work = journal.get::<Sample>(&key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
+    let work = kept(journal, &key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
     let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
         reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect()
     };
@@ -232,7 +232,7 @@ fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
 
 /// Whether a journal has every sample of a method, and the frame that counts its work.
 fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
-    keys(prefix, samples, a_a).iter().all(|key| journal.has(key))
+    keys(prefix, samples, a_a).iter().all(|key| kept(journal, key).is_some())
 }
 
 /// What the journal calls a sample of the second series.

@@ -47,7 +47,6 @@ use script::{Script, ScriptPlan};
 use setup::ViewerSetup;
 use state::{Side, State, given_options};
 use std::collections::{BTreeMap, HashSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use viewer::Viewer;
@@ -142,7 +141,7 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
             "idle_s": options.stay.map(|d| d.as_secs_f64()),
             "validation": options.common.device.validation.then(|| gpu.validation().len()),
         });
-        writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
+        ssct_lab::app::printed::json(&serde_json::json!([summary]))?;
     }
     Ok(())
 }

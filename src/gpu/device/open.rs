@@ -24,7 +24,9 @@ use std::sync::{Mutex, OnceLock};
 pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
-        Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}); scripts/setup.sh installs it"))
+        let installs = "; scripts/setup.sh installs it".to_owned();
+        let advice = memory_limit().map_or(installs, |_| short_of_memory());
+        Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}){advice}"))
     })?;
     // SAFETY: enumeration has no preconditions.
     let (layers, extensions) = unsafe {
@@ -68,6 +70,9 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     }
     // SAFETY: the names and structures live through the call.
     let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY if memory_limit().is_some() => {
+            Error::NoDevice(format!("the loader finds no driver that fits{}", short_of_memory()))
+        }
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => no_driver::no_device(result),
         vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
             Error::NoWindow("no Vulkan driver here can present to this window system".into())
@@ -75,6 +80,25 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
         _ => no_driver::failed("vkCreateInstance")(result),
     })?;
     Ok((entry, instance, has_debug))
+}
+
+/// How many bytes of addresses this process may take, where the system bounds them (`ulimit -v`). A driver that does not
+/// fit is not found, and nobody says why.
+fn memory_limit() -> Option<u64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// That memory may be short, as the end of a sentence; nothing where it is not bounded.
+fn short_of_memory() -> String {
+    let said = |bytes: u64| {
+        let mib = bytes >> 20;
+        format!(
+            ": memory is short, as this process may take {mib} MiB (ulimit -v); raise the limit, or install a driver"
+        )
+    };
+    memory_limit().map(said).unwrap_or_default()
 }
 
 /// Every device of an instance, and why one can't be used: to compile only, it need not have memory.

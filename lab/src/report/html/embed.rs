@@ -1,6 +1,7 @@
 //! Pictures inside the page: a file on disk becomes a data URI.
 
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::report::images::Rgb;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,7 +9,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
 /// Quality of the page's JPEGs, of 100: differences between methods stay visible, and a picture
@@ -27,19 +28,19 @@ pub struct Embedded {
 
 /// The folder of a page's pictures. Pages that are written again and again as they grow embed each picture once.
 pub struct PictureFolder {
-    path: PathBuf,
+    place: Inside,
     embedded: RefCell<BTreeMap<String, Rc<Embedded>>>,
 }
 
 impl PictureFolder {
     /// A folder whose pictures do not change.
     pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), embedded: RefCell::default() }
+        Self { place: Inside::folder(path), embedded: RefCell::default() }
     }
 
     /// The folder.
-    pub fn path(&self) -> &Path {
-        &self.path
+    pub fn place(&self) -> &Inside {
+        &self.place
     }
 
     /// A picture of the folder, by its path there; wider than `most` pixels, it is scaled down.
@@ -50,16 +51,16 @@ impl PictureFolder {
         if let Some(known) = self.embedded.borrow().get(file) {
             return Ok(Rc::clone(known));
         }
-        let made = Rc::new(embed(&self.path.join(file), most)?);
+        let made = Rc::new(embed(&self.place.join(file), most)?);
         self.embedded.borrow_mut().insert(file.to_owned(), Rc::clone(&made));
         Ok(made)
     }
 }
 
 /// A PNG as a JPEG, or as it is where that is no larger; wider than `most` pixels, it is scaled down.
-pub fn embed(path: &Path, most: u32) -> Result<Embedded> {
-    let png = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-    let wrong = |e: image::ImageError| Error::io("read", path, std::io::Error::other(e));
+pub fn embed(place: &Inside, most: u32) -> Result<Embedded> {
+    let png = place.bytes()?;
+    let wrong = |e: image::ImageError| Error::io("read", place.path(), std::io::Error::other(e));
     let pixels = image::load_from_memory(&png).map_err(wrong)?.into_rgb8();
     if pixels.width() > most {
         let height = (u64::from(pixels.height()) * u64::from(most) / u64::from(pixels.width())).max(1) as u32;
@@ -78,8 +79,8 @@ pub fn data_uri(picture: &Rgb) -> Result<Embedded> {
 }
 
 /// A drawing as it is; its size stands in its text.
-pub fn svg_uri(svg: &str) -> String {
-    uri("svg+xml", svg.as_bytes())
+pub fn svg_uri(svg: &[u8]) -> String {
+    uri("svg+xml", svg)
 }
 
 fn jpeg(pixels: &RgbImage) -> image::ImageResult<Embedded> {

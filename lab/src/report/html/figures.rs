@@ -3,12 +3,12 @@
 
 use super::embed::{embed, svg_uri};
 use super::{frame, heading, page_header};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::DeviceInfo;
+use crate::inside::Inside;
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Pixels that an embedded picture is wide at most.
 const WIDEST: u32 = 1600;
@@ -65,7 +65,7 @@ pub struct Panel {
 
 impl FiguresPage<'_> {
     /// The page; its pictures are read from the folder that it will lie in.
-    pub fn render(&self, folder: &Path) -> Result<String> {
+    pub fn render(&self, folder: &Inside) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
         let header = page_header("Figures of the theses", Some(self.device), DEFINITIONS, &self.command, &parts);
@@ -81,7 +81,7 @@ impl FiguresPage<'_> {
     }
 }
 
-fn group(group: &Group, folder: &Path) -> Result<Markup> {
+fn group(group: &Group, folder: &Inside) -> Result<Markup> {
     let entries = group.entries.iter().map(|e| entry(e, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
         (heading((&group.id, &group.title)))
@@ -93,7 +93,7 @@ fn group(group: &Group, folder: &Path) -> Result<Markup> {
     })
 }
 
-fn entry(entry: &Entry, folder: &Path) -> Result<Markup> {
+fn entry(entry: &Entry, folder: &Inside) -> Result<Markup> {
     let shown = match &entry.file {
         Ok(file) => {
             let picture = picture(entry, file, folder)?;
@@ -120,13 +120,13 @@ fn entry(entry: &Entry, folder: &Path) -> Result<Markup> {
     })
 }
 
-fn picture(entry: &Entry, file: &str, folder: &Path) -> Result<Markup> {
-    let path = folder.join(file);
-    if path.extension().is_some_and(|e| e == "svg") {
-        let svg = std::fs::read_to_string(&path).map_err(|e| Error::io("read", &path, e))?;
-        return Ok(html! { img src=(svg_uri(&svg)) alt=(entry.title) decoding="async"; });
+fn picture(entry: &Entry, file: &str, folder: &Inside) -> Result<Markup> {
+    let place = folder.join(file);
+    if file.ends_with(".svg") {
+        let svg = svg_uri(&place.bytes()?);
+        return Ok(html! { img src=(svg) alt=(entry.title) decoding="async"; });
     }
-    let embedded = embed(&path, WIDEST)?;
+    let embedded = embed(&place, WIDEST)?;
     Ok(html! {
         img src=(embedded.uri) alt=(entry.title) width=(embedded.width) height=(embedded.height) decoding="async";
     })

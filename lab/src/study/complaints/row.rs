@@ -25,7 +25,7 @@ columns! {
         /// What the value says.
         pub measured: String = figure(""),
         /// How much of what is complained of there is; null where the method shows too little to be judged.
-        pub value: Option<f64> = figure("").digits(2),
+        pub value: Option<f64> = figure("").digits(2).signed(),
         /// The greatest value that is good.
         pub at_most: f64 = figure(""),
         /// Whether the value is good.

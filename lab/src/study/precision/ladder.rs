@@ -5,7 +5,7 @@ use crate::metrics::pareto;
 use crate::study::columns::{AsDatum, Datum};
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table, distinct};
-use crate::study::names::roughness as roughness_name;
+use crate::study::names::{roughness as roughness_name, safe_word};
 use crate::study::record::Provenance;
 use serde_json::Value;
 
@@ -79,12 +79,12 @@ impl Row for PrecisionRecord {
             let rungs = rungs(rows, method);
             let wrong = rungs.iter().filter_map(|r| Some((r.storage, r.wrong_hits?)));
             let title = format!("{method}: share of wrong hits against the oracle (roughness 0)");
-            add(format!("precision-hits-{method}"), title, wrong.collect());
+            add(format!("precision-hits-{}", safe_word(method)), title, wrong.collect());
             for (n, roughness) in roughness_values(rows).into_iter().enumerate() {
                 let roughness = roughness_name(roughness);
                 let rmse = rungs.iter().filter_map(|r| Some((r.storage, r.rmse.get(n).copied()?)));
                 let title = format!("{method}: RMSE of the reflection colour, roughness {roughness}");
-                add(format!("precision-rmse-{method}-r{roughness}"), title, rmse.collect());
+                add(format!("precision-rmse-{}-r{roughness}", safe_word(method)), title, rmse.collect());
             }
         }
         charts

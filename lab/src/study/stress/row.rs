@@ -42,8 +42,10 @@ impl Columns for StressRow {
             Column::named(&name, move |row: &Self| row.case().map(|case| own.written(case)))
         };
         let columns = of_case.columns.into_iter().map(column).collect();
-        let times = of_case.times.into_iter().chain(MotionRecord::columns().times).collect();
-        ColumnSet { columns, times, series: None }
+        let of_motion = MotionRecord::columns();
+        let times = of_case.times.into_iter().chain(of_motion.times).collect();
+        let ranges = of_case.ranges.into_iter().chain(of_motion.ranges).collect();
+        ColumnSet { columns, times, ranges, series: None }
     }
 }
 
@@ -51,8 +53,8 @@ const CASES: &str = "What each method made of it: the share of the compared hits
     the shares of the image's pixels that are NaN, infinite (inf), negative (neg) or of exhausted rays (exh). Where no hits \
     are compared and no such pixel is, it is sound.";
 
-const VIOLATIONS: &str = "Cases that are not passed and must be. A frame that takes seconds counts as runaway, and does not \
-    pass either.";
+const VIOLATIONS: &str = "Cases that are not passed and must be, and those that only took long: by the clock alone, which a \
+    busy machine is enough for, and which fails nothing.";
 
 impl Row for StressRow {
     const KIND: &'static str = "stress";
@@ -132,15 +134,17 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// What must pass and does not, a row each.
+/// What must pass and does not, and what took long, a row each.
 fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
-    let header = ["method", "case", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
+    let header =
+        ["method", "case", "why", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for r in records.iter().filter(|r| r.judged && !r.pass) {
+    for r in records.iter().filter(|r| r.judged && (!r.pass || r.slow)) {
         let or_dash = |v: Option<usize>| v.map_or("-".into(), |v| v.to_string());
         rows.push(vec![
             r.method.clone(),
             r.case.clone(),
+            if r.pass { "the clock alone".into() } else { "the image".into() },
             format!("{}x{}", r.width, r.height),
             r.nan.to_string(),
             r.inf.to_string(),
@@ -170,5 +174,49 @@ fn summary(r: &StressRecord) -> String {
             .map(|(what, n)| format!("{what} {}", share(n)))
             .collect();
     words.extend(r.hit_agreement.map(|h| format!("{:.2} %", 100.0 * h)));
+    words.extend(r.slow.then(|| "slow".to_owned()));
     if words.is_empty() { "sound".into() } else { words.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceInfo;
+
+    fn case(pass: bool, slow: bool) -> StressRow {
+        let device = DeviceInfo { name: "d".into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
+        let program = Provenance { definitions: 2, version: "1".into(), commit: "c".into(), device };
+        StressRow::Case(Box::new(StressRecord {
+            kind: "stress".into(),
+            program,
+            case: "a case".into(),
+            method: JUDGED.into(),
+            width: 8,
+            height: 8,
+            setup: serde_json::Map::new(),
+            pixels: 64,
+            nan: usize::from(!pass),
+            inf: 0,
+            negative: 0,
+            exhausted: None,
+            compared: None,
+            hit_agreement: None,
+            ties: None,
+            time_ms: 1e6,
+            slow,
+            judged: true,
+            pass,
+        }))
+    }
+
+    #[test]
+    fn a_case_that_the_clock_alone_found_slow_is_called_that_and_fails_nothing() {
+        let rows = [case(true, true), case(false, false), case(true, false)];
+        let why: Vec<String> = failures(&cases_of(&rows)).iter().map(|row| row[2].clone()).collect();
+        assert_eq!(why, ["why", "the clock alone", "the image"]);
+        assert_eq!(StressRow::failure(&rows[..1]), None);
+        assert!(StressRow::failure(&rows).is_some_and(|said| said.starts_with("1 case(s) are not passed")));
+        let summaries: Vec<String> = cases_of(&rows).iter().map(summary).collect();
+        assert_eq!(summaries, ["slow", "NaN 1.56 %", "sound"]);
+    }
 }

@@ -8,10 +8,10 @@ use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
-use crate::study::engine::{Bench, Planned, Row, Study};
+use crate::study::engine::{Bench, Planned, Row, Study, kept};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
-use crate::study::interleave::Sample;
+use crate::study::interleave::{self, Sample};
 use crate::study::journal::{Journal, scene_digest};
 use crate::study::names::{cell_name, roughness};
 use crate::study::record::{Head, Provenance, TimeRecord};
@@ -212,7 +212,8 @@ fn methods(rows: &[TimeRow]) -> Vec<TimeRecord> {
 
 impl Columns for TimeRow {
     fn columns() -> ColumnSet<Self> {
-        let mut all = ColumnSet { times: TimeRecord::columns().times, ..ColumnSet::default() };
+        let own = TimeRecord::columns();
+        let mut all = ColumnSet { times: own.times, ranges: own.ranges, ..ColumnSet::default() };
         part().add(("head", ""), Self::head, &mut all);
         let total = |row: &Self| match row {
             Self::Reference(time) => time.wall_ms,
@@ -260,11 +261,15 @@ impl Row for TimeRow {
 
     fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
         let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
-        if of.of.is_null() { journal.has(&of.key) } else { is_whole(&of.key, samples, a_a, journal) }
+        if of.of.is_null() {
+            kept::<Self>(journal, &of.key).is_some()
+        } else {
+            is_whole(&of.key, samples, a_a, journal)
+        }
     }
 
     fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
-        let Ok(head) = Head::deserialize(&of.of) else { return journal.get(&of.key).unwrap_or_default() };
+        let Ok(head) = Head::deserialize(&of.of) else { return kept(journal, &of.key).unwrap_or_default() };
         let record = record_of(head, &of.key, TimeSettings::of(list).samples, journal);
         record.map(|record| Self::Method(Box::new(record))).into_iter().collect()
     }
@@ -362,7 +367,7 @@ pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
         let rough = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
         let keys = keys(&of.key, samples, a_a);
         for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
-            if let Some(Sample { report, .. }) = journal.get::<Sample>(key) {
+            if let Some(Sample { report, .. }) = interleave::kept(journal, key) {
                 let label = format!("{}x{}, {rough}, sample {n}", head.width, head.height);
                 frames.push(TimedFrame { method: head.method.clone(), label, report });
             }

@@ -61,9 +61,9 @@ columns! {
         /// Mean absolute difference of the variant's change and the reference's.
         pub change_error: f64 = figure(""),
         /// Quality of the finished images beside the world's, in JOD.
-        pub jod: f64 = figure("JOD").digits(2),
+        pub jod: f64 = figure("JOD").digits(2).signed(),
         /// Quality of the reflection colour alone beside the world's, in JOD.
-        pub jod_reflection: f64 = figure("JOD of reflections").digits(2),
+        pub jod_reflection: f64 = figure("JOD of reflections").digits(2).signed(),
         /// Mean over the frames of the world reference's standard error.
         pub standard_error: f64 = figure("standard error"),
         /// Every frame in order.

@@ -51,7 +51,7 @@ pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) 
 /// # Errors
 /// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] on a side, or if the channels would unpack to more than
 /// [`MAX_BYTES`] or to more than `length` bytes can hold.
-pub(super) fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
+pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
     let wrong = |message: String| Error::malformed(path, None, message);
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
         return Err(wrong(format!(

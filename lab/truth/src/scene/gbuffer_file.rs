@@ -9,7 +9,7 @@
 //! (metres) repeat the projection exactly; if a file lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, axis, check};
-pub use super::exr_channels::{MAX_BYTES, MAX_SIDE};
+pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
 use super::projection::ReadProjection;
 use super::{Camera, GBufferData, Lens, Opening, Projection, ProjectionKind, Surface, bounded};
 use crate::error::{Error, Result};

@@ -3,11 +3,12 @@
 
 use super::{Escape, WorldReference};
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::reference::partial_sums::{LEAF, PartialSums, parts};
 use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
-use std::io::Write;
+use std::io::Read;
 use std::ops::AddAssign;
 use std::path::Path;
 
@@ -167,8 +168,6 @@ pub(crate) struct KeptState {
 
 /// Writes a state as [`WorldState::save`] does.
 pub(crate) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums: &PartialSums<Sums>) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let failed = |e| Error::io("write", path, e);
     let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.kept().count() + CHECK_BYTES);
     bytes.extend(MAGIC);
     bytes.extend(LAYOUT.to_le_bytes());
@@ -181,11 +180,7 @@ pub(crate) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums:
     }
     let check = Sha256::digest(&bytes);
     bytes.extend(check);
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
-    let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
-    file.write_all(&bytes).map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
+    Inside::file(path).write(&bytes)
 }
 
 /// Reads a state, whatever its reference.
@@ -194,8 +189,13 @@ pub(crate) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums:
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
 /// was made by another version.
 pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let unreadable = |e| Error::io("read", path, e);
+    let file = Inside::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
+    let length = file.metadata().map_err(unreadable)?.len();
     let wrong = |message: &str| Error::malformed(path, None, message);
+    let mut file = file.take(length);
+    let mut bytes = Vec::new();
+    (&mut file).take(HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
         return Err(wrong("this is not a state of a world reference"));
     }
@@ -209,10 +209,15 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     };
     let damaged = || wrong("the state is damaged or cut off");
     let pixels = extent[0] as usize * extent[1] as usize;
-    let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
     // An older file has one sum a pixel even without samples.
     let count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
     let expected = pixels.checked_mul(count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
+    // What follows is read only if it is as long as the head says.
+    if expected.and_then(|n| n.checked_add(CHECK_BYTES)).map(|n| n as u64) != Some(length) {
+        return Err(damaged());
+    }
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
     let aligned = first.is_multiple_of(LEAF) && first <= end;
     if !aligned || expected != Some(content.len()) || Sha256::digest(content)[..] != *check {
         return Err(damaged());

@@ -1,0 +1,198 @@
+//! The objects that callers have, by their addresses. A handle that was destroyed, one of another type, and one that two
+//! calls use at a time are refused with a sentence, where following them would be a fault of memory.
+
+use crate::border::{Failure, Outcome};
+use std::any::{TypeId, type_name};
+use std::collections::BTreeMap;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// An object, and which calls use it now.
+struct Object {
+    kind: TypeId,
+    readers: usize,
+    is_written: bool,
+}
+
+static OBJECTS: Mutex<BTreeMap<usize, Object>> = Mutex::new(BTreeMap::new());
+
+fn objects() -> MutexGuard<'static, BTreeMap<usize, Object>> {
+    // What is kept is whole between two statements, whatever happened in another thread.
+    OBJECTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Notes an object that a caller gets.
+pub fn add<T: 'static>(object: *const T) {
+    objects().insert(object as usize, Object { kind: TypeId::of::<T>(), readers: 0, is_written: false });
+}
+
+/// Forgets an object that is about to be destroyed.
+///
+/// # Errors
+/// [`Failure::usage`] for one that is not there, or that a call uses.
+pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
+    let mut all = objects();
+    let known = found("object", object, &mut all)?;
+    if known.readers > 0 || known.is_written {
+        return Err(in_use("object"));
+    }
+    all.remove(&(object as usize));
+    Ok(())
+}
+
+fn found<'o, T: 'static>(
+    argument: &str,
+    object: *const T,
+    all: &'o mut BTreeMap<usize, Object>,
+) -> Outcome<&'o mut Object> {
+    if object.is_null() {
+        return Err(Failure::usage(format!("the argument {argument} is NULL")));
+    }
+    all.get_mut(&(object as usize)).filter(|known| known.kind == TypeId::of::<T>()).ok_or_else(|| {
+        let name = type_name::<T>().rsplit("::").next().unwrap_or_default();
+        Failure::usage(format!("the argument {argument} is no {name}: it was destroyed, or never made"))
+    })
+}
+
+fn in_use(argument: &str) -> Failure {
+    Failure::usage(format!("the argument {argument} is used by another call at the same time"))
+}
+
+/// An object that a call reads, as others may meanwhile.
+pub struct Read<'a, T: 'static>(&'a T);
+
+/// An object that a call changes, and that no other uses meanwhile.
+pub struct Written<'a, T: 'static>(&'a mut T);
+
+/// Begins to read an object.
+///
+/// # Safety
+/// An object of this type that was noted at the address is not freed but by [`remove`].
+pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Read<'a, T>> {
+    let mut all = objects();
+    let known = found(argument, object, &mut all)?;
+    if known.is_written {
+        return Err(in_use(argument));
+    }
+    known.readers += 1;
+    // SAFETY: by the contract, it is there, and nobody removes or changes it while it is read.
+    Ok(Read(unsafe { &*object }))
+}
+
+/// Begins to read an object, if there is one.
+///
+/// # Safety
+/// The contract is that of [`read`].
+pub unsafe fn read_any<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Option<Read<'a, T>>> {
+    // SAFETY: by the contract.
+    if object.is_null() { Ok(None) } else { unsafe { read(argument, object) }.map(Some) }
+}
+
+/// Begins to change an object.
+///
+/// # Safety
+/// The contract is that of [`read`].
+pub unsafe fn write<'a, T: 'static>(argument: &str, object: *mut T) -> Outcome<Written<'a, T>> {
+    let mut all = objects();
+    let known = found(argument, object, &mut all)?;
+    if known.is_written || known.readers > 0 {
+        return Err(in_use(argument));
+    }
+    known.is_written = true;
+    // SAFETY: by the contract, it is there, and nobody else uses it until this is dropped.
+    Ok(Written(unsafe { &mut *object }))
+}
+
+impl<T> Deref for Read<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.0
+    }
+}
+
+impl<T> Drop for Read<'_, T> {
+    fn drop(&mut self) {
+        if let Some(known) = objects().get_mut(&(std::ptr::from_ref(self.0) as usize)) {
+            known.readers -= 1;
+        }
+    }
+}
+
+impl<T> Deref for Written<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.0
+    }
+}
+
+impl<T> DerefMut for Written<'_, T> {
+    fn deref_mut(&mut self) -> &mut T {
+        self.0
+    }
+}
+
+impl<T> Drop for Written<'_, T> {
+    fn drop(&mut self) {
+        if let Some(known) = objects().get_mut(&(std::ptr::from_ref(self.0) as usize)) {
+            known.is_written = false;
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn an_object_is_used_as_long_as_it_is_there_and_by_one_writer() {
+        let object = Box::into_raw(Box::new(7_u64));
+        let sentence = |outcome: Outcome<()>| outcome.err().unwrap().sentence;
+        // SAFETY: the object is noted, and freed after it was removed.
+        unsafe {
+            assert!(sentence(read("a", object).map(|_| ())).contains("is no u64: it was destroyed, or never made"));
+            add(object);
+            let both = (read("a", object).ok().unwrap(), read("a", object).ok().unwrap());
+            assert_eq!((*both.0, *both.1), (7, 7));
+            assert!(sentence(write("a", object).map(|_| ())).contains("used by another call"));
+            assert!(sentence(remove(object)).contains("used by another call"));
+            drop(both);
+            *write("a", object).ok().unwrap() += 1;
+            assert_eq!(*read("a", object).ok().unwrap(), 8);
+            assert!(sentence(read("a", object.cast::<i64>()).map(|_| ())).contains("is no i64"));
+            remove(object).ok().unwrap();
+            assert!(sentence(write("a", object).map(|_| ())).contains("was destroyed"));
+            assert!(sentence(remove(object)).contains("was destroyed"), "once");
+            drop(Box::from_raw(object));
+        }
+    }
+
+    #[test]
+    fn threads_that_change_one_object_take_turns_or_are_refused() {
+        let object = Box::into_raw(Box::new(0_u64));
+        add(object);
+        let address = object as usize;
+        let done = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..2000 {
+                        // SAFETY: the object lives until all threads are done.
+                        if let Ok(mut value) = unsafe { write("a", address as *mut u64) } {
+                            *value += 1;
+                            done.fetch_add(1, Ordering::Relaxed);
+                        }
+                    }
+                });
+            }
+        });
+        remove(object).ok().unwrap();
+        // SAFETY: no thread uses it any more.
+        let value = unsafe { *Box::from_raw(object) };
+        assert_eq!(value, done.load(Ordering::Relaxed) as u64, "none was lost");
+        assert!(value > 0);
+    }
+}

@@ -1,0 +1,185 @@
+//! What a program does wrong: null pointers, structs of wrong sizes, objects that were destroyed or are of another type, and
+//! two threads on one object. Each call is refused with a sentence, and nothing else happens.
+
+use super::program::Program;
+use super::{Inputs, SIDE, made, refused, said, sized, view};
+use crate::border::SsctResult;
+use crate::captures::*;
+use crate::context::*;
+use crate::reflections::*;
+use crate::triangles::*;
+use ash::vk;
+use std::ptr::{dangling, dangling_mut, null, null_mut};
+use std::sync::Barrier;
+
+#[test]
+fn null_pointers_are_refused_by_every_function() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let context = program.context();
+    let frame = inputs.frame();
+    let is_null = |result: SsctResult, argument: &str| {
+        refused(result, SsctResult::Usage, &format!("the argument {argument} is NULL"));
+    };
+    unsafe {
+        is_null(ssct_context_create(null(), &mut null_mut()), "info");
+        is_null(ssct_context_create(&program.info(), null_mut()), "context");
+        is_null(ssct_context_device_info(null(), &mut sized(size_of::<SsctDeviceInfo>())), "context");
+        is_null(ssct_context_device_info(context, null_mut()), "info");
+        is_null(ssct_enable_features(null_mut(), null_mut(), null_mut()), "features");
+        is_null(ssct_reflections_create(null(), &view(SIDE), &mut null_mut()), "context");
+        is_null(ssct_reflections_create(context, null(), &mut null_mut()), "info");
+        is_null(ssct_reflections_create(context, &view(SIDE), null_mut()), "reflections");
+        let parameters = SsctReflectionsInfo { parameter_count: 3, ..view(SIDE) };
+        is_null(ssct_reflections_create(context, &parameters, &mut null_mut()), "info.parameters");
+        is_null(ssct_reflections_resize(null_mut(), vk::Extent2D::default()), "reflections");
+        is_null(ssct_reflections_restart_history(null_mut()), "reflections");
+        is_null(ssct_reflections_record(null_mut(), program.commands, &frame, null_mut()), "reflections");
+        is_null(ssct_reflections_times(null_mut(), 0, &mut null(), &mut 0), "reflections");
+        is_null(ssct_capture_cubes_create(context, null(), &mut null_mut()), "info");
+        is_null(ssct_capture_cubes_record_face(null_mut(), program.commands, 0, null()), "cubes");
+        is_null(ssct_triangles_create(context, null(), 2, &mut null_mut()), "meshes");
+        is_null(ssct_triangles_create(null(), null(), 0, &mut null_mut()), "context");
+        is_null(ssct_triangles_record_upload(null_mut(), program.commands), "triangles");
+        assert!(!ssct_context_has_timestamps(null()) && said().contains("context is NULL"));
+        assert!(ssct_methods(null_mut()).is_null() && said().contains("count is NULL"));
+        assert_eq!(ssct_context_allocated_bytes(null()), 0);
+        ssct_context_trim(null());
+
+        let reflections = made(context, &view(SIDE));
+        is_null(ssct_reflections_record(reflections, program.commands, null(), null_mut()), "frame");
+        let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &frame, null_mut());
+        refused(result, SsctResult::Usage, "the argument commands is a null handle");
+        is_null(ssct_reflections_times(reflections, 0, null_mut(), &mut 0), "times");
+        is_null(ssct_reflections_times(reflections, 0, &mut null(), null_mut()), "count");
+        for (lacking, argument) in [
+            (SsctFrame { camera: null(), ..frame }, "camera"),
+            (SsctFrame { depth: null(), ..frame }, "frame.depth"),
+            (SsctFrame { normals: null(), ..frame }, "normals"),
+            (SsctFrame { reflectivity: null(), ..frame }, "frame.reflectivity"),
+            (SsctFrame { roughness: null(), ..frame }, "frame.roughness"),
+            (SsctFrame { color: null(), ..frame }, "frame.color"),
+        ] {
+            is_null(ssct_reflections_record(reflections, program.commands, &lacking, null_mut()), argument);
+        }
+        // NULL is no object, and nothing is destroyed.
+        ssct_reflections_destroy(null_mut());
+        ssct_capture_cubes_destroy(null_mut());
+        ssct_triangles_destroy(null_mut());
+        ssct_context_destroy(null_mut());
+        ssct_reflections_destroy(reflections);
+        ssct_context_destroy(context);
+    }
+}
+
+#[test]
+fn structs_of_wrong_sizes_are_refused_by_every_function() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let context = program.context();
+    unsafe {
+        let reflections = made(context, &view(SIDE));
+        for size in [0, 1, 7, 8, 4097, usize::MAX] {
+            let wrong = |result: SsctResult, name: &str| {
+                refused(result, SsctResult::Usage, &format!("is {size}; it must be sizeof({name})"));
+            };
+            let info = SsctContextInfo { struct_size: size, ..program.info() };
+            wrong(ssct_context_create(&info, &mut null_mut()), "SsctContextInfo");
+            wrong(ssct_context_device_info(context, &mut sized(size)), "SsctDeviceInfo");
+            let info = SsctReflectionsInfo { struct_size: size, ..view(SIDE) };
+            wrong(ssct_reflections_create(context, &info, &mut null_mut()), "SsctReflectionsInfo");
+            let frame = SsctFrame { struct_size: size, ..inputs.frame() };
+            wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctFrame");
+            let frame = inputs.frame();
+            let result = ssct_reflections_record(reflections, program.commands, &frame, &mut sized(size));
+            wrong(result, "SsctRecorded");
+            wrong(ssct_capture_cubes_create(context, &sized(size), &mut null_mut()), "SsctCaptureCubesInfo");
+            let mut depth = *frame.depth;
+            depth.struct_size = size;
+            let frame = SsctFrame { depth: &depth, ..frame };
+            wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctImage");
+        }
+        ssct_reflections_destroy(reflections);
+        ssct_context_destroy(context);
+    }
+}
+
+#[test]
+fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
+    let mut program = Program::new();
+    let mut inputs = Inputs::new(&mut program, SIDE);
+    let context = program.context();
+    unsafe {
+        let reflections = made(context, &view(SIDE));
+        let frame = inputs.frame();
+        ssct_reflections_destroy(reflections);
+        let gone = |result: SsctResult, name: &str| {
+            refused(result, SsctResult::Usage, &format!("is no {name}: it was destroyed, or never made"));
+        };
+        gone(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
+        gone(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
+        gone(ssct_reflections_restart_history(reflections), "SsctReflections");
+        gone(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
+        // A second time does nothing, and the sentence says so.
+        ssct_reflections_destroy(reflections);
+        assert!(said().contains("is no SsctReflections"), "{}", said());
+        // A context is no triangles, and an address that nobody made is nothing.
+        gone(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
+        ssct_triangles_destroy(context.cast());
+        assert!(said().contains("is no SsctTriangles"), "{}", said());
+        gone(ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()), "SsctCaptureCubes");
+        let whole = made(context, &view(SIDE));
+        for given in [SsctFrame { captures: dangling(), ..frame }, SsctFrame { triangles: dangling(), ..frame }] {
+            let result = ssct_reflections_record(whole, program.commands, &given, null_mut());
+            refused(result, SsctResult::Usage, "it was destroyed, or never made");
+        }
+        ssct_context_destroy(context);
+        gone(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
+        assert!(!ssct_context_has_timestamps(context) && said().contains("is no SsctContext"));
+        ssct_reflections_destroy(whole);
+    }
+}
+
+#[test]
+fn two_threads_on_one_object_take_turns_or_are_refused() {
+    let program = Program::new();
+    let context = program.context();
+    let reflections = made(context, &view(SIDE));
+    let (address, context_address) = (reflections as usize, context as usize);
+    let begin = Barrier::new(3);
+    // A context is for all threads at once; a view is for one at a time, and a call beside another is refused.
+    let resized: usize = std::thread::scope(|scope| {
+        let resizing = |first: u32| {
+            let begin = &begin;
+            scope.spawn(move || {
+                begin.wait();
+                let mut done = 0;
+                for n in 0..40 {
+                    let side = first + n % 2;
+                    let extent = vk::Extent2D { width: side, height: side };
+                    let result = unsafe { ssct_reflections_resize(address as *mut SsctReflections, extent) };
+                    match result {
+                        SsctResult::Ok => done += 1,
+                        _ => refused(result, SsctResult::Usage, "is used by another call at the same time"),
+                    }
+                }
+                done
+            })
+        };
+        let both = [resizing(16), resizing(24)];
+        begin.wait();
+        for _ in 0..40 {
+            unsafe { ssct_context_trim(context_address as *const SsctContext) };
+            assert!(unsafe { ssct_context_allocated_bytes(context_address as *const SsctContext) } > 0);
+        }
+        both.into_iter().map(|thread| thread.join().unwrap()).sum()
+    });
+    assert!(resized > 0);
+    // The object is whole, and used as before.
+    let extent = vk::Extent2D { width: SIDE, height: SIDE };
+    assert_eq!(unsafe { ssct_reflections_resize(reflections, extent) }, SsctResult::Ok, "{}", said());
+    unsafe {
+        ssct_reflections_destroy(reflections);
+        ssct_context_destroy(context);
+    }
+}

@@ -1,0 +1,114 @@
+//! The files that a user's shader may be made of: those of the method's folder, and those below folders that the user
+//! allows. How deep they include each other, how many there are and how large they are together is bounded.
+
+use crate::error::{Error, Result};
+use crate::scene::source_text;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// The largest file, and the most bytes of all includes of a shader together.
+pub const MAX_BYTES: u64 = 1 << 24;
+
+/// How deep includes may stand in includes.
+const MOST_DEPTH: usize = 64;
+
+/// How many includes a shader may have, a file that is included twice counted twice.
+const MOST_INCLUDES: usize = 4096;
+
+/// Folders that the user allows, beside that of the method.
+static ALLOWED: OnceLock<Vec<PathBuf>> = OnceLock::new();
+
+/// Allows shaders and includes below some folders. The first call counts.
+pub fn allow(folders: Vec<PathBuf>) {
+    ALLOWED.get_or_init(|| folders);
+}
+
+/// The includes of one shader, as the compiler asks for them.
+pub struct Includes<'a> {
+    folder: &'a Path,
+    /// Where includes are looked for that are not beside the file.
+    elsewhere: &'a Path,
+    /// The includes that are being read, the outermost first: as the compiler names them, and their whole paths.
+    open: Vec<(PathBuf, PathBuf)>,
+    bytes: u64,
+    /// The shader and every file that was included.
+    pub files: Vec<PathBuf>,
+    /// Why an include was refused, if one was.
+    pub refused: Option<String>,
+}
+
+impl<'a> Includes<'a> {
+    /// No includes yet of a shader of a method in a folder.
+    pub fn new(folder: &'a Path, elsewhere: &'a Path, shader: &Path) -> Self {
+        Self { folder, elsewhere, open: Vec::new(), bytes: 0, files: vec![shader.to_owned()], refused: None }
+    }
+
+    /// The path and the text of an include.
+    ///
+    /// # Errors
+    /// Why there is none, as a part of the compiler's message.
+    pub fn read(&mut self, name: &str, includer: &str) -> std::result::Result<(String, String), String> {
+        let includer = Path::new(includer);
+        let beside = includer.parent().unwrap_or(self.elsewhere).join(name);
+        let path = if beside.exists() { beside } else { self.elsewhere.join(name) };
+        // What was included between is read to its end.
+        while self.open.last().is_some_and(|(last, _)| last != includer) {
+            self.open.pop();
+        }
+        if let Err(why) = self.check(&path) {
+            self.refused.get_or_insert_with(|| why.clone());
+            return Err(why);
+        }
+        let text = source_text::read(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?;
+        self.bytes += text.len() as u64;
+        if self.bytes > MAX_BYTES {
+            let why = format!("its includes have more than {MAX_BYTES} bytes together");
+            self.refused.get_or_insert_with(|| why.clone());
+            return Err(why);
+        }
+        self.open.push((path.clone(), whole(&path)));
+        self.files.push(path.clone());
+        Ok((path.to_string_lossy().into_owned(), text))
+    }
+
+    fn check(&self, path: &Path) -> std::result::Result<(), String> {
+        check_place(path, self.folder)?;
+        let itself = whole(path);
+        let before = self.open.iter().filter(|(_, open)| *open == itself).count();
+        // A file may include itself once more where a guard leaves it empty then.
+        if before + usize::from(whole(&self.files[0]) == itself) > 1 {
+            return Err(format!("{} includes itself", path.display()));
+        }
+        if self.open.len() >= MOST_DEPTH {
+            return Err(format!("includes stand in more than {MOST_DEPTH} includes"));
+        }
+        if self.files.len() > MOST_INCLUDES {
+            return Err(format!("there are more than {MOST_INCLUDES} includes"));
+        }
+        Ok(())
+    }
+}
+
+/// A path from the root of the file system; the path itself if there is no such file.
+fn whole(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+/// Checks that a shader lies in the method's folder, or below one that the user allows.
+///
+/// # Errors
+/// [`Error::Malformed`] for any other.
+pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
+    check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
+}
+
+fn check_place(path: &Path, folder: &Path) -> std::result::Result<(), String> {
+    // A file that is not there is named by whoever reads it.
+    let Ok(itself) = path.canonicalize() else { return Ok(()) };
+    let mut allowed = std::iter::once(folder).chain(ALLOWED.get().into_iter().flatten().map(PathBuf::as_path));
+    if allowed.any(|folder| folder.canonicalize().is_ok_and(|folder| itself.starts_with(folder))) {
+        return Ok(());
+    }
+    let folder = folder.display();
+    Err(format!("{} is outside of the method's folder {folder}, and no folder above it is allowed", path.display()))
+}

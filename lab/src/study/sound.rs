@@ -1,0 +1,112 @@
+//! Whether records that a file holds can be: a file of a stranger, or one that a disk damaged, is not believed where it
+//! says what no measurement finds.
+
+use super::columns::Columns;
+use super::names::safe_word;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// The greatest width or height of an image.
+const MOST_PIXELS: f64 = 65536.0;
+
+/// The field with everything that was set, whose numbers mean what their parameters say.
+const SETUP: &str = "setup";
+
+/// Why a record cannot be, as the end of a sentence about it; `None` if it can.
+pub fn fault<R: Columns>(record: &Value) -> Option<String> {
+    let mut ranges = R::columns().ranges;
+    ranges.extend(["width", "height"].map(|name| (name, [1.0, MOST_PIXELS])));
+    within(record, &ranges)
+}
+
+fn within(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
+    match value {
+        Value::Array(items) => items.iter().find_map(|item| within(item, ranges)),
+        Value::Object(fields) => {
+            fields.iter().filter(|(name, _)| *name != SETUP).find_map(|(name, value)| field(name, value, ranges))
+        }
+        _ => None,
+    }
+}
+
+fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
+    if let (Some([least, most]), Some(number)) = (ranges.get(name), value.as_f64()) {
+        let can_be = number >= *least && number <= *most;
+        return (!can_be).then(|| format!("has the {name} {number}, which cannot be"));
+    }
+    // Names of methods become names of files.
+    if let ("method", Some(method)) = (name, value.as_str()) {
+        let is_name = safe_word(method) == method;
+        return (!is_name).then(|| format!("has the method {method:?}, which is no name of a method"));
+    }
+    within(value, ranges)
+}
+
+/// The fields of samples that say how long something took.
+const DURATIONS: [&str; 4] = ["ms", "frame_ms", "record_ms", "wait_ms"];
+
+/// Why times that were sampled cannot be, as the end of a sentence about them; `None` if they can: nothing takes less than
+/// no time.
+pub fn fault_of_sample(sample: &Value) -> Option<String> {
+    fn negative(fields: &Map<String, Value>) -> Option<String> {
+        fields.iter().find_map(|(name, value)| match value {
+            Value::Number(n) if DURATIONS.contains(&name.as_str()) && n.as_f64().is_some_and(|n| n < 0.0) => {
+                Some(format!("has the {name} {n}"))
+            }
+            Value::Object(fields) => negative(fields),
+            Value::Array(items) => items.iter().filter_map(Value::as_object).find_map(negative),
+            _ => None,
+        })
+    }
+    match sample {
+        Value::Object(fields) => negative(fields).map(|what| format!("{what}, which cannot be")),
+        _ => Some("is no sample of times".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::columns::{columns, figure, time};
+    use serde_json::json;
+
+    columns! {
+        /// A row.
+        struct Row {
+            /// An error.
+            pub rmse: f64 = figure(""),
+            /// A share.
+            pub agreement: f64 = figure("").share(),
+            /// A quality, which may be below 0.
+            pub quality: f64 = figure("").signed(),
+            /// A time.
+            pub time_ms: f64 = time(""),
+        }
+    }
+
+    #[test]
+    fn what_no_measurement_finds_is_named() {
+        let good = json!({
+            "width": 8, "height": 8, "rmse": 0.0, "agreement": 1.0, "quality": -3.0, "time_ms": 1.5, "method": "ssct",
+            "captures": [[-1.0, 0.0, 2.0]], "setup": {"rmse": -1.0}, "missing": null,
+        });
+        assert_eq!(fault::<Row>(&good), None);
+        for (name, value, said) in [
+            ("rmse", json!(-1e-9), "has the rmse -0.000000001, which cannot be"),
+            ("agreement", json!(1.5), "has the agreement 1.5, which cannot be"),
+            ("time_ms", json!(-1.0), "has the time_ms -1, which cannot be"),
+            ("width", json!(0), "has the width 0, which cannot be"),
+            ("height", json!(1e9), "has the height 1000000000, which cannot be"),
+            ("method", json!("x/../../y"), "has the method \"x/../../y\", which is no name of a method"),
+            ("frames", json!([{"rmse": -2.0}]), "has the rmse -2, which cannot be"),
+        ] {
+            let mut bad = good.clone();
+            bad[name] = value;
+            assert_eq!(fault::<Row>(&bad).as_deref(), Some(said));
+        }
+        assert_eq!(fault_of_sample(&json!({"report": {"passes": [{"ms": 1.0}]}})), None);
+        let negative = json!({"report": {"passes": [{"ms": -1.0}]}});
+        assert_eq!(fault_of_sample(&negative).as_deref(), Some("has the ms -1.0, which cannot be"));
+        assert!(fault_of_sample(&json!(1)).is_some());
+    }
+}

@@ -1,0 +1,89 @@
+//! What goes through one door: files that are written, files of runs that are read, what is printed, and what knows flags.
+
+use super::{Source, VIEW, sources};
+
+/// Whether a source is of a program that reads arguments and prints.
+fn is_command(s: &Source) -> bool {
+    s.package == VIEW || s.is_of("app")
+}
+
+#[test]
+fn only_the_command_prints() {
+    for s in sources().iter().filter(|s| !is_command(s)) {
+        for word in ["println!", "print!(", "dbg!(", "stdout()"] {
+            assert!(!s.code.contains(word), "{}: {word}", s.path);
+        }
+    }
+}
+
+#[test]
+fn one_module_prints_to_standard_output() {
+    // What ends the program sees to it that nothing is left unprinted.
+    const DOORS: [&str; 2] = ["app/printed.rs", "app.rs"];
+    let sources = sources();
+    let found: Vec<_> = sources.iter().filter(|s| s.code.contains("stdout()")).map(|s| s.path.as_str()).collect();
+    assert!(found.len() == DOORS.len() && found.iter().all(|path| DOORS.contains(path)), "{found:?}");
+    assert!(!sources.iter().any(|s| s.code.contains("println!(") && !s.code.contains("eprintln!(")));
+}
+
+/// Words that write files, and that only the door has.
+const WRITING: [&str; 10] = [
+    "fs::write",
+    "File::create",
+    "OpenOptions",
+    "create_dir",
+    "fs::copy",
+    "fs::rename",
+    "hard_link",
+    "symlink(",
+    "tempfile",
+    "persist(",
+];
+
+#[test]
+fn one_module_writes_files() {
+    let sources = sources();
+    let door = |s: &&Source| s.package == "lab/truth/src" && s.path == "inside.rs";
+    for s in sources.iter().filter(|s| !door(s)) {
+        let word = WRITING.iter().find(|word| s.code.contains(**word));
+        assert!(word.is_none(), "{} of {} writes by {word:?}; inside.rs is the door", s.path, s.package);
+    }
+    let found = sources.iter().find(door).unwrap();
+    assert!(["OpenOptions", "create_dir"].iter().all(|word| found.code.contains(word)));
+}
+
+#[test]
+fn files_of_runs_are_read_by_one_module() {
+    // A folder is opened to be locked.
+    const LOCKS: [&str; 1] = ["report/run_folder.rs"];
+    let reads = ["fs::read", "File::open", "read_to_string"];
+    let of_runs = |s: &&Source| s.package == "lab/src" && (s.is_of("report") || s.is_of("app") || s.is_of("study"));
+    let sources = sources();
+    let found: Vec<_> = sources.iter().filter(of_runs).filter(|s| reads.iter().any(|w| s.code.contains(w))).collect();
+    let paths: Vec<_> = found.iter().map(|s| s.path.as_str()).collect();
+    assert_eq!(paths, LOCKS, "inside.rs reads");
+}
+
+/// A flag in a string: two hyphens after its beginning or a blank, and a letter.
+fn names_a_flag(code: &str) -> bool {
+    let flag = |(at, _): (usize, &str)| {
+        let before = code[..at].chars().next_back();
+        before.is_some_and(|c| c == '"' || c == ' ' || c == '`')
+            && code[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+    };
+    code.match_indices("--").any(flag)
+}
+
+#[test]
+fn only_the_command_knows_flags_and_exit_statuses() {
+    for s in sources().iter().filter(|s| !is_command(s)) {
+        // The property `--rows` of a style sheet is no flag.
+        let code = s.code.replace("\"--rows: \"", "");
+        let flag = code.lines().find(|l| names_a_flag(l));
+        assert!(flag.is_none(), "{} names a flag: {flag:?}", s.path);
+        for word in ["clap::", "exit_status", "ExitCode", "process::exit"] {
+            assert!(!code.contains(word) || s.path == "main.rs", "{}: {word}", s.path);
+        }
+    }
+    assert!(names_a_flag("\"give --one\"") && names_a_flag("\"--one\"") && !names_a_flag("i-- ; a--b"));
+}

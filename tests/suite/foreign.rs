@@ -1,0 +1,377 @@
+//! Nothing foreign is trusted: shards that somebody else measured, folders that somebody else made, and names that
+//! somebody else gave. What cannot be is refused with its place, nothing is written outside of a folder, and nothing waits.
+
+mod names;
+
+use crate::common::folder::Folder;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A picture that may not be written over, beside the folders of runs.
+const PRECIOUS: &str = "nobody may write over this";
+
+/// A command that fails with one sentence, and its exit status.
+fn refused(folder: &Folder, args: &[&str]) -> String {
+    let output = folder.run(args);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{args:?}: {said}");
+    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
+    said
+}
+
+/// A small run of a study in `part`, whose journal a test changes, and a file that must stay as it is.
+fn run_of(study: &[&str]) -> Folder {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("home")).unwrap();
+    for file in ["x.svg", "home/x.svg", "escaped.svg", "home/escaped.svg"] {
+        folder.write(file, PRECIOUS);
+    }
+    folder.succeed(&[study, &["-o", "part"]].concat());
+    folder
+}
+
+fn figures() -> Folder {
+    run_of(&["figures", "--only", "4.1", "--size", "48x27"])
+}
+
+fn errors() -> Folder {
+    let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
+    run_of(
+        &[&["error"], &place[..], &["--samples", "1", "--rays", "4", "--method", "ssct", "--roughness", "0"]].concat(),
+    )
+}
+
+/// Changes every entry of the journal in a folder.
+fn change(folder: &Folder, file: &str, change: impl Fn(&mut Value)) {
+    let lines = folder.text(file);
+    let changed = lines.lines().map(|line| {
+        let mut entry: Value = serde_json::from_str(line).unwrap();
+        if entry.get("key").is_some() {
+            change(&mut entry);
+        }
+        format!("{entry}\n")
+    });
+    folder.write(file, changed.collect::<String>());
+}
+
+/// Nothing was written but what was there before.
+fn assert_untouched(folder: &Folder) {
+    for file in ["x.svg", "home/x.svg", "escaped.svg", "home/escaped.svg"] {
+        assert_eq!(folder.text(file), PRECIOUS, "{file}");
+    }
+    assert!(!folder.path("home/all/index.html").exists(), "nothing is written");
+}
+
+#[test]
+fn a_figure_that_is_no_picture_of_its_folder_is_refused() {
+    for name in
+        ["../x.svg", "../../escaped.svg", "/tmp/ssct-foreign.svg", "a/../../x.svg", "page.html", ".hidden.svg", ""]
+    {
+        let folder = figures();
+        change(&folder, "part/journal.jsonl", |entry| entry["value"]["file"] = json!({ "Ok": name }));
+        let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
+        assert!(said.contains("part/journal.jsonl:1") && said.contains(&format!("{name:?}")), "{name}: {said}");
+        assert_untouched(&folder);
+    }
+}
+
+#[test]
+fn a_drawing_with_a_script_is_not_copied() {
+    let folder = figures();
+    let drawn = folder.list("part").into_iter().find(|name| name.ends_with(".svg")).unwrap();
+    folder.write(&format!("part/{drawn}"), "<svg xmlns=\"http://www.w3.org/2000/svg\"><script>alert(1)</script></svg>");
+    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(said.contains(&drawn) && said.contains("the element \"script\""), "{said}");
+    assert_untouched(&folder);
+}
+
+#[test]
+fn a_method_that_is_a_path_is_refused() {
+    let place = ["precision", "--scene", "corridor", "--view", "corridor", "--size", "32x18", "--rays", "2"];
+    let folder = run_of(&[&place[..], &["--method", "ssct", "--roughness", "0"]].concat());
+    change(&folder, "part/journal.jsonl", |entry| {
+        entry["value"].as_array_mut().unwrap().iter_mut().for_each(|r| r["method"] = json!("x/../../../escaped"));
+    });
+    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(said.contains("part/journal.jsonl:1") && said.contains("no name of a method"), "{said}");
+    assert_untouched(&folder);
+}
+
+#[test]
+fn figures_that_cannot_be_are_refused_with_their_line() {
+    type Change = fn(&mut Value);
+    let changes: [(Change, &str); 4] = [
+        (|e| e["value"][0]["rmse"] = json!(-1.0), "has the rmse -1, which cannot be"),
+        (|e| e["value"][0]["width"] = json!(0), "has the width 0, which cannot be"),
+        (|e| e["value"] = json!({ "a": 1 }), "is no list of records of this study"),
+        (|e| e["value"][0]["hit_agreement"] = json!(2.0), "has the hit_agreement 2, which cannot be"),
+    ];
+    let sound = errors();
+    let journal = sound.text("part/journal.jsonl");
+    for (bad, why) in changes {
+        sound.write("part/journal.jsonl", &journal);
+        let line = 1 + journal.lines().position(|line| line.contains("\"rmse\"")).unwrap();
+        change(&sound, "part/journal.jsonl", |entry| {
+            if entry["value"].to_string().contains("\"rmse\"") {
+                bad(entry);
+            }
+        });
+        let said = refused(&sound, &["merge", "part", "-o", "home/all"]);
+        assert!(said.contains(&format!("part/journal.jsonl:{line}")) && said.contains(why), "{why}: {said}");
+        assert_untouched(&sound);
+    }
+}
+
+#[test]
+fn what_a_journal_lost_is_measured_again_and_said() {
+    let folder = errors();
+    let before = folder.text("part/error.json");
+    change(&folder, "part/journal.jsonl", |entry| {
+        if entry["value"].is_array() {
+            entry["value"] = json!({ "a": 1 });
+        }
+    });
+    let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
+    let what = ["--samples", "1", "--rays", "4", "--method", "ssct", "--roughness", "0", "--resume", "-o", "part"];
+    let output = folder.run(&[&["error"], &place[..], &what].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("1 result(s) of the journal cannot be read and are measured again"), "{said}");
+    let [a, b] = [&before, &folder.text("part/error.json")].map(|text| serde_json::from_str::<Value>(text).unwrap());
+    let rmse = |records: &Value| records.as_array().unwrap().iter().map(|r| r["rmse"].clone()).collect::<Vec<_>>();
+    assert!(!rmse(&a).is_empty() && rmse(&a) == rmse(&b), "{b}");
+}
+
+#[test]
+fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
+    let folder = errors();
+    folder.succeed(&["merge", "part", "-o", "all"]);
+    let whole = folder.text("all/journal.jsonl");
+    let cut = whole.trim_end().rfind('\n').unwrap() + 1;
+    folder.write("all/journal.jsonl", &whole[..cut]);
+    folder.succeed(&["merge", "part", "-o", "all"]);
+    assert_eq!(folder.text("all/journal.jsonl"), whole);
+    // What another run measured there would be lost, whether that run was finished or not.
+    for end in ["", "{\"finished\":true}\n"] {
+        let other = format!("{{\"key\":\"error other\",\"value\":[]}}\n{end}");
+        folder.write("all/journal.jsonl", &other);
+        let said = refused(&folder, &["merge", "part", "-o", "all"]);
+        assert!(said.contains("1 result(s)") && said.contains("remove all/journal.jsonl"), "{said}");
+        assert!(!said.contains("--resume"), "merge has no such flag: {said}");
+        assert_eq!(folder.text("all/journal.jsonl"), other);
+    }
+}
+
+#[test]
+fn samples_without_number_are_refused_before_memory_is_taken() {
+    let folder = run_of(&["time", "--scene", "corridor", "--size", "32x18", "--samples", "1", "--method", "ssct"]);
+    let text = folder.text("part/cells.json").replace("\"samples\": 1", "\"samples\": 1000000000000000000");
+    folder.write("part/cells.json", text);
+    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(said.contains("part/cells.json") && said.contains("at most"), "{said}");
+}
+
+#[test]
+fn a_share_of_a_reference_names_no_other_file() {
+    let folder = Folder::new();
+    let render = ["render", "--method", "reference", "--scene", "corridor", "--size", "16x9", "--roughness", "0.3"];
+    folder.succeed(&[&render[..], &["--max-rays", "16", "--shard", "1/1", "--cache", "part", "-o", "a.exr"]].concat());
+    let part = folder.list("part").into_iter().find(|name| name.ends_with(".part.json")).unwrap();
+    let mut share: Value = serde_json::from_str(&folder.text(&format!("part/{part}"))).unwrap();
+    share["fingerprint"] = json!("../../escaped");
+    folder.write(&format!("part/{part}"), share.to_string());
+    let said = refused(&folder, &["merge", "part", "-o", "all"]);
+    assert!(said.contains(&part) && said.contains("../../escaped"), "{said}");
+    assert!(!folder.path("escaped.world").exists() && !folder.path("all").exists());
+}
+
+/// The sentence of a command that neither waits nor takes memory without end: a limit ends it, far above what it takes.
+#[cfg(unix)]
+fn at_once(folder: &Folder, args: &[&str]) -> String {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ssct"))
+        .args(args)
+        .current_dir(folder.root())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begun.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("{args:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(!said.contains("panicked"), "{said}");
+    format!("{out}{said}")
+}
+
+#[cfg(unix)]
+fn pipe(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_no_files() {
+    use std::os::unix::fs::symlink;
+    let folder = errors();
+    for (file, command) in [
+        ("part/cells.json", &["merge", "part", "-o", "all"][..]),
+        ("part/journal.jsonl", &["merge", "part", "-o", "all"]),
+        ("part/error.json", &["index", "part", "-o", "page"]),
+        ("part/time-samples.csv", &["compare", "part", "part"]),
+        ("pictures/a.exr", &["compare", "pictures/a.exr", "pictures/a.exr"]),
+        ("pictures/a.png", &["compare", "pictures/a.png", "pictures/a.png"]),
+        ("part/time.json", &["compare", "part", "part"]),
+        ("index.html", &["index", "."]),
+    ] {
+        let _ = std::fs::create_dir(folder.path("pictures"));
+        let before = std::fs::read(folder.path(file)).ok();
+        for is_pipe in [true, false] {
+            let _ = std::fs::remove_file(folder.path(file));
+            if is_pipe {
+                pipe(&folder.path(file))
+            } else {
+                symlink("/dev/zero", folder.path(file)).unwrap()
+            };
+            let said = at_once(&folder, command);
+            let named = ["is no file", "leads out of its folder", "is no picture"].iter().any(|why| said.contains(why));
+            assert!(named && said.contains(file.rsplit('/').next().unwrap()), "{file}, {command:?}: {said}");
+        }
+        std::fs::remove_file(folder.path(file)).unwrap();
+        before.map(|bytes| std::fs::write(folder.path(file), bytes).unwrap());
+    }
+    pipe(&folder.path("instead"));
+    assert!(at_once(&folder, &["merge", "instead", "-o", "all"]).contains("is no folder"));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_out_are_neither_read_nor_written_through() {
+    use std::os::unix::fs::symlink;
+    let folder = errors();
+    folder.write("secret.png", PRECIOUS);
+    let picture = folder.list("part/images").into_iter().find(|name| name.ends_with(".png")).unwrap();
+    let place = format!("part/images/{picture}");
+    let own = std::fs::read(folder.path(&place)).unwrap();
+    std::fs::remove_file(folder.path(&place)).unwrap();
+    symlink("../../secret.png", folder.path(&place)).unwrap();
+    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(said.contains(&picture) && said.contains("leads out of its folder"), "{said}");
+    assert_untouched(&folder);
+    // A link that stays in the run's folder is as good as the file.
+    std::fs::remove_file(folder.path(&place)).unwrap();
+    std::fs::write(folder.path("part/own.png"), own).unwrap();
+    symlink("../own.png", folder.path(&place)).unwrap();
+    folder.succeed(&["merge", "part", "-o", "good"]);
+
+    // In the folder that is written, a link to a file is replaced, and one to a folder outside is refused.
+    for (link, to) in [("home/linked/index.html", "../../x.svg"), ("home/linked/error.json", "../../escaped.svg")] {
+        std::fs::create_dir_all(folder.path("home/linked")).unwrap();
+        symlink(to, folder.path(link)).unwrap();
+    }
+    folder.succeed(&["merge", "part", "-o", "home/linked"]);
+    assert!(folder.text("home/linked/index.html").contains("<html"));
+    std::fs::create_dir_all(folder.path("home/away")).unwrap();
+    symlink("../..", folder.path("home/away/images")).unwrap();
+    let said = refused(&folder, &["merge", "part", "-o", "home/away"]);
+    assert!(said.contains("leads out of its folder"), "{said}");
+    assert!(!folder.path(&picture).exists());
+    // A journal is written behind its end, which a link would move.
+    std::fs::create_dir_all(folder.path("home/behind")).unwrap();
+    symlink("../../x.svg", folder.path("home/behind/journal.jsonl")).unwrap();
+    let said = refused(&folder, &["merge", "part", "-o", "home/behind"]);
+    assert!(said.contains("journal.jsonl") && said.contains("link"), "{said}");
+    assert_untouched(&folder);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_page_over_runs_shows_no_file_that_a_link_brings() {
+    use std::os::unix::fs::symlink;
+    let folder = errors();
+    std::fs::create_dir_all(folder.path("runs/a")).unwrap();
+    symlink("../../part/error.json", folder.path("runs/a/error.json")).unwrap();
+    folder.succeed(&["merge", "part", "-o", "runs/b"]);
+    let out = folder.succeed(&["index", "runs", "-o", "page"]);
+    assert!(
+        out.contains("left out: a: ") && out.contains("leads out of its folder") && out.contains("1 runs"),
+        "{out}"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_help_that_finds_no_room_fails() {
+    for args in [&["--help"][..], &["--version"], &["time", "--help"], &["devices"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_ssct")).args(args).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains("cannot print"), "{args:?}: {said}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn little_memory_is_called_that() {
+    let program = env!("CARGO_BIN_EXE_ssct");
+    let limited = |kib: u32| {
+        let command = format!("ulimit -v {kib}; exec \"{program}\" render --scene corridor --size 16x9 -o x.png");
+        Command::new("bash").args(["-c", &command]).current_dir(std::env::temp_dir()).output().unwrap()
+    };
+    let output = limited(200_000);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("memory is short") && said.contains("195 MiB") && said.contains("ulimit -v"), "{said}");
+}
+
+/// A study on a disk without room ends with a sentence, keeps what it measured, and goes on once there is room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_study_on_a_full_disk_keeps_what_it_measured() {
+    let folder = Folder::new();
+    let program = env!("CARGO_BIN_EXE_ssct");
+    // A process that may not write larger files sees what a full disk says: a write that does not fit.
+    let study = "time --scene corridor --size 32x18 --samples 40 --method ssct -o t --resume";
+    let run = |limit: &str| {
+        let command = format!("trap '' XFSZ; {limit} exec \"{program}\" {study}");
+        Command::new("bash").args(["-c", &command]).current_dir(folder.root()).output().unwrap()
+    };
+    let output = run("ulimit -f 8;");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("cannot write") && said.contains("journal.jsonl"), "{said}");
+    let kept = folder.text("t/journal.jsonl");
+    let whole = kept.lines().filter(|line| serde_json::from_str::<Value>(line).is_ok()).count();
+    assert!(whole > 2, "{kept}");
+    let output = run("");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let journal = folder.text("t/journal.jsonl");
+    let keys: Vec<String> =
+        journal.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["key"].to_string()).collect();
+    let first: Vec<&str> = kept.lines().take(whole).collect();
+    assert!(journal.lines().zip(first).all(|(now, then)| now == then), "nothing is measured twice");
+    assert!(keys.len() > 40);
+}
+
+#[test]
+fn a_large_image_that_a_small_file_claims_is_refused_before_memory_is_taken() {
+    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
+    let folder = Folder::new();
+    let [width, height] = [16000, 4200];
+    let channel = |name: &str| AnyChannel::new(name, FlatSamples::F16(vec![half::f16::ZERO; width * height]));
+    let channels = AnyChannels::sort(["R", "G", "B"].map(channel).into_iter().collect());
+    let layer = Layer::new((width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+    Image::from_layer(layer).write().to_file(folder.path("large.exr")).unwrap();
+    assert!(std::fs::metadata(folder.path("large.exr")).unwrap().len() < 3_000_000);
+    let said = refused(&folder, &["compare", "large.exr", "large.exr"]);
+    assert!(said.contains("large.exr") && said.contains("16000x4200") && said.contains("67108864"), "{said}");
+}

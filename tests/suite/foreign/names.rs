@@ -1,0 +1,132 @@
+//! One bad name through every command that prints: as the name of a scene, of a view, of a folder and of a device.
+
+use crate::common::folder::Folder;
+use serde_json::Value;
+
+/// A name that a terminal, a table, a page and a program for tables would each obey.
+const BAD: &str = "=1+1\u{1b}[31m\u{7}|<img src=x onerror=alert(1)>\r\nforged: line\u{9b}2J\u{202e}";
+
+/// The characters of [`BAD`] that are shown by nobody.
+fn is_obeyed(c: char) -> bool {
+    (c.is_control() && c != '\n' && c != '\t') || c == '\u{202e}'
+}
+
+/// A scene whose name and whose view's name are bad: a floor before a wall, which is given a path of its own.
+fn scene() -> Folder {
+    let folder = Folder::new();
+    let room = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
+                o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
+    folder.write("room.obj", room);
+    let name = serde_json::to_string(BAD).unwrap();
+    // A basic string of TOML has the escapes of JSON.
+    let text = format!(
+        "name = {name}\n\n[[mesh]]\nfile = \"room.obj\"\n\n[view.{name}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, 6]\n"
+    );
+    folder.write("bad.scene.toml", text);
+    folder
+}
+
+/// What a command prints, on both streams; it may fail, and does not crash.
+fn printed(folder: &Folder, args: &[&str]) -> String {
+    let output = folder.run(args);
+    let [out, said] = [&output.stdout, &output.stderr].map(|text| String::from_utf8(text.clone()).unwrap());
+    assert!(!out.is_empty() || !said.is_empty() || args.contains(&"-o"), "{args:?} says something");
+    out + &said
+}
+
+fn assert_safe(what: &str, text: &str) {
+    let found = text.chars().find(|c| is_obeyed(*c));
+    assert!(found.is_none(), "{what} has {found:?}: {text:?}");
+    assert!(!text.lines().any(|line| line.starts_with("forged")), "{what} has a line of its own: {text}");
+}
+
+#[test]
+fn a_bad_name_is_obeyed_by_nobody() {
+    let folder = scene();
+    let scene = ["--scene", "bad.scene.toml", "--size", "16x9", "--roughness", "0", "--method", "linear"];
+    let of_scene = |command: &[&'static str], more: &[&'static str]| [command, &scene[..], more].concat();
+    let size = ["--size", "16x9"];
+    let commands: Vec<Vec<&str>> = vec![
+        of_scene(&["render"], &["-o", "a.png", "--json"]),
+        of_scene(&["render"], &["--explain", "-o", "a.png"]),
+        of_scene(&["render"], &["--view", "no such view"]),
+        of_scene(&["time"], &["--samples", "2", "-o", "runs/time"]),
+        of_scene(&["time"], &["--samples", "2", "--json"]),
+        of_scene(&["error"], &["--samples", "1", "--rays", "2", "--no-sweep", "-o", "runs/error"]),
+        of_scene(&["video"], &["--way", "rest", "--frames", "2", "--rays", "2", "-o", "runs/video"]),
+        of_scene(&["motion"], &["--frames", "2", "--rays", "2", "-o", "runs/motion"]),
+        of_scene(&["precision"], &["--rays", "2", "-o", "runs/precision"]),
+        of_scene(&["path"], &["--frames", "2", "-o", "runs/path"]),
+        vec!["captures", "bad.scene.toml", "--captures", "1"],
+        vec!["captures", "bad.scene.toml", "--captures", "1", "--json"],
+        [&["gbuffer", "export", "g.exr", "--scene", "bad.scene.toml"], &size[..]].concat(),
+        [&["truth", "export", "--scene", "bad.scene.toml", "--samples", "2", "-o", "t"], &size[..]].concat(),
+        vec!["merge", "runs/time", "-o", "merged"],
+        vec!["merge", "runs/precision", "-o", "merged-precision"],
+        vec!["compare", "runs/time", "merged"],
+        vec!["compare", "runs/time", "merged", "--json"],
+        vec!["index", "runs", "-o", "page"],
+        vec!["compare", BAD, "a.png"],
+        vec!["render", "--scene", BAD, "-o", "a.png"],
+        vec!["render", "--method", BAD, "-o", "a.png"],
+        vec!["merge", BAD, "-o", "m"],
+        vec!["index", BAD],
+    ];
+    for command in &commands {
+        assert_safe(&format!("{command:?}"), &printed(&folder, command));
+    }
+    // Every file that is text, but for the scene itself.
+    let mut left = vec![folder.root().to_owned()];
+    let mut seen = Vec::new();
+    while let Some(path) = left.pop() {
+        if path.is_dir() {
+            left.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
+            continue;
+        }
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        assert!(!name.contains(is_obeyed) && !name.contains(['<', '|', '\n']), "{name:?}");
+        let ending = name.rsplit('.').next().unwrap().to_owned();
+        if !["txt", "md", "csv", "html", "svg", "json", "jsonl"].contains(&ending.as_str()) {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        seen.push(ending.clone());
+        match ending.as_str() {
+            "csv" => {
+                let rows = text.lines().skip(1).collect::<Vec<_>>();
+                assert!(rows.iter().all(|row| row.trim_matches('"').starts_with("'=1")), "{name}: {rows:?}");
+            }
+            // What a machine reads keeps the name as it is, by the numbers of its characters.
+            "json" => drop(serde_json::from_str::<Value>(&text).unwrap_or_else(|e| panic!("{name}: {e}"))),
+            "jsonl" => continue,
+            "md" => assert!(!text.contains("<img") && text.contains("\\|&lt;img"), "{text}"),
+            "html" => assert!(!text.contains("<img src=x"), "{name}"),
+            _ => {}
+        }
+        assert_safe(&name, &text);
+    }
+    for ending in ["txt", "md", "csv", "html", "json"] {
+        assert!(seen.iter().any(|seen| seen == ending), "no .{ending} is written");
+    }
+}
+
+#[test]
+fn what_a_command_is_told_by_a_shard_is_printed_as_text() {
+    let folder = scene();
+    let what = ["time", "--scene", "corridor", "--size", "16x9", "--samples", "1", "--method", "linear", "-o", "part"];
+    folder.succeed(&what);
+    let text = folder.text("part/cells.json");
+    let mut cells: Value = serde_json::from_str(&text).unwrap();
+    cells["command"] = BAD.into();
+    cells["cells"][0]["name"] = BAD.into();
+    cells["devices"][0]["name"] = BAD.into();
+    folder.write("part/cells.json", cells.to_string());
+    assert_safe("merge", &printed(&folder, &["merge", "part", "-o", "all", "--partial"]));
+    assert_safe("the page", &folder.text("all/index.html"));
+    // The journal's device is another, so that the cell is measured by nobody.
+    cells["cells"][0]["results"] = Value::Array(Vec::new());
+    folder.write("part/cells.json", cells.to_string());
+    assert_safe("merge", &printed(&folder, &["merge", "part", "-o", "none"]));
+    assert_safe("merge", &printed(&folder, &["merge", "part", "-o", "partial", "--partial"]));
+    assert!(!folder.text("partial/index.html").contains("<img src=x"));
+}
