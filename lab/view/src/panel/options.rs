@@ -10,7 +10,7 @@ use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
 /// What a method does, where it is published, and what it needs of a scene.
-fn about(info: &MethodInfo, between: &str) -> String {
+fn describe(info: &MethodInfo, between: &str) -> String {
     let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
     let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };
     format!("{}{between}{}{needs}", info.summary, info.source)
@@ -25,7 +25,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         let method = state.sides[index].method;
         ComboBox::from_id_salt("method").width(140.0).selected_text(method.name).show_ui(ui, |ui| {
             for info in methods::all() {
-                let about = about(info, "\n");
+                let about = describe(info, "\n");
                 if ui.selectable_label(info.name == method.name, info.name).on_hover_text(about).clicked() {
                     chosen = Some(info);
                 }
@@ -34,7 +34,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         if let Some(info) = chosen {
             state.choose(index, info);
         }
-        ui.label(RichText::new(about(method, "; ")).weak().small());
+        ui.label(RichText::new(describe(method, "; ")).weak().small());
         let side = &mut state.sides[index];
         let rows = side.method.reads();
         Grid::new("options").num_columns(3).show(ui, |ui| {
