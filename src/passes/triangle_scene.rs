@@ -12,7 +12,7 @@ use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
 use crate::scene::Camera;
-use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, balanced_levels};
+use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, usual_levels};
 use ash::vk;
 use glam::{DVec3, Mat4};
 use std::cell::{Cell, RefCell};
@@ -55,7 +55,7 @@ struct MovingPart {
     root: Cell<i32>,
     /// The greatest coordinate of a corner, in metres.
     extent_m: Cell<f32>,
-    /// The most levels that its tree has, wherever things move.
+    /// Levels of its tree.
     levels: Cell<u32>,
     update: RefCell<Option<Update>>,
 }
@@ -236,9 +236,7 @@ impl TriangleGeometry {
     fn moves(&self, places: &Places, moving: &MovingTriangles) {
         let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
         self.moving.root.set(root as i32);
-        // The tree changes with what moves, and so may its levels, up to a bound that the number of triangles sets.
-        let bound = if moving.numbers.is_empty() { 0 } else { balanced_levels(moving.numbers.len()) };
-        self.moving.levels.set(moving.tree.levels.max(bound));
+        self.moving.levels.set(moving.tree.levels);
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
@@ -325,7 +323,7 @@ impl TriangleGeometry {
             image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
-            walk_room: walk_room(self.levels.max(self.moving.levels.get())),
+            walk_room: walk_room(self.levels.max(self.moving.levels.get()).max(usual_levels(count.cast_unsigned() as usize))),
             queries: false,
             unlit: false,
             screen_colors: false,

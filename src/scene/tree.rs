@@ -54,11 +54,11 @@ impl Tree {
     }
 }
 
-/// The most levels of a tree over so many triangles that is built again while they move: a tree that halves lists has no more.
-/// Few triangles may have a tree that is better and deeper.
-pub fn balanced_levels(triangles: usize) -> u32 {
-    const FEW: u32 = 8;
-    (triangles.max(1).next_power_of_two().ilog2() + 1).clamp(FEW, TREE_DEPTH as u32)
+/// The levels that walks have room for in any scene of so many triangles, whatever of it moves: two more than a full tree of
+/// eight children a node has. What moves is built by halves if its tree would have more.
+pub fn usual_levels(triangles: usize) -> u32 {
+    let binary = triangles.max(1).next_power_of_two().ilog2();
+    (binary.div_ceil(3) + 2).min(TREE_DEPTH as u32)
 }
 
 /// The triangles of a scene as shaders read them, in the order of a tree.

@@ -9,7 +9,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameReport, Gpu, Pixels};
 use ssct::methods::unified::First;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
-use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords};
+use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, usual_levels};
 use ssct_lab::scene::{Placement, Scene};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
 use std::cell::Cell;
@@ -76,6 +76,22 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
         }
     }
     check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn walks_have_room_for_whatever_moves() {
+    for name in ["rooms", "museum", "street", "cathedral"] {
+        let scene = crate::common::built_in(name);
+        let (trees, most) = (Trees::new(&scene), usual_levels(scene.triangle_count()));
+        let mut meshes: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
+        meshes.sort_unstable();
+        meshes.dedup();
+        let all: Vec<_> = meshes.iter().map(|mesh| (*mesh, Placement::HERE)).collect();
+        for placed in all.iter().map(std::slice::from_ref).chain([&all[..]]) {
+            let levels = trees.moving(placed).unwrap().tree.levels;
+            assert!(levels <= most, "{name}: {levels} levels of {} meshes, and room for {most}", placed.len());
+        }
+    }
 }
 
 /// Counts what is built: trees of what stands, and of what moves.

@@ -5,7 +5,7 @@
 
 use super::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
 use super::{
-    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, balanced_levels, triangles,
+    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, triangles, usual_levels,
 };
 use crate::error::{Error, Result};
 use crate::math::constants::TREE_DEPTH;
@@ -104,7 +104,7 @@ impl BuildTrees for Trees {
             first = end;
         }
         let list: Vec<_> = triangles(&part).map(|(mesh, t)| corners_of(mesh, t)).collect();
-        let mut tree = self.over(&list, balanced_levels(list.len()));
+        let mut tree = self.over(&list, usual_levels(self.scene.triangle_count()));
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
