@@ -17,7 +17,7 @@ flags+=" -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanit
 flags+=" -Cllvm-args=-sanitizer-coverage-trace-compares"
 
 # The greatest length of a mutated input. It is short for images, each byte of which unpacks to thousands.
-longest() { case $1 in texture) echo 512 ;; *) echo 4096 ;; esac; }
+longest() { case $1 in texture) echo 512 ;; run) echo 20000 ;; *) echo 4096 ;; esac; }
 
 words() {
     case $1 in

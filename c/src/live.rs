@@ -59,10 +59,10 @@ fn in_use(argument: &str) -> Failure {
 }
 
 /// An object that a call reads, as others may meanwhile.
-pub struct Read<'a, T: 'static>(&'a T);
+pub struct Read<'a, T>(&'a T);
 
 /// An object that a call changes, and that no other uses meanwhile.
-pub struct Written<'a, T: 'static>(&'a mut T);
+pub struct Written<'a, T>(&'a mut T);
 
 /// Begins to read an object.
 ///

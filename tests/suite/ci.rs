@@ -114,3 +114,51 @@ fn every_script_says_what_it_is_for() {
     let output = Command::new("bash").arg(drivers).arg("--unknown").output().unwrap();
     assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
 }
+
+/// The numbers of a version, without what is said behind them.
+fn numbers(version: &str) -> Vec<u64> {
+    let plain = version.split(['+', '-']).next().unwrap();
+    plain.split('.').map(|number| number.parse().unwrap()).collect()
+}
+
+/// What is asked for is what is tested: a version with three numbers, and the lock file has it or a younger one.
+#[test]
+fn each_manifest_asks_for_versions_that_are_tested() {
+    let read = |file: &str| std::fs::read_to_string(repository().join(file)).unwrap().parse::<toml::Table>().unwrap();
+    let lock = read("Cargo.lock");
+    let locked: Vec<(&str, Vec<u64>)> = lock["package"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| (p["name"].as_str().unwrap(), numbers(p["version"].as_str().unwrap())))
+        .collect();
+    let mut seen = 0;
+    for file in ["Cargo.toml", "c/Cargo.toml", "lab/Cargo.toml", "lab/truth/Cargo.toml", "lab/view/Cargo.toml"] {
+        let manifest = read(file);
+        let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
+        let own = kinds.iter().filter_map(|kind| manifest.get(*kind)?.as_table());
+        let shared = manifest.get("workspace").and_then(|w| w.get("dependencies")?.as_table());
+        for (name, asked) in own.chain(shared).flatten() {
+            let Some(version) = asked.as_str().or_else(|| asked.get("version")?.as_str()) else { continue };
+            let least = numbers(version);
+            assert_eq!(least.len(), 3, "{file}: {name} = {version:?} does not say which version it needs");
+            let is_tested =
+                |(known, found): &(&str, Vec<u64>)| known == name && *found >= least && found[0] == least[0];
+            assert!(locked.iter().any(is_tested), "{file}: {name} {version} is not what Cargo.lock has");
+            seen += 1;
+        }
+    }
+    assert!(seen > 40, "{seen}");
+}
+
+#[test]
+fn licences_of_all_crates_may_be_passed_on() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        println!("skipped: there is no python3");
+        return;
+    }
+    let script = repository().join("scripts/licences.py");
+    let output = Command::new("python3").arg(script).arg("--check").output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && String::from_utf8_lossy(&output.stdout).contains(" crates"), "{said}");
+}

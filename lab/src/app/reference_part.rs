@@ -132,7 +132,6 @@ type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
     let inside = Inside::folder(folder);
-    let is_part = |listed: &Listed| listed.name.ends_with(&format!(".{PART}"));
     for listed in inside.list()?.into_iter().filter(is_part) {
         let place = inside.join(&listed.name);
         let path = place.path();
@@ -153,9 +152,14 @@ fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     Ok(parts)
 }
 
-/// Whether a folder holds shares of references.
+/// Whether a folder holds shares of references, sound or not.
 pub fn has_parts(folder: &Path) -> bool {
-    parts_in(folder).is_ok_and(|parts| !parts.is_empty())
+    Inside::folder(folder).list().is_ok_and(|all| all.iter().any(is_part))
+}
+
+/// Whether a file of a folder describes a share.
+fn is_part(listed: &Listed) -> bool {
+    listed.name.ends_with(&format!(".{PART}"))
 }
 
 /// Makes one reference of the shares in some folders, for each reference that they have.

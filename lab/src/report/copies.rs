@@ -45,7 +45,7 @@ pub fn check(folder: &Inside) -> Result<()> {
 /// Checks a picture, if it is there.
 ///
 /// # Errors
-/// Those of [`Inside::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
+/// The errors of [`Inside::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
 pub fn check_file(place: &Inside) -> Result<()> {
     if place.path().extension().is_some_and(|e| e == "svg") {
         return place.read()?.map_or(Ok(()), |svg| check_drawing(&svg, place));
@@ -94,7 +94,7 @@ pub fn copy_files(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
 /// Copies the first of some files that exists. With `same`, all that exist must be equal.
 ///
 /// # Errors
-/// Those of [`check_file`] and of writing, and [`Error::Malformed`] for files that are not equal.
+/// The errors of [`check_file`] and of writing, and [`Error::Malformed`] for files that are not equal.
 pub fn copy_file(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
     let mut first: Option<(&Inside, Vec<u8>)> = None;
     for place in from {

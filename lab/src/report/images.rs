@@ -9,7 +9,7 @@ use crate::passes::PathCode;
 use crate::scene::Lens;
 use crate::scene::bounded;
 use crate::scene::gbuffer_file::{MAX_BYTES, check_claims};
-use crate::scene::texture::{self, Encoding, Texture};
+use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
 use crate::stage::Intermediates;
 use crate::study::compare::LinearImage;
 use std::io::Cursor;
@@ -106,7 +106,7 @@ const MOST_PIXELS: u64 = 1 << 26;
 /// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`](texture::MAX_EXTENT)
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`]
 /// pixels on a side or more than 2²⁶ in all; of an `.exr` this is found out before memory is taken for them.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
     if is(path, "exr") {
@@ -138,7 +138,7 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
 ///
 /// # Errors
 /// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, lacks a channel, or has more than
-/// [`MAX_EXTENT`](texture::MAX_EXTENT) pixels on a side or more than 2²⁶ in all, which is found out before memory is taken for them.
+/// [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all, which is found out before memory is taken for them.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
 }
@@ -152,12 +152,15 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
-    check_claims(&meta, bytes.len(), path, "the image")?;
-    // No side is longer than a 32-bit number by now.
+    let limit = MAX_EXTENT as usize;
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
+        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
+    }
     meta.headers
         .iter()
         .map(|h| h.layer_size)
         .try_for_each(|size| check_pixels([size.0 as u32, size.1 as u32], path))?;
+    check_claims(&meta, bytes.len(), path, "the image")?;
     let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
     // The decoder of single channels takes every channel for one of full resolution.
     if let Some(c) = channels.clone().find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {

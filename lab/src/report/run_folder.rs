@@ -25,7 +25,7 @@ const FINISHED: &str = "{\"finished\":true}";
 /// Whether the last line of a folder's journal says that its run was finished; false if there is no journal.
 ///
 /// # Errors
-/// Those of [`Inside::read`].
+/// The errors of [`Inside::read`].
 pub fn is_finished(folder: &Inside) -> Result<bool> {
     let text = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED))
@@ -165,7 +165,7 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
 /// The keys of everything that the journal of a folder has, for whoever is about to write over it.
 ///
 /// # Errors
-/// Those of [`Inside::read`].
+/// The errors of [`Inside::read`].
 pub fn keys(folder: &Inside) -> Result<BTreeSet<String>> {
     let bytes = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&bytes).lines().filter_map(journal::key_of).collect())

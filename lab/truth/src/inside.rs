@@ -80,7 +80,7 @@ impl Inside {
     /// Reads a regular file that must be there.
     ///
     /// # Errors
-    /// Those of [`Inside::read`], and [`Error::Io`] if there is no file.
+    /// The errors of [`Inside::read`], and [`Error::Io`] if there is no file.
     pub fn bytes(&self) -> Result<Vec<u8>> {
         self.read()?.ok_or_else(|| self.failed("read", ErrorKind::NotFound.into()))
     }
@@ -88,7 +88,7 @@ impl Inside {
     /// Opens a regular file; `None` if there is none.
     ///
     /// # Errors
-    /// Those of [`Inside::read`], its size apart.
+    /// The errors of [`Inside::read`], its size apart.
     pub fn open(&self) -> Result<Option<File>> {
         let opened = self.within(false, |folder, name| {
             // A device may do something when it is opened, so that its kind is asked first; a pipe that takes the file's
@@ -227,7 +227,12 @@ impl Inside {
 
 /// Makes a folder and those above it; the empty name is that of the folder itself.
 fn make_all(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
-    name.filter(|name| !name.as_os_str().is_empty()).map_or(Ok(()), |name| folder.create_dir_all(name))
+    let Some(name) = name.filter(|name| !name.as_os_str().is_empty()) else { return Ok(()) };
+    folder.create_dir_all(name).or_else(|e| match e.kind() {
+        // Something else has the name. Why it cannot be entered says more: a link may lead out.
+        ErrorKind::AlreadyExists => folder.open_dir(name).map(drop),
+        _ => Err(e),
+    })
 }
 
 /// A name that no file has: a random number.
