@@ -152,7 +152,7 @@ fn a_webp_image_of_one_colour_may_be_large() {
 fn what_is_refused_says_which_command_makes_it_readable() {
     for (name, command) in [
         ("KHR_draco_mesh_compression", "`npx @gltf-transform/cli copy IN.glb OUT.glb`"),
-        ("EXT_texture_avif", "`npx @gltf-transform/cli png IN.glb OUT.glb --formats \"*\"`"),
+        ("EXT_texture_avif", "`npx @gltf-transform/cli webp IN.glb OUT.glb`"),
         ("KHR_materials_pbrSpecularGlossiness", "`npx @gltf-transform/cli metalrough IN.glb OUT.glb`"),
     ] {
         let said = error(&square(json!({}), |d| d["extensionsRequired"] = json!([name])));

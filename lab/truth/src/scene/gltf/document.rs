@@ -243,7 +243,7 @@ pub(super) fn remedy(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes the meshes without it",
         "KHR_texture_basisu" => "export the images as PNG, JPEG or WebP instead of KTX2",
-        "EXT_texture_avif" => "`npx @gltf-transform/cli png IN.glb OUT.glb --formats \"*\"` writes the images as PNG",
+        "EXT_texture_avif" => "`npx @gltf-transform/cli webp IN.glb OUT.glb` writes the images as WebP",
         "MSFT_texture_dds" => "export the images as PNG, JPEG or WebP",
         SPECULAR_GLOSSINESS => "`npx @gltf-transform/cli metalrough IN.glb OUT.glb` writes materials that are read",
         _ => "export without it",

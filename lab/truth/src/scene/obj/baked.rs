@@ -1,12 +1,24 @@
 //! The maps of a material: images as they are, and those that are baked from several, as for glTF.
 
-use super::mtl::Reading;
 use crate::scene::material_terms::roughness_of_perceptual;
 use crate::scene::metallic::{Factors, TexelInputs, grey, texels_of};
 use crate::scene::{Encoding, Material, Texture};
 use glam::{DVec4, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
+
+/// What a material is by its law.
+#[derive(Debug, Clone)]
+pub(super) struct Reading {
+    /// The material without its name, surface and images.
+    pub material: Material,
+    /// The factors of which images are baked.
+    pub factors: Factors,
+    /// Whether the material has metalness, so that its images change what it reflects as those of glTF do.
+    pub is_metallic: bool,
+    /// The factor on the perceptual roughness in the image of roughness.
+    pub roughness_factor: f32,
+}
 
 /// The index of an image among those that were read.
 type Image = usize;

@@ -1,8 +1,7 @@
 //! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
 //! missing.
 
-use super::baked::Textures;
-use super::mtl::Reading;
+use super::baked::{Reading, Textures};
 use crate::error::{Error, Result};
 use crate::scene::bounded::{self, shown};
 use crate::scene::pattern;

@@ -28,7 +28,6 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-pub(super) use laws::Reading;
 use laws::{Exporter, Law};
 use maps::image_statement;
 

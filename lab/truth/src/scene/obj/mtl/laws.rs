@@ -8,6 +8,7 @@ use super::{Definition, TRANSPARENCY};
 use crate::scene::Material;
 use crate::scene::material_terms::{F0, f0_of_ior, roughness_of_exponent, roughness_of_perceptual};
 use crate::scene::metallic::{Factors, TexelInputs};
+use crate::scene::obj::baked::Reading;
 use crate::scene::texture::luminance;
 use glam::Vec3;
 
@@ -50,19 +51,6 @@ pub(super) enum Law {
     Blender(u32),
     /// Metalness and roughness; Blender's `Ks` is the level of specular, that of others does not count.
     Pbr(Exporter),
-}
-
-/// What a material is by its law.
-#[derive(Debug, Clone)]
-pub(in crate::scene::obj) struct Reading {
-    /// The material without its name, surface and images.
-    pub material: Material,
-    /// The factors of which images are baked.
-    pub factors: Factors,
-    /// Whether the material has metalness, so that its images change what it reflects as those of glTF do.
-    pub is_metallic: bool,
-    /// The factor on the perceptual roughness in the image of roughness.
-    pub roughness_factor: f32,
 }
 
 impl Definition {
