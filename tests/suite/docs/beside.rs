@@ -1,6 +1,6 @@
 //! Methods beside each other, and filters of the poster's: a folder of records for each scene.
 
-use super::figures::{Result, figures, json, mean, median, percent, ratio, shortest, table};
+use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio, shortest, table};
 use serde_json::Value;
 use std::path::Path;
 
@@ -50,6 +50,19 @@ pub fn poster_filters(folder: &Path) -> Result<String> {
         rows.push(row);
     }
     table(&["filter", "time, ϱ 0.1", "right hits", "error, ϱ 0", "error, ϱ 0.1", "error, ϱ 0.3"], rows)
+}
+
+/// The poster's error against the screen with volumes over that with mip levels, at a roughness: of the means over all views of
+/// three scenes, and of the views the least and the greatest.
+pub fn poster_gain(folder: &Path, roughness: &str) -> Result<String> {
+    let errors = |filter: &str| {
+        let scenes = ["rooms", "museum", "street"].map(|scene| json(&folder.join(filter).join(scene), "error.json"));
+        let records = scenes.into_iter().collect::<Result<Vec<_>>>()?.concat();
+        Ok::<_, String>(figures(&records, "poster", "screen", roughness, "rmse"))
+    };
+    let (volume, mip) = (errors("volume")?, errors("mip")?);
+    let views: Vec<f64> = volume.iter().zip(&mip).map(|(volume, mip)| volume / mip).collect();
+    Ok(format!("{} ({} to {})", ratio(mean(&volume)? / mean(&mip)?), ratio(least(&views)), ratio(greatest(&views))))
 }
 
 /// The blurs of `billboard`: errors against the world by roughness, medians over the views of two scenes.

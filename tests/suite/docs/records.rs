@@ -56,6 +56,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["better-than", method] => better_than(first, method)?,
         ["beside", methods, scenes, roughness] => beside::beside(first, methods, scenes, roughness)?,
         ["poster-filters"] => beside::poster_filters(first)?,
+        ["poster-gain", roughness] => beside::poster_gain(first, roughness)?,
         ["billboard-blurs"] => beside::billboard_blurs(first)?,
         ["trace-normals"] => beside::trace_normals(first)?,
         ["bounces"] => outlook::bounces(first)?,

@@ -10,7 +10,7 @@ fn rows_of(folder: &Path) -> Result<Vec<(String, Vec<Row>)>> {
     let mut methods: Vec<(String, Vec<Row>)> = Vec::new();
     for row in csv(folder, "stress.csv")? {
         let name = row["method"].clone();
-        if scene_of(None, Some(&row["case"])).is_some_and(|scene| lacks(scene, &name)) {
+        if scene_of(None, Some(row["case"].as_str())).is_some_and(|scene| lacks(scene, &name)) {
             continue;
         }
         match methods.iter_mut().find(|(m, _)| *m == name) {
