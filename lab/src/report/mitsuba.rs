@@ -14,6 +14,7 @@ use crate::reference::surface::World;
 use crate::reference::world::{RAY_START_M, WorldReference};
 use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
+use crate::study::names::json_text;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -81,7 +82,7 @@ pub fn export(folder: &Inside, what: &Export) -> Result<Exported> {
     arrays.i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
     arrays.tangents(&what.scene.meshes)?;
     let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
-    folder.join("truth.json").write(text.as_bytes())?;
+    folder.join("truth.json").write(json_text(&text).as_bytes())?;
     Ok(Exported {
         triangles: what.scene.triangle_count(),
         receivers: reflecting.len(),

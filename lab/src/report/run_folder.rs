@@ -5,6 +5,7 @@ use crate::inside::Inside;
 use crate::study::cell_list::CellList;
 use crate::study::journal::{self, Journal};
 use crate::study::merge::{Line, MergeInput};
+use crate::study::names::json_text;
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Write};
@@ -102,7 +103,7 @@ impl Claim {
     pub fn list(&self, cells: &CellList) -> Result<()> {
         let text = serde_json::to_string_pretty(cells)
             .map_err(|e| Error::io("write", self.folder.join(CELLS).path(), e.into()))?;
-        self.folder.join(CELLS).write(format!("{text}\n").as_bytes())
+        self.folder.join(CELLS).write(json_text(&format!("{text}\n")).as_bytes())
     }
 
     /// Notes that the run is finished, so that the next may begin anew.

@@ -106,7 +106,7 @@ impl Inside {
         }
     }
 
-    /// Whether there is a regular file that can be opened.
+    /// True if a regular file is there and can be opened.
     pub fn is_there(&self) -> bool {
         self.open().is_ok_and(|file| file.is_some())
     }
