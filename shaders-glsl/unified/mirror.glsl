@@ -18,8 +18,7 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
-#define COLOR_AT(pixel) imageLoad(color_buffer, pixel)
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
 #include "unified/depth.glsl"
 #ifdef AMONG_TRIANGLES
@@ -38,7 +37,7 @@ struct Shown {
 
 // The colour that is reflected onto. It is loaded after the ray was followed, since a walk has no register to spare.
 vec4 LitColorAt(ivec2 pixel) {
-    return COMPOSITE ? COLOR_AT(pixel) : vec4(0.0);
+    return COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
 }
 
 // False for a pixel that is left as it is.

@@ -6,10 +6,6 @@
 
 #include "unified/traverse.glsl"
 
-#ifndef COLOR_AT
-#define COLOR_AT(pixel) texelFetch(color_buffer, pixel, 0)
-#endif
-
 // The surface that reflects, and the pixel that its ray hit.
 struct Seeing {
     vec3 point;  // of the surface, in ViewPoint's scale
@@ -74,7 +70,7 @@ Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 along) {
         ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
         vec2 weight = mix(1.0 - part, part, vec2(next));
         bool counts = here == hit.pixel || IsSeen(from, vec2(here) + 0.5, depths[i], 1.0);
-        AddTexel(sum, counted, COLOR_AT(here), counts, weight.x * weight.y);
+        AddTexel(sum, counted, texelFetch(color_buffer, here, 0), counts, weight.x * weight.y);
     }
     float whole = 1.0 / counted;
     return Mirrored(Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along, own < 0.0);
