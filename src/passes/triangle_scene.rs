@@ -323,7 +323,9 @@ impl TriangleGeometry {
             image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
-            walk_room: walk_room(self.levels.max(self.moving.levels.get()).max(usual_levels(count.cast_unsigned() as usize))),
+            walk_room: walk_room(
+                self.levels.max(self.moving.levels.get()).max(usual_levels(count.cast_unsigned() as usize)),
+            ),
             queries: false,
             unlit: false,
             screen_colors: false,

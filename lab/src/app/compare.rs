@@ -127,9 +127,8 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     if options.threshold.is_some() || options.fail_on_slower {
         return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for shaders".into()).into());
     }
-    let read = |folder: &Path| -> Result<Vec<ShaderRecord>> {
-        files::read_records(&Inside::folder(folder).join(SHADERS))
-    };
+    let read =
+        |folder: &Path| -> Result<Vec<ShaderRecord>> { files::read_records(&Inside::folder(folder).join(SHADERS)) };
     let names = [&options.a, &options.b].map(|path| path.display().to_string());
     let (a, b) = (read(&options.a)?, read(&options.b)?);
     let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));

@@ -125,7 +125,9 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let base = common.method_options.setup(sizes[0]);
     let variants = match &options.variant[..] {
         [] => Variant::of(&methods, &base),
-        typed => resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?,
+        typed => {
+            resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?
+        }
     };
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }

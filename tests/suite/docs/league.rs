@@ -39,7 +39,10 @@ pub fn scene(folder: &Path, scene: &str) -> Result<String> {
             rows.push([format!("{contestant}, {setting}")].into_iter().chain(cells).collect());
         }
     }
-    table(&["", "right %", "known %", "RMSE of known", "RMSE of all", "hue %", "hidden right %", "hidden black %"], rows)
+    table(
+        &["", "right %", "known %", "RMSE of known", "RMSE of all", "hue %", "hidden right %", "hidden black %"],
+        rows,
+    )
 }
 
 /// Known pixels and their error on every scene, with the defaults or the best setting.

@@ -9,7 +9,7 @@ use crate::scene::{Camera, GBufferData, Opening};
 use glam::{DVec2, DVec3};
 
 /// Normals and slopes that are further apart than this disagree.
-const MOST_DEGREES: f64 = 8.0;
+const TOLERATED_DEGREES: f64 = 8.0;
 
 /// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
 const GROSS_DEGREES: f64 = 45.0;
@@ -126,7 +126,7 @@ impl Slopes {
 
     /// The share of the compared pixels that disagree; `None` if too few can be compared.
     pub(super) fn disagreeing(&self) -> Option<f64> {
-        self.share_beyond(MOST_DEGREES)
+        self.share_beyond(TOLERATED_DEGREES)
     }
 
     /// The share of the compared pixels whose normals have nothing to do with their slopes; `None` if too few can be compared.

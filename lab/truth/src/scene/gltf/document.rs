@@ -37,8 +37,12 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_places(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
+    let alone = draco_alone(&value);
     let mut json: Root = typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
+    if let Some(message) = alone {
+        return Err(wrong(message));
+    }
     mend_samplers(&mut json, notes);
     check(&json, notes).map_err(wrong)?;
     Ok((Document::from_json_without_validation(json), animations, blob))
@@ -251,7 +255,7 @@ pub(super) fn remedy(extension: &str) -> &'static str {
 }
 
 /// # Errors
-/// A sentence for what an extension refers to that is not there, and for meshes that are there in compressed form alone.
+/// A sentence for what an extension refers to that is not there.
 fn check_places(document: &Value) -> std::result::Result<(), String> {
     let items = |name: &str| document.get(name).and_then(Value::as_array).into_iter().flatten().enumerate();
     let lights =
@@ -262,20 +266,24 @@ fn check_places(document: &Value) -> std::result::Result<(), String> {
             return Err(format!("nodes[{index}].extensions.KHR_lights_punctual.light refers to what is not there"));
         }
     }
-    let draco = "KHR_draco_mesh_compression";
+    Ok(())
+}
+
+/// The sentence about meshes that are there in the form of Draco alone; `None` where there are none.
+fn draco_alone(document: &Value) -> Option<String> {
+    const DRACO: &str = "KHR_draco_mesh_compression";
     let has_bytes = |primitive: &Value| {
         let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
         let accessor = position.and_then(|index| document.get("accessors")?.get(usize::try_from(index).ok()?));
         accessor.is_none_or(|accessor| accessor.get("bufferView").is_some())
     };
-    for (index, mesh) in items("meshes") {
+    let is_alone = |mesh: &Value| {
         let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
-        let is_compressed = |p: &&Value| p.get("extensions").is_some_and(|e| e.get(draco).is_some());
-        if primitives.into_iter().filter(is_compressed).any(|primitive| !has_bytes(primitive)) {
-            return Err(format!("meshes[{index}] has no bytes but those of {draco}; {}", remedy(draco)));
-        }
-    }
-    Ok(())
+        let is_compressed = |p: &&Value| p.get("extensions").is_some_and(|e| e.get(DRACO).is_some());
+        primitives.filter(is_compressed).any(|primitive| !has_bytes(primitive))
+    };
+    let index = document.get("meshes")?.as_array()?.iter().position(is_alone)?;
+    Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
 /// Ways of repeating that are none count as the default; filters are not read.

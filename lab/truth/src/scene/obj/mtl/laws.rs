@@ -19,7 +19,7 @@ const BLENDER_EXPONENT: f32 = 1000.0;
 const BLENDER_ROUGHNESS: f32 = 0.5;
 
 /// The first version of Blender in which the level of specular counts beside the index of refraction.
-const BLENDER_LEVEL_WITH_IOR: u32 = 4;
+const BLENDER_WITH_IOR: u32 = 4;
 
 /// Who wrote an MTL file, as far as it changes what the file means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -146,7 +146,7 @@ impl Definition {
         let has_image = self.images.reflectivity.is_some();
         let level = |major| {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
-            2.0 * level * if major >= BLENDER_LEVEL_WITH_IOR { of_ior } else { F0 }
+            2.0 * level * if major >= BLENDER_WITH_IOR { of_ior } else { F0 }
         };
         match law {
             Law::Wavefront => 0.0,
