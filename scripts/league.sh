@@ -4,6 +4,7 @@
 #
 # Usage: scripts/league.sh SSCT OUT [METHOD]...
 set -eu
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 ssct=$1
 out=$2

@@ -4,6 +4,7 @@
 #   scripts/room_pictures.sh SSCT ROOM.glb FOLDER    PYTHON is a Python 3.13 with bpy 5.2.3, numpy and pillow
 # It needs npm for gltf-transform, which packs the meshes.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 ssct=$(realpath "$1")
 room=$(realpath "$2")
 mkdir -p "$3"

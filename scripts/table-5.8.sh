@@ -6,6 +6,7 @@
 #
 # The environment may set SAMPLES (25) and SSCT, the program. An interrupted run goes on where it was.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/debug/ssct}

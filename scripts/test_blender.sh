@@ -4,6 +4,7 @@
 #   scripts/test_blender.sh SSCT FOLDER    SSCT is the command, FOLDER gets the virtual environment and the frames
 # It needs Python 3.13 and the package bpy, which pip installs (400 MB). Without Python 3.13 it says so, and ends with status 2.
 set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 ssct=$(realpath "$1")
 folder=$2
 cd "$(dirname "$0")/../examples/gbuffer-maps"
