@@ -18,8 +18,14 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
+// Among triangles the same image may be sampled as screen_color, in the same layout.
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+#define COLOR_AT(pixel) texelFetch(color_buffer, pixel, 0)
+#else
 layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
 #define COLOR_AT(pixel) imageLoad(color_buffer, pixel)
+#endif
 
 #include "unified/depth.glsl"
 #ifdef AMONG_TRIANGLES
