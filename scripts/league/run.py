@@ -102,7 +102,7 @@ def judge(path, truth):
     is_hue = (abs(scaled - right_colors).max(2) <= 2 * WITHIN) & (found.max(2) > WITHIN)
 
     def share(mask, among):
-        return 100 * float(mask[among].mean()) if among.any() else float("nan")
+        return 100 * float(mask[among].mean()) if among.any() else None
 
     def error(among):
         return float(np.sqrt(((found - right_colors)[among] ** 2).mean()) / 255)

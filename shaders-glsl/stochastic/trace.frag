@@ -33,7 +33,7 @@ layout(location = 2) out vec4 out_hit;   // of a mirror: texture coordinates, st
 struct End {
     int code;      // PATH_*
     bool hits;
-    bool shows;    // what it hits is seen from the pixel: not from behind the pixel's normal
+    bool shows;    // what it hits, or the sky that it goes to, is seen from the pixel: not from behind the pixel's normal
     vec2 position; // continuous pixel coordinates
     float depth;   // reversed
     vec3 color;    // of what it hits
@@ -67,8 +67,10 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mir
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
-    vec3 color = MirroredAt(hit, ViewPoint(ray.start, depth), normal, SkyAlong(direction)).color;
-    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hits && faces, hit.position, hit.depth, color);
+    bool is_far = GoesFar(ray, hit);
+    Mirrored seen = MirroredAt(hit, ViewPoint(ray.start, depth), normal, SkyAlong(direction));
+    bool shows = faces && (hits || (is_far && seen.is_sky));
+    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, shows, hit.position, hit.depth, seen.color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
     vec3 V_ss = Project(Unproject(P_ss) + direction * thesis.reflection_offset) - P_ss;

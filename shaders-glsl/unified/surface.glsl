@@ -6,6 +6,19 @@
 
 #include "unified/traverse.glsl"
 
+// Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
+// If the screen shows sky there, it is the colour of the ray.
+bool GoesFar(Ray ray, inout Hit hit) {
+    precise vec2 place = ray.start + ray.end * ray.rate.xy;
+    place = clamp(place, vec2(0.0), vec2(unified.size));
+    ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+    precise vec2 sides = (vec2(side) - ray.start) * ray.inverse;
+    bool is_far = !FOLLOWED && hit.code == PATH_MISS && ray.rate.z < 0.0 && ray.end < min(sides.x, sides.y);
+    hit.pixel = is_far ? min(ivec2(place), unified.size - 1) : hit.pixel;
+    hit.position = is_far ? place : hit.position;
+    return is_far;
+}
+
 // The surface that reflects, and the pixel that its ray hit.
 struct Seeing {
     vec3 point;  // of the surface, in ViewPoint's scale

@@ -51,8 +51,9 @@ impl<'a> SurfaceColors<'a> {
         }
         let (mut sum, mut counted) = (DVec3::ZERO, 0.0);
         for (index, weight) in around(g, x, y) {
-            if index == pixel || g.surface[index] == Surface::Lit && self.is_seen(index, pixel, from) {
-                sum += weight * g.color[index].as_dvec3();
+            if index == pixel || self.is_seen(index, pixel, from) {
+                let shows_sky = g.surface[index] == Surface::Sky;
+                sum += weight * if shows_sky { sky_color(towards) } else { g.color[index].as_dvec3() };
                 counted += weight;
             }
         }

@@ -214,7 +214,7 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
         (3.0, 2.0, 9.0),
         (3.0, 1.0, 8.5),
     ] {
-        let pixel = [x.min(2.5), y.min(1.5)].map(|v: f64| v as u32);
+        let pixel = [f64::min(x, 2.5), f64::min(y, 1.5)].map(|v| v as u32);
         let found = SurfaceColors::new(&g).shown(g.index(pixel[0], pixel[1]), [x, y], DVec3::Z, None);
         assert_eq!(found, DVec3::splat(expected), "({x}, {y})");
     }
