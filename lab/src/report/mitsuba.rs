@@ -298,7 +298,7 @@ mod tests {
         let camera = Camera::new(view.eye, view.look_at, scene.lens, 1.5);
         let folder = tempfile::tempdir().expect("a folder");
         let what = Export { scene: &scene, materials: &scene.materials, camera, extent: [12, 8], samples: 2, seed: 1 };
-        let exported = export(folder.path(), &what).expect("an export");
+        let exported = export(&Inside::folder(folder.path()), &what).expect("an export");
         assert_eq!(exported.triangles, scene.triangle_count());
         let read = |name: &str| std::fs::read(folder.path().join(name)).expect(name);
 
