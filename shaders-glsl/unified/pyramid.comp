@@ -34,25 +34,17 @@ float Reciprocal(float depth) {
     return depth > 0.0 ? 1.0 / offset : -1.0;
 }
 
-// How far behind a pixel its neighbour stands, as a share of the pixel's own view depth, or in depth if rays of sight are
-// parallel; negative where it stands before it.
-float Behind(float depth, vec2 neighbour) {
-    precise float behind = (depth - neighbour.x) * neighbour.y;
-    return neighbour.y > 0.0 ? behind : -NOTHING;
-}
-
-// What a surface spans in depth across its pixel along an axis, from the neighbours to both sides. What stands far before both
-// is thinner than two pixels, and they say nothing of it.
-float Span(float depth, vec2 before, vec2 after) {
-    precise float thin = THIN * (ORTHOGRAPHIC ? unified.reach * unified.depth_offset : 1.0);
-    float a = Behind(depth, before), b = Behind(depth, after);
-    float span = min(abs(a), abs(b));
-    return span < NOTHING && min(a, b) <= thin ? span : 0.0;
+float Span(float depth, float neighbour, float reciprocal) {
+    precise float span = abs(depth - neighbour) * reciprocal;
+    return reciprocal > 0.0 ? span : NOTHING;
 }
 
 // Front and back of a pixel; each neighbour with its Reciprocal.
 vec2 Block(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
-    float x = Span(depth, left, right), y = Span(depth, up, down);
+    float x = min(Span(depth, left.x, left.y), Span(depth, right.x, right.y));
+    float y = min(Span(depth, up.x, up.y), Span(depth, down.x, down.y));
+    x = x < NOTHING ? x : 0.0;
+    y = y < NOTHING ? y : 0.0;
     if (ORTHOGRAPHIC) {
         precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
         precise float behind = depth - ((x + y) + least);

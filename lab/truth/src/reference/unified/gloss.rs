@@ -1,9 +1,8 @@
 //! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
 //! pixels and cells are narrow, wide, or drawn at all.
 
+use super::Traversal;
 use super::gloss_trace::cell_pixel;
-use super::surface::Seeing;
-use super::{Hit, Traversal};
 use crate::math::constants;
 use crate::reference::Level;
 use crate::scene::GBufferData;
@@ -120,33 +119,29 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level, from a
-    /// point of a surface with a normal.
-    pub(super) fn color_seen(&self, hit: &Hit, point: Vec3, normal: Vec3, footprint_level: f32) -> Vec3 {
-        let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
-        let from = Seeing::new(point, normal, self.traversal.front(hit.pixel));
-        let size = self.traversal.parameters.size;
-        let image = &self.chain[level];
-        let texels = IVec2::new(image.width as i32, image.height as i32);
-        let to_texels = texels.as_vec2() / size.as_vec2();
-        let from_middle = hit.position * to_texels - 0.5;
-        let (low, part) = (from_middle.floor(), from_middle - from_middle.floor());
-        let (mut sum, mut counted) = (Vec3::ZERO, 0.0);
-        for i in 0..4 {
-            let next = IVec2::new(i & 1, i >> 1);
-            let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
-            let middle = ((texel.as_vec2() + 0.5) / to_texels).as_ivec2().min(size - 1);
-            let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if middle == hit.pixel || self.traversal.is_seen(&from, middle, (level as f32).exp2()) {
-                let share = weight.x * weight.y;
-                sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
-                counted += share;
-            }
-        }
-        if counted > 0.0 {
-            sum / counted.max(1e-6)
-        } else {
-            self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)
-        }
+    /// What a lookup of the colour's chain mixes: a footprint in each of two levels, with the weights of the two.
+    pub(super) fn lookup(&self, uv: Vec2, level: f32) -> [(Footprint, f32); 2] {
+        let level = level.clamp(0.0, (self.chain.len() - 1) as f32);
+        let (low, share) = (level as usize, level.fract());
+        let high = (low + 1).min(self.chain.len() - 1);
+        [(bilinear(&self.chain[low], uv), 1.0 - share), (bilinear(&self.chain[high], uv), share)]
     }
+}
+
+/// Four texels that a bilinear lookup mixes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Footprint {
+    /// Their weighted mean.
+    pub mean: Vec3,
+    /// The least and the greatest of them, channel by channel.
+    pub range: [Vec3; 2],
+}
+
+fn bilinear(image: &Level<Vec3>, uv: Vec2) -> Footprint {
+    let side = Vec2::new(image.width as f32, image.height as f32);
+    let place = (uv * side - 0.5).clamp(Vec2::ZERO, side - 1.0);
+    let (first, part) = (place.as_uvec2(), place.fract());
+    let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| image.at_clamped(first.x + x, first.y + y));
+    let (upper, lower) = (a + (b - a) * part.x, c + (d - c) * part.x);
+    Footprint { mean: upper + (lower - upper) * part.y, range: [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))] }
 }
