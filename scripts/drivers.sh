@@ -5,10 +5,10 @@
 # unpacks packages and installs nothing. It fetches only what is missing, so it is safe to run again.
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
-#   scripts/drivers.sh --help  print this
 #   scripts/drivers.sh --mesa  print the variable with which a program sees the younger Mesa alone; nothing where there is none
 #   scripts/drivers.sh --radv  print the variables with which a program sees Mesa's driver for AMD's GPUs alone, of the younger
 #                              Mesa or of the system's; with RADV_FORCE_FAMILY it compiles for a GPU that is not there
+#   scripts/drivers.sh --help  print this
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
@@ -23,9 +23,9 @@ mesa="$folder/mesa"
 say() { printf 'drivers: %s\n' "$*" >&2; }
 
 case "${1:-}" in
-    '' | --env | --mesa) ;;
+    '' | --env | --mesa | --radv) ;;
     *)
-        say "$1: there is --env, --mesa and --help, and without any of them packages are fetched"
+        say "$1: there is --env, --mesa, --radv and --help, and without any of them packages are fetched"
         exit 2
         ;;
 esac
@@ -54,18 +54,6 @@ if [ "${1:-}" = --radv ]; then
     fi
     exit 0
 fi
-
-case "${1:-}" in
-'' ) ;;
--h | --help)
-    sed -n '2,/^set -/{/^set -/d;s/^# \{0,1\}//;p}' "$0"
-    exit 0
-    ;;
-*)
-    say "there is no option $1; scripts/drivers.sh --help lists them"
-    exit 2
-    ;;
-esac
 
 # The backports are of Debian 12. A younger system has a younger Mesa of its own.
 codename=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME:-}")
