@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Runs the tests that hold for any driver on lavapipe and on SwiftShader, under a validation layer that is three years
 # younger than Debian's, and those that a driver has made fail before on the lavapipe of Mesa 25, which is Debian 13's
-# (scripts/drivers.sh fetches all three). Before that, every program is compiled for GPUs that are not there. tests/expected_failures.toml lists under "suite" the tests that fail on one of
-# them for a reason outside this program. Each of them must fail, and no other test may.
+# (scripts/drivers.sh fetches all three). Before that, every program is compiled for GPUs that are not there.
+# tests/expected_failures.toml lists under "suite" the tests that fail on a driver for a reason outside this program. Each
+# of them must fail, and no other test may.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
