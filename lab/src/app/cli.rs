@@ -81,7 +81,7 @@ pub struct SceneOptions {
     /// Far plane in metres
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
-    /// Roughness of every material: 0 a mirror, 1 a broad lobe
+    /// Roughness of every material, from 0, a mirror, to 1
     ///
     /// 0 is a mirror. The half angle of the lobe is half the roughness, so that 1 is a lobe of 28.6 degrees to each side, and not
     /// a diffuse surface. The number replaces the materials' own numbers and maps. What a material reflects stays as it is: a

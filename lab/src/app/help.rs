@@ -46,7 +46,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
             "texture_size",
         ],
     ),
-    (METHOD, &["method", "variant", "preset"]),
+    (METHOD, &["method", "include", "variant", "preset"]),
     (
         MEASUREMENT,
         &[

@@ -37,6 +37,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("cone-angle", "interpolated"),
         ("cone-alpha-min", "50"),
         ("cone-alpha-max", "80"),
+        ("cone-xi", "0.5"),
+        ("cone-mirror-alpha", "1"),
         ("hi-z-maximum", "on"),
         ("camera-fade", "0"),
         ("dda-stride", "16"),
@@ -75,6 +77,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("spreading-factor", "9"),
         ("split", "on"),
         ("fade", "off"),
+        ("fade-start", "0.1"),
+        ("fade-end", "1.9"),
         ("fallback", "environment"),
         ("oracle", "2"),
         ("captures", "1"),
@@ -141,7 +145,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             let (blurred, captured, history) = (("distance-blur", "on"), ("captures", "1"), ("history", "on"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
-                (_, "cone-alpha-min" | "cone-alpha-max") => {
+                (_, "cone-alpha-min" | "cone-alpha-max" | "cone-mirror-alpha") => {
                     let interpolated = ("cone-angle", "interpolated");
                     (vec![interpolated, option], frame(&mut bench, info, &[interpolated]))
                 }
@@ -165,7 +169,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                     (vec![layers, option], frame(&mut bench, info, &[layers]))
                 }
                 // On the screen alone reflections fade at its border, and the oracle says what they hit.
-                ("unified", "fade" | "oracle") => {
+                ("unified", "fade" | "fade-start" | "fade-end" | "oracle") => {
                     let alone = ("beyond", "none");
                     (vec![alone, option], frame(&mut bench, info, &[alone]))
                 }
