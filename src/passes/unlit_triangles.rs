@@ -7,7 +7,7 @@ use super::triangle_scene::{
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, Gpu};
-use crate::math::constants::MAP_LEVELS;
+use crate::math::constants::{MAP_LEVELS, TREE_DEPTH};
 use crate::math::{linear_to_srgb, srgb_to_linear};
 use crate::scene::tree::{Tree, TriangleRecords};
 use crate::scene::{Encoding, Material, Texture};
@@ -56,9 +56,9 @@ impl UnlitTriangles {
         Ok(())
     }
 
-    /// How the device reads them.
+    /// How the device reads them. Walks have room for any tree, since the next triangles may be more than these.
     pub fn reading(&self) -> TriangleReading {
-        TriangleReading { unlit: true, ..self.geometry.reading(&self.images, 0) }
+        TriangleReading { unlit: true, walk_room: TREE_DEPTH, ..self.geometry.reading(&self.images, 0) }
     }
 
     /// The buffers that passes bind.

@@ -54,11 +54,11 @@ impl Tree {
     }
 }
 
-/// The levels that walks have room for in any scene of so many triangles, whatever of it moves: two more than a full tree of
-/// eight children a node has. What moves is built by halves if its tree would have more.
+/// The levels that walks have room for in any scene of so many triangles, whatever of it moves: those of a binary tree by
+/// halves, by which a tree is built that would have more.
 pub fn usual_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
-    (binary.div_ceil(3) + 2).min(TREE_DEPTH as u32)
+    (binary + 1).min(TREE_DEPTH as u32)
 }
 
 /// The triangles of a scene as shaders read them, in the order of a tree.

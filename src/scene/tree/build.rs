@@ -83,7 +83,7 @@ impl BuildTrees for Trees {
         let stands = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
         let numbered = (0..).zip(triangles(&self.scene)).filter(stands);
         let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
-        let mut tree = self.over(&list, TREE_DEPTH as u32);
+        let mut tree = self.over(&list, usual_levels(self.scene.triangle_count()));
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
         let records = TriangleRecords::new(&self.scene, &tree);
         Ok((tree, records))
