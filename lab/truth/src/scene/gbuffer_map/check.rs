@@ -99,7 +99,8 @@ impl Disagreement {
 
     /// Whether this reading is to be preferred.
     fn is_before(self, other: Self) -> bool {
-        (self.places, self.degrees) < (other.places, other.degrees)
+        // Two readings that mirror the same axes differ by rounding alone; the first of them is kept.
+        self.places < other.places || self.places == other.places && self.degrees < 0.99 * other.degrees
     }
 
     fn sum(self) -> f64 {

@@ -18,6 +18,10 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         change(&mut other);
         readings.push(Reading { words, map: other });
     };
+    // Rows in the other order come before axes that mirror the same, since they are the commoner mistake.
+    let origin = if map.bottom_up { MapOrigin::TopLeft } else { MapOrigin::BottomLeft };
+    let word = if map.bottom_up { "top-left" } else { "bottom-left" };
+    add(format!("origin = {word:?}"), &|m| m.bottom_up = origin == MapOrigin::BottomLeft);
     for (word, kind) in map.depth.other_kinds() {
         add(format!("kind = {word:?} in [depth]"), &|m| m.depth = m.depth.with_kind(kind));
     }
@@ -45,8 +49,5 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
     for (words, camera) in map.camera.other_ways() {
         add(words.to_owned(), &|m| m.camera = camera.clone());
     }
-    let origin = if map.bottom_up { MapOrigin::TopLeft } else { MapOrigin::BottomLeft };
-    let word = if map.bottom_up { "top-left" } else { "bottom-left" };
-    add(format!("origin = {word:?}"), &|m| m.bottom_up = origin == MapOrigin::BottomLeft);
     readings
 }
