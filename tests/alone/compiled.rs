@@ -66,7 +66,7 @@ const RUNS: [(&str, &[&str]); 3] = [
     ("museum", &["unified --first screen", "traced"]),
 ];
 
-/// The same by ray queries.
+/// Runs that find what rays meet by ray queries.
 const QUERIED: [&str; 3] =
     ["traced --tracer query", "unified --tracer query --own-rays 8", "unified --first screen --tracer query"];
 

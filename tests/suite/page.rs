@@ -300,7 +300,7 @@ fn a_screenshot_shows_words_plots_and_pictures() {
         command
             .arg("--hide-scrollbars")
             .arg(format!("--screenshot={}", file.display()))
-            .arg(format!("--window-size={width},6000"));
+            .arg(format!("--window-size={width},9000"));
         assert!(command.arg(url).output().unwrap().status.success());
         let image = image::open(&file).unwrap().into_rgb8();
         assert_eq!(image.width(), width);

@@ -104,13 +104,13 @@ fn a_mistake_in_the_map_has_its_line() {
             "kind = \"view-z\"\n",
             "",
             "map.toml:11: [depth]: kind is missing: one of \"reversed\", \"standard\", \"minus-one-to-one\", \
-             \"view-z\", \"distance\"",
+             \"view-z\", \"distance\", \"distance-from-near\"",
         ),
         (
             "kind = \"view-z\"",
             "kind = \"z\"",
             "map.toml:13: [depth]: kind must be one of \"reversed\", \"standard\", \"minus-one-to-one\", \"view-z\", \
-             \"distance\", not \"z\"",
+             \"distance\", \"distance-from-near\", not \"z\"",
         ),
         (
             "world = \"left\"",
@@ -229,7 +229,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "kind = \"view-z\"",
             "kind = \"view-z\"\nnear = 1",
-            "map.toml:11: [depth]: view-z and distance have no near and far; those are the camera's",
+            "map.toml:11: [depth]: view-z and distances have no near and far; those are the camera's",
         ),
         (
             "kind = \"view-z\"",
