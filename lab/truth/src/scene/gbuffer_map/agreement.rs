@@ -154,17 +154,11 @@ impl Slopes {
         let badness = |opened: &Opened| mean_degrees(opened, &few);
         let same_pixels = search(self.opened, &badness, &[Change::Scale]);
         let other_pixels = search(self.opened, &badness, &[Change::Scale, Change::Aspect]);
-        // A picture is most often cropped to a half or a quarter: the search begins at each, and in the middle.
-        let starts = [0.0, -1.0, 1.0].iter().flat_map(|y| [0.0, -1.0, 1.0].map(|x| DVec2::new(x, *y)));
-        let shifted = starts
-            .map(|shift| Opened { shift: self.opened.shift + shift, ..self.opened })
-            .map(|start| search(start, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY]))
-            .min_by(|a, b| badness(a).total_cmp(&badness(b)))
-            .unwrap_or(same_pixels);
+        let shifted = search(self.opened, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY]);
         let mut best = same_pixels;
         // A lens that changes more must be much better to be believed.
         for other in [other_pixels, shifted] {
-            if badness(&other) < 0.7 * badness(&best) {
+            if badness(&other) < 0.5 * badness(&best) {
                 best = other;
             }
         }
