@@ -114,6 +114,10 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     }
     options.set_include_callback(|name, _, includer, _| {
         let (resolved_name, content) = included.borrow_mut().read(name, includer)?;
+        // The compiler's C interface ends a text at the first NUL, and its binding panics.
+        if content.contains('\0') {
+            return Err(format!("{resolved_name}: a shader's text must not hold a NUL character"));
+        }
         Ok(ResolvedInclude { resolved_name, content })
     });
     let kind = match pass.stage {
