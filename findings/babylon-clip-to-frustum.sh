@@ -1,6 +1,7 @@
 #!/bin/sh
 # Babylon.js, SSRRenderingPipeline.clipToFrustum, on by default. Its documentation says that to turn it off saves time and may show
 # artefacts. One would expect the picture with it to be the better one; it loses hits, and is right in fewer pixels of a mirror.
+# Seen: 98.77 % of the known pixels are right with it, and 99.89 % without.
 set -eu
 . "$(dirname "$0")/browser.sh"
 

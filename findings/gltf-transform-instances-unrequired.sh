@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # gltf-transform optimize: five nodes with one mesh or more become EXT_mesh_gpu_instancing, whose copies exist in the extension
-# alone. The extension is listed as used and not as required, so that a viewer without it shows one thing of twenty and calls the
-# file valid. Expected: what moves geometry is required, as the meshopt compression of the same file is.
+# alone. The extension is listed as used and not as required, so that a viewer without the extension shows one of twenty
+# copies and reports no error. Expected: what moves geometry is required, as the meshopt compression of the same file is.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

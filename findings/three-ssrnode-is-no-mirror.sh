@@ -1,7 +1,9 @@
 #!/bin/sh
 # three.js, SSRNode as it is made by default: one would expect a perfect mirror to show a wall as bright as it is, once the ray is long
-# enough and nothing fades at the screen's border. Each hit is dimmed by its distance from the mirror and by the angle, and no setting
-# turns that off; only rays drawn at random (stochastic), pressed into one direction by mirrorBias 1, show it as it is.
+# enough and nothing fades at the screen's border. Each hit is dimmed by its distance from the mirror and by the angle, and no
+# setting that was tried turns that off; only rays drawn at random (stochastic), pressed into one direction by mirrorBias 1, show it as it is.
+# Seen (median brightness, 1 is right): defaults 0.00, long rays without fade 0.78, 1000 m 0.87, intensity 2 1.57, stochastic with
+# mirrorBias 1 1.00.
 set -eu
 . "$(dirname "$0")/browser.sh"
 

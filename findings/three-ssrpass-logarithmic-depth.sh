@@ -1,6 +1,7 @@
 #!/bin/sh
 # three.js, SSRPass with a renderer whose depth is logarithmic (logarithmicDepthBuffer). One would expect the same picture, or a word that
 # the pass needs standard depth. It reads what is in the buffer as standard depth, says nothing, and reflects next to nothing.
+# Seen: 99.73 % of the known pixels are right with standard depth, and 4.31 % with logarithmic depth.
 set -eu
 . "$(dirname "$0")/browser.sh"
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The league (docs/findings/league.md): installs what runs in the browser and what judges it into a folder, and runs both beside a
-# program ssct. A quarter of an hour on two cores. Folders with methods of anybody's may follow (docs/custom-methods.md).
+# program ssct. A quarter of an hour on two cores. Folders of further methods may follow (docs/custom-methods.md).
 #
 # Usage: scripts/league.sh SSCT OUT [METHOD]...
 set -eu

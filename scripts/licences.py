@@ -24,37 +24,34 @@ TEXTS = re.compile(r"^(licen[cs]e|copying|copyright|notice|unlicense|ofl|ufl)", 
 
 def allowed(expression):
     """Whether the licences that an SPDX expression leaves a choice of may be passed on."""
-    expression = expression.replace("/", " OR ")
-    words = re.findall(r"\(|\)|[^\s()]+", expression)
+    words = re.findall(r"[()]|[^\s()]+", expression.replace("/", " OR "))
 
-    def choice(at):
-        value, at = both(at)
-        while at < len(words) and words[at] == "OR":
-            other, at = both(at + 1)
-            value = value or other
-        return value, at
+    def joined(word, part, join):
+        values = [part()]
+        while words[:1] == [word]:
+            del words[0]
+            values.append(part())
+        return join(values)
 
-    def both(at):
-        value, at = one(at)
-        while at < len(words) and words[at] == "AND":
-            other, at = one(at + 1)
-            value = value and other
-        return value, at
+    def choice():
+        return joined("OR", lambda: joined("AND", one, all), any)
 
-    def one(at):
-        if words[at] == "(":
-            value, at = choice(at + 1)
-            return value, at + 1
-        name, at = words[at], at + 1
-        if at + 1 < len(words) and words[at] == "WITH":
-            name, at = f"{name} WITH {words[at + 1]}", at + 2
-        return name in ALLOWED, at
+    def one():
+        name = words.pop(0)
+        if name == "(":
+            value = choice()
+            del words[0]
+            return value
+        if words[:1] == ["WITH"]:
+            name = f"{name} WITH {words[1]}"
+            del words[:2]
+        return name in ALLOWED
 
-    return choice(0)[0]
+    return choice() and not words
 
 
 def crates():
-    """The crates of the programs on this system, those that only build or test them apart."""
+    """The crates that the programs contain on x86-64 Linux, without those that only build or test them."""
     cargo = os.environ.get("CARGO", "cargo")
     root = Path(__file__).resolve().parent.parent
     command = [cargo, "metadata", "--format-version", "1", "--filter-platform", "x86_64-unknown-linux-gnu"]

@@ -102,7 +102,7 @@ pub enum Error {
 /// The library's result.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What a result of Vulkan says, and for some what it means.
+/// The text of a Vulkan result, with its usual cause where there is one.
 fn vulkan_text(result: ash::vk::Result) -> String {
     use ash::vk::Result as R;
     match result {

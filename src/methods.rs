@@ -42,6 +42,7 @@ pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
 use needs::Need;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
+use std::collections::HashSet;
 use std::sync::{PoisonError, RwLock};
 
 /// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
@@ -426,14 +427,10 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
             && effect.bounces == 1;
         return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
     }
-    let mut methods: Vec<&'static MethodInfo> = Vec::new();
-    for method in names.iter().map(|name| find(name)) {
-        let method = method?;
-        // Named twice, a method counts once.
-        if methods.iter().all(|known| known.name != method.name) {
-            methods.push(method);
-        }
-    }
+    let mut methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
+    // A method that is named twice counts once.
+    let mut seen = HashSet::new();
+    methods.retain(|method| seen.insert(method.name));
     check_read(&methods, setup)?;
     Ok(methods)
 }

@@ -65,7 +65,7 @@ pub struct Scene {
     pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
-    /// What was chosen for that of which a file says nothing, and how bright its lights are taken to be.
+    /// One sentence for each value that was chosen where the file has none, and for the brightness of its lights.
     pub notes: Vec<String>,
 }
 

@@ -140,23 +140,15 @@ fn directions(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
     let counting = Counted { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
     let (_, hits) = counting.images(bench, stage, at);
     let codes: Vec<_> = hits.texels().filter_map(|t| PathCode::from_channel(t[3])).collect();
-    let count = |of: &[PathCode]| codes.iter().filter(|c| of.contains(c)).count() as f64;
+    let count = |wanted: &[PathCode]| codes.iter().filter(|c| wanted.contains(c)).count() as f64;
     let towards = count(&[PathCode::Linear, PathCode::LinearMiss]);
     let away = count(&[PathCode::HiZ, PathCode::Miss, PathCode::Exhausted]);
-    let share = |of: f64, all: f64| of / all.max(1.0);
+    let share = |part: f64, all: f64| part / all.max(1.0);
     row("towards-camera", "ssct", at, SIZE[1], "0", share(towards, towards + away));
     row("towards-camera-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
-    let ended = |t: &[f32]| PathCode::from_channel(t[3]) == Some(PathCode::Linear);
-    let off = |t: &&[f32]| t[..2].iter().any(|c| !(0.0..=1.0).contains(c));
-    let marched = hits.texels().filter(|t| ended(t)).count() as f64;
-    row(
-        "search-off-screen",
-        "ssct",
-        at,
-        SIZE[1],
-        "0",
-        share(hits.texels().filter(|t| ended(t)).filter(off).count() as f64, marched),
-    );
+    let marched = hits.texels().filter(|t| PathCode::from_channel(t[3]) == Some(PathCode::Linear));
+    let off_screen = marched.filter(|t| t[..2].iter().any(|c| !(0.0..=1.0).contains(c))).count() as f64;
+    row("search-off-screen", "ssct", at, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
     row("away-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
 }
 

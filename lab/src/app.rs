@@ -94,7 +94,7 @@ pub fn program<P: FromArgMatches>(
         Ok(options) => options,
         Err(e) => {
             let status = u8::try_from(e.exit_code()).unwrap_or(2);
-            // A help that was asked for may find no room, as what is printed.
+            // Printing a help that was asked for may fail, as on a full disk; a closed pipe is no failure.
             return match e.print().and_then(|()| std::io::stdout().flush()) {
                 Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe && !e.use_stderr() => {
                     ended(Err(failed.into()))
@@ -103,7 +103,7 @@ pub fn program<P: FromArgMatches>(
             };
         }
     };
-    // What is still to be printed may find no room, as what is printed.
+    // What is still in the buffer may fail to be printed, as on a full disk.
     let flushed = || Ok(std::io::stdout().flush()?);
     ended(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
 }

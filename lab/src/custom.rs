@@ -1,10 +1,12 @@
 //! Methods from folders: a manifest (`method.toml`) and shaders, which become a method as any other
 //! (docs/custom-methods.md).
 //!
-//! `manifest` reads what the folder says, `shader` compiles the stages, with the uniforms that stand alone in blocks
-//! (`loose_uniforms`, `own_values`), `reflect` reads their interfaces, `kinds` holds images, inputs and outputs against what is there, `source` names what a shader may
-//! read, `includes` says which files it may be made of, `inputs` makes it of the G-buffer, `values` fills uniform blocks, `bindings` holds what a shader binds against the
-//! manifest, `method` records the passes, and `finish` makes a reflection of what they made.
+//! `manifest` reads what the folder says. `shader` compiles the stages: `includes` says which files they may be made of,
+//! `old_glsl` refuses texts that are too old, and `loose_uniforms` and `own_values` put uniforms that stand alone in blocks.
+//! `reflect` reads the stages' interfaces, `bindings` holds them against the manifest, and `kinds` holds images, inputs and
+//! outputs against what is there.
+//! `source` names what a shader may read, `inputs` makes it of the G-buffer, and `values` fills uniform blocks. `method`
+//! records the passes, and `finish` makes a reflection of what they made.
 
 mod bindings;
 mod conventions;

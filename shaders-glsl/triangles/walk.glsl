@@ -99,6 +99,8 @@ void Meet(TreeRay ray, int slot, inout Met best) {
         best = met;
 }
 
+#if !defined(CONFIRMED) && !defined(RAY_QUERY)
+
 uint Byte(uint word, int i) {
     return word >> (8 * i) & 0xffu;
 }
@@ -119,8 +121,6 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
     }
     return met;
 }
-
-#ifndef CONFIRMED
 
 // The stacks of all threads, the same place of each beside the others. In registers, as an array of a thread's own is held, they
 // would leave room for few threads at a time.

@@ -23,8 +23,8 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 #include "captures/seen.glsl"
 #endif
 
-// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky, and the ray's direction for a miss; and whether
-// that is on the screen and so near to where it began that neighbours see the same elsewhere (NEAR_HIT).
+// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction. `beside` says
+// that it ended on the screen, so near to where it began that neighbours see the same elsewhere (NEAR_HIT).
 struct End {
     vec3 place;
     bool beside;

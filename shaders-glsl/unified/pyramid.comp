@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Pyramid)
 // The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of
-// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone, in strips; above,
+// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone; above,
 // the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
 //
 // A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
@@ -65,79 +65,62 @@ void Store(ivec2 cell, int level, vec2 block) {
         imageStore(pyramid, CellTexel(cell, level), vec4(block, 0.0, 0.0));
 }
 
-// Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side.
-struct Rows {
-    vec2 upper[4];
-    vec2 lower[4];
-};
+// Depth and Reciprocal of 4 x 4 pixels and those around them.
+vec2 at[6][6];
 
-// Two by two pixels, the first at p; sky beyond the image.
-void Fetch(ivec2 p, out vec2 upper_left, out vec2 upper_right, out vec2 lower_left, out vec2 lower_right) {
+// Two by two of them, the first at (x, y); sky beyond the image.
+void Fetch(ivec2 first, int x, int y) {
+    ivec2 p = first + ivec2(x, y);
     // Where the four meet: no rounding can reach another texel.
     vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
     bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
     d = mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
-    upper_left = vec2(d.w, Reciprocal(d.w));
-    upper_right = vec2(d.z, Reciprocal(d.z));
-    lower_left = vec2(d.x, Reciprocal(d.x));
-    lower_right = vec2(d.y, Reciprocal(d.y));
+    at[y][x] = vec2(d.w, Reciprocal(d.w));
+    at[y][x + 1] = vec2(d.z, Reciprocal(d.z));
+    at[y + 1][x] = vec2(d.x, Reciprocal(d.x));
+    at[y + 1][x + 1] = vec2(d.y, Reciprocal(d.y));
 }
 
-Rows FetchRows(ivec2 p) {
-    Rows rows;
-    Fetch(p, rows.upper[0], rows.upper[1], rows.lower[0], rows.lower[1]);
-    Fetch(p + ivec2(2, 0), rows.upper[2], rows.upper[3], rows.lower[2], rows.lower[3]);
-    return rows;
-}
-
-// The block of a pixel, to its place in the pyramid.
-vec2 Pixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
-    vec2 block = Block(depth, left, right, up, down);
-    Store(pixel, 0, block);
+// The block of a pixel, from its place among those fetched, to its place in the pyramid.
+vec2 Pixel(ivec2 first, int x, int y) {
+    vec2 block = Block(at[y][x].x, at[y][x - 1], at[y][x + 1], at[y - 1][x], at[y + 1][x]);
+    Store(first + ivec2(x, y), 0, block);
     return block;
 }
 
-// Four pixels, the first of which is `pixel`, and the cell above them. They are in the middle of the lower row of `above` and of
-// the upper row of `below`.
-vec2 Quad(ivec2 pixel, Rows above, Rows below) {
-    vec2 row[4] = above.lower, next[4] = below.upper;
-    vec2 top = Union(Pixel(pixel, row[1].x, row[0], row[2], above.upper[1], next[1]),
-                     Pixel(pixel + ivec2(1, 0), row[2].x, row[1], row[3], above.upper[2], next[2]));
-    vec2 bottom = Union(Pixel(pixel + ivec2(0, 1), next[1].x, next[0], next[2], row[1], below.lower[1]),
-                        Pixel(pixel + 1, next[2].x, next[1], next[3], row[2], below.lower[2]));
+// Four pixels and the cell above them.
+vec2 Quad(ivec2 first, int x, int y) {
+    vec2 top = Union(Pixel(first, x, y), Pixel(first, x + 1, y));
+    vec2 bottom = Union(Pixel(first, x, y + 1), Pixel(first, x + 1, y + 1));
     vec2 cell = Union(top, bottom);
-    Store(pixel >> 1, 1, cell);
+    Store((first + ivec2(x, y)) >> 1, 1, cell);
     return cell;
 }
 
-// A strip of 2 x 8 pixels from the one at p: what is above its upper and its lower half. A strip is as narrow as it can be, and
-// a loop goes down along it, so that a thread holds few pixels at a time.
-vec2[2] Strip(ivec2 p) {
-    vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
-    Rows above = FetchRows(p - 1);
-    for (int row = 0; row < 8; row += 2) {
-        Rows below = FetchRows(p + ivec2(-1, row + 1));
-        vec2 own = Quad(p + ivec2(0, row), above, below);
-        upper_half = row == 4 ? cell : upper_half;
-        cell = row == 4 ? own : Union(cell, own);
-        above = below;
-    }
-    return vec2[2](upper_half, cell);
+// 4 x 4 pixels from the one at p, and the cell above them.
+vec2 Sixteen(ivec2 p) {
+    ivec2 first = p - 1;
+    Fetch(first, 0, 0);
+    Fetch(first, 2, 0);
+    Fetch(first, 4, 0);
+    Fetch(first, 0, 2);
+    Fetch(first, 2, 2);
+    Fetch(first, 4, 2);
+    Fetch(first, 0, 4);
+    Fetch(first, 2, 4);
+    Fetch(first, 4, 4);
+    vec2 top = Union(Quad(first, 1, 1), Quad(first, 3, 1));
+    vec2 cell = Union(top, Union(Quad(first, 1, 3), Quad(first, 3, 3)));
+    Store(p >> 2, 2, cell);
+    return cell;
 }
 
 void main() {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
     ivec2 p = 64 * tile + 8 * local;
-    vec2 cell = EMPTY_BLOCK;
-    for (int x = 0; x < 8; x += 4) {
-        vec2 left[2] = Strip(p + ivec2(x, 0)), right[2] = Strip(p + ivec2(x + 2, 0));
-        for (int half_row = 0; half_row < 2; ++half_row) {
-            vec2 sixteen = Union(left[half_row], right[half_row]);
-            Store((p + ivec2(x, 4 * half_row)) >> 2, 2, sixteen);
-            cell = Union(cell, sixteen);
-        }
-    }
+    vec2 top = Union(Sixteen(p), Sixteen(p + ivec2(4, 0)));
+    vec2 cell = Union(top, Union(Sixteen(p + ivec2(0, 4)), Sixteen(p + 4)));
     Store(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {

@@ -63,9 +63,9 @@ void Gather(inout CellSum sum, Here here, Gathered ray) {
     sum.nearest = density > 0.0 ? min(sum.nearest, dot(to, to)) : sum.nearest;
 }
 
-// Gathers the rays of the 5 x 5 cells around a cell. A cell's square is of four kinds, as those of a block of 2 x 2 cells are:
-// 3 x 3 lie two cells apart from the cell itself, and the others lie so from one of the three that a device shades in step
-// with it. Each of the first is followed by the one that the other cell along y hands on in its place, so that few rays are
+// Gathers the rays of the 5 x 5 cells around a cell. A cell's square is of four kinds, as those of a block of 2 x 2 cells
+// are: 3 x 3 lie two cells apart from the cell itself. The others lie so from one of the three cells that a device shades in
+// step with it. Each of the first is followed by the one that the other cell along y hands on in its place, so that few rays are
 // held at a time. The file that includes this one defines it.
 void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward);
 

@@ -40,7 +40,7 @@ pub struct DeviceQuery {
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
     /// Whether the device compiles pipelines and does nothing else: it has no memory and runs no work, images that are read
-    /// back are zero, and [`Gpu::take_programs`] says what its compiler made. Hardware that is not there is enough for it.
+    /// back are zero, and [`Gpu::take_programs`] says what its compiler made. Such a device needs no hardware.
     pub compiles_only: bool,
     /// Instance extensions that a window needs.
     pub instance_extensions: Vec<&'static CStr>,
@@ -187,6 +187,11 @@ impl std::fmt::Debug for Gpu {
 /// Names a failed call.
 pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
     move |result| Error::Vulkan { what: what.into(), result }
+}
+
+/// A text that Vulkan returned; empty if no zero ends it.
+pub(super) fn text(returned: std::result::Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
+    returned.map(|text| text.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// Every device that the loader sees, suitable or not.

@@ -1,7 +1,7 @@
 //! What a device's compiler made of the programs of frames, as VK_KHR_pipeline_executable_properties says it: on a device
 //! that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only).
 
-use super::device::{Gpu, vulkan};
+use super::device::{Gpu, text, vulkan};
 use super::pipeline::SharedPipeline;
 use crate::error::{Error, Result};
 use ash::vk;
@@ -93,7 +93,7 @@ impl Executables {
             let statistics = unsafe { self.functions.get_pipeline_executable_statistics(&info) }
                 .map_err(asked("vkGetPipelineExecutableStatisticsKHR"))?;
             Ok(Executable {
-                name: text(&p.name),
+                name: text(p.name_as_c_str()),
                 stage: stages(p.stages),
                 subgroup_size: p.subgroup_size,
                 statistics: statistics.iter().map(statistic).collect(),
@@ -101,12 +101,6 @@ impl Executables {
         };
         properties.iter().enumerate().map(executable).collect()
     }
-}
-
-/// The text of an array that ends with zero.
-fn text(characters: &[std::ffi::c_char]) -> String {
-    let bytes: Vec<u8> = characters.iter().map(|c| *c as u8).take_while(|byte| *byte != 0).collect();
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 fn stages(flags: vk::ShaderStageFlags) -> String {
@@ -130,7 +124,7 @@ fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
             _ => stated.value.u64 as f64,
         }
     };
-    Statistic { name: text(&stated.name), about: text(&stated.description), value }
+    Statistic { name: text(stated.name_as_c_str()), about: text(stated.description_as_c_str()), value }
 }
 
 impl Gpu {

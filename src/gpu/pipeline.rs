@@ -409,7 +409,7 @@ impl<P: program::Compute> ComputePipeline<P> {
     }
 }
 
-/// What a pipeline is created with so that the device can tell about it, where it is asked.
+/// The creation flags of a pipeline: on a device that compiles only, its statistics are captured.
 fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
     match gpu.shared().executables {
         Some(_) => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,

@@ -50,13 +50,7 @@ impl PreparedTriangles {
             Error::Usage(message.into())
         })?;
         // What moves takes room of its own.
-        let reading = geometry.reading(images, lights);
-        if reading.walk_room > self.reading.walk_room {
-            let message =
-                "the tree of the scene's triangles has more levels now than the effect was made for: make it anew";
-            return Err(Error::Usage(message.into()));
-        }
-        if self.reading.geometry_texels && !reading.geometry_texels {
+        if self.reading.geometry_texels && !geometry.reading(images, lights).geometry_texels {
             let message =
                 "the scene's triangles are more now than this device can read as the effect does: make it anew";
             return Err(Error::Usage(message.into()));

@@ -108,9 +108,9 @@ impl StochasticMethod {
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
-                let of: SsctParams = setup.of();
-                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, of.march.numbers(), making.hits)?;
-                Walk::Thesis(HiZPass::new(gpu, extent, false)?, of, trace)
+                let ssct: SsctParams = setup.of();
+                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, ssct.march.numbers(), making.hits)?;
+                Walk::Thesis(HiZPass::new(gpu, extent, false)?, ssct, trace)
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;
@@ -167,12 +167,12 @@ impl Method for StochasticMethod {
                 })?;
                 trace.hits()
             }
-            Walk::Thesis(pass, of, trace) => {
+            Walk::Thesis(pass, ssct, trace) => {
                 let hi_z = input.once(|| pass.record(frame, gbuffer), || pass.made())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
-                let block = of.border.fill(of.march.fill(of.hi_z.fill(published)));
+                let block = ssct.border.fill(ssct.march.fill(ssct.hi_z.fill(published)));
                 self.turns(frame, input, &unified, |frame, stochastic| {
                     trace.record(frame, gbuffer, (hi_z, &block), beyond, (&unified, stochastic))
                 })?;

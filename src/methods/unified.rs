@@ -203,7 +203,7 @@ pub struct UnifiedMethod {
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, border: _ } = making.setup.of();
+        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = making.setup.of();
         let screen = match (making.triangles, first) {
             (None, _) | (_, First::Screen) => true,
             (Some(_), First::Triangles) => false,

@@ -12,7 +12,7 @@ use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
 use crate::scene::Camera;
-use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, usual_levels};
+use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels};
 use ash::vk;
 use glam::{DVec3, Mat4};
 use std::cell::{Cell, RefCell};
@@ -38,8 +38,6 @@ pub struct TriangleGeometry {
     extent_m: f32,
     /// Whether a material decides at each hit whether its surface is there.
     asks: bool,
-    /// Levels of the tree of what stands.
-    levels: u32,
     buffer: TexelBuffer,
     /// What moves.
     moving: MovingPart,
@@ -55,8 +53,6 @@ struct MovingPart {
     root: Cell<i32>,
     /// The greatest coordinate of a corner, in metres.
     extent_m: Cell<f32>,
-    /// Levels of its tree.
-    levels: Cell<u32>,
     update: RefCell<Option<Update>>,
 }
 
@@ -236,7 +232,6 @@ impl TriangleGeometry {
     fn moves(&self, places: &Places, moving: &MovingTriangles) {
         let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
         self.moving.root.set(root as i32);
-        self.moving.levels.set(moving.tree.levels);
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
@@ -307,7 +302,6 @@ impl TriangleGeometry {
             counts: counts.map(|count| count as i32),
             extent_m: records.extent_m(),
             asks: records.asks(),
-            levels: tree.levels,
             buffer,
             moving: MovingPart::default(),
             places: None,
@@ -323,9 +317,7 @@ impl TriangleGeometry {
             image_texels: images.buffer.is_whole(),
             asks: self.asks,
             lights,
-            walk_room: walk_room(
-                self.levels.max(self.moving.levels.get()).max(usual_levels(count.cast_unsigned() as usize)),
-            ),
+            walk_room: walk_room(most_levels(count.cast_unsigned() as usize)),
             queries: false,
             unlit: false,
             screen_colors: false,

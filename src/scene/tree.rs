@@ -38,14 +38,14 @@ pub struct Tree {
     pub nodes: Vec<Words>,
     /// The number of the triangle in each slot that nodes refer to: triangles are counted over all meshes in their order.
     pub slots: Vec<u32>,
-    /// Nodes on the longest way from the root to a leaf, at most `TREE_DEPTH`.
+    /// Nodes on the longest way from the root to a leaf, at most [`most_levels`] of its triangles.
     pub levels: u32,
 }
 
 impl Tree {
-    /// Whether a walk with room for `TREE_DEPTH` levels, which shaders have, can walk over the tree.
+    /// Whether a walk that has room for the levels of so many triangles can walk over the tree.
     pub fn is_walkable(&self) -> bool {
-        self.levels <= TREE_DEPTH as u32
+        self.levels <= most_levels(self.slots.len())
     }
 
     /// Bytes of nodes and slots.
@@ -54,11 +54,11 @@ impl Tree {
     }
 }
 
-/// The levels that walks have room for in any scene of so many triangles, whatever of it moves: those of a binary tree by
-/// halves, by which a tree is built that would have more.
-pub fn usual_levels(triangles: usize) -> u32 {
+/// The most levels of a tree of so many triangles, for which walks have room: three more than a full tree has whose nodes have
+/// eight children. A tree that would have more is built by halves of its triangles, and has fewer.
+pub fn most_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
-    (binary + 1).min(TREE_DEPTH as u32)
+    (binary.div_ceil(3) + 3).min(TREE_DEPTH as u32)
 }
 
 /// The triangles of a scene as shaders read them, in the order of a tree.
@@ -110,13 +110,13 @@ pub struct MovingTriangles {
 
 /// Builds the trees over a scene's triangles.
 pub trait BuildTrees {
-    /// The tree over all meshes but those of some names, and records with the attributes of all triangles.
+    /// The tree over all meshes but those of some names, of [`most_levels`] at most, and records with the attributes of all triangles.
     ///
     /// # Errors
     /// [`Usage`](crate::error::Error::Usage) for a scene with more triangles than have numbers.
     fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)>;
 
-    /// The tree over the meshes of some names, each where it stands.
+    /// The tree over the meshes of some names, each where it stands, of [`most_levels`] at most.
     ///
     /// # Errors
     /// Errors of whoever builds it.

@@ -57,10 +57,13 @@ impl Folder {
         let output = self.run(args);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{args:?}: {errors}");
-        let is_notice =
-            |line: &&str| line.starts_with("ssct: scene ") && line.contains("; left out, as they would show nothing: ");
         let warnings: Vec<&str> = errors.lines().filter(|line| !is_notice(line)).collect();
         assert!(warnings.is_empty(), "{args:?}: no terminal, no progress, no warning: {errors}");
         String::from_utf8(output.stdout).unwrap()
     }
+}
+
+/// Whether a line of standard error says which methods are left out of a scene.
+pub fn is_notice(line: &str) -> bool {
+    line.starts_with("ssct: scene ") && line.contains("; left out, as they would show nothing: ")
 }

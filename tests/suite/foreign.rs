@@ -4,10 +4,10 @@
 mod names;
 
 use crate::common::folder::Folder;
+use crate::common::hang::wait_until;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 /// A picture that may not be written over, beside the folders of runs.
 const PRECIOUS: &str = "nobody may write over this";
@@ -187,7 +187,7 @@ fn a_share_of_a_reference_names_no_other_file() {
     assert!(!folder.path("escaped.world").exists() && !folder.path("all").exists());
 }
 
-/// The sentence of a command that neither waits nor takes memory without end: a limit ends it, far above what it takes.
+/// What a command prints; a limit ends the test if the command waits without end.
 #[cfg(unix)]
 fn at_once(folder: &Folder, args: &[&str]) -> String {
     let mut child = Command::new(env!("CARGO_BIN_EXE_ssct"))
@@ -197,14 +197,7 @@ fn at_once(folder: &Folder, args: &[&str]) -> String {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let begun = Instant::now();
-    while child.try_wait().unwrap().is_none() {
-        if begun.elapsed() > Duration::from_secs(120) {
-            child.kill().unwrap();
-            panic!("{args:?} hangs");
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until(|| format!("{args:?}"), || child.try_wait().unwrap().is_some());
     let output = child.wait_with_output().unwrap();
     let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
     assert!(!said.contains("panicked"), "{said}");

@@ -1,6 +1,7 @@
 //! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
 //! What was measured stays, and nothing is measured twice.
 
+use crate::common::folder::is_notice;
 use crate::common::hang::wait_until;
 use crate::common::{expected_failures, gpu};
 use serde_json::Value;
@@ -26,7 +27,7 @@ fn run(args: &[&str], more: &[&str]) -> (Option<i32>, String) {
 
 fn ended(output: Output) -> (Option<i32>, String) {
     let said = String::from_utf8(output.stderr).unwrap();
-    let lines = said.lines().filter(|line| !line.contains("; left out, as they would show nothing: "));
+    let lines = said.lines().filter(|line| !is_notice(line));
     assert!(lines.count() <= 1 && !said.contains("panicked"), "{said}");
     (output.status.code(), said)
 }

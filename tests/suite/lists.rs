@@ -31,7 +31,7 @@ fn each_table_of_an_error_names_its_average() {
     let run = [&run[..], &["--samples", "1", "--rays", "4", "--no-sweep", "-o", "e"]].concat();
     let output = folder.run(&run);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let page = std::fs::read_to_string(folder.path("e/error.md")).unwrap();
+    let page = folder.text("e/error.md");
     let titles: Vec<&str> = page.lines().filter(|l| l.starts_with("**")).collect();
     for title in titles.iter().filter(|t| t.contains("RMSE") || t.contains("Where the error comes from")) {
         assert!(title.contains("mean") || title.contains("median"), "{title}");

@@ -9,7 +9,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameReport, Gpu, Pixels};
 use ssct::methods::unified::First;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
-use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, usual_levels};
+use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, most_levels};
 use ssct_lab::scene::{Placement, Scene};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
 use std::cell::Cell;
@@ -82,7 +82,7 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
 fn walks_have_room_for_whatever_moves() {
     for name in ["rooms", "museum", "street", "cathedral"] {
         let scene = crate::common::built_in(name);
-        let (trees, most) = (Trees::new(&scene), usual_levels(scene.triangle_count()));
+        let (trees, most) = (Trees::new(&scene), most_levels(scene.triangle_count()));
         let mut meshes: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
         meshes.sort_unstable();
         meshes.dedup();

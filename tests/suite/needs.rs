@@ -2,8 +2,9 @@
 
 use crate::common;
 use crate::common::folder::Folder;
+use ssct::gpu::Pixels;
 use ssct::methods::thesis::{ConeAngle, ConeParams, FadeParams};
-use ssct::methods::{METHODS, MethodInfo, Setup, Wants};
+use ssct::methods::{METHODS, MethodInfo, Setup, Wants, find};
 use ssct_lab::scene::{Scene, library};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
 
@@ -18,6 +19,15 @@ fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
         let made = image::render(stage, &shot, false).unwrap();
         made.reflection.texels().all(|t| t[..3] == [0.0; 3])
     })
+}
+
+/// The reflection of a method in the corridor of a scene.
+fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), roughness: f32) -> Pixels {
+    let view = scene.view("corridor").unwrap();
+    let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, view);
+    let camera = view.camera(scene, SIZE);
+    let shot = Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, camera, materials).unwrap();
+    image::render(stage, &shot, false).unwrap().reflection
 }
 
 #[test]
@@ -71,16 +81,10 @@ fn a_fade_whose_ends_meet_is_a_hard_edge() {
     let gpu = common::gpu();
     let scene = common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let view = scene.view("corridor").unwrap();
     let mut fades = |start: f32, end: f32, method: &str| {
         let setup = Setup::on_screen(SIZE).with(|p: &mut FadeParams| (p.fade_start, p.fade_end) = (start, end));
-        let method = METHODS.iter().find(|m| m.name == method).unwrap();
-        let globals = Globals { roughness: Some(0.0), ..Globals::default() };
-        let materials = globals.materials(&scene, view);
-        let shot =
-            Shot::new(&mut stage, method, &setup, Wants::REFLECTION, view.camera(&scene, SIZE), materials).unwrap();
-        let made = image::render(&mut stage, &shot, false).unwrap();
-        made.reflection.texels().map(|t| t[3]).collect::<Vec<f32>>()
+        let made = corridor(&mut stage, &scene, (method, &setup), 0.0);
+        made.texels().map(|t| t[3]).collect::<Vec<f32>>()
     };
     for method in ["ssct", "hzct", "linear", "poster", "dda", "unified", "stochastic"] {
         let hard = fades(0.5, 0.5, method);
@@ -98,14 +102,9 @@ fn the_numbers_of_the_cone_are_options() {
     let gpu = common::gpu();
     let scene = common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let view = scene.view("corridor").unwrap();
     let mut image = |change: fn(&mut ConeParams)| {
         let setup = Setup::on_screen(SIZE).with(change);
-        let method = METHODS.iter().find(|m| m.name == "ssct").unwrap();
-        let materials = Globals { roughness: Some(0.1), ..Globals::default() }.materials(&scene, view);
-        let shot =
-            Shot::new(&mut stage, method, &setup, Wants::REFLECTION, view.camera(&scene, SIZE), materials).unwrap();
-        let made = image::render(&mut stage, &shot, false).unwrap().reflection;
+        let made = corridor(&mut stage, &scene, ("ssct", &setup), 0.1);
         made.values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
     };
     let plain = image(|_| ());

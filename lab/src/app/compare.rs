@@ -135,9 +135,7 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
     if let Some(folder) = &options.output {
-        let folder = Inside::folder(folder);
-        folder.join("compare.json").write(json().as_bytes())?;
-        folder.join("compare.txt").write(text().as_bytes())?;
+        report::write(&Inside::folder(folder), &json(), &text())?;
     }
     print(options, json, text)
 }

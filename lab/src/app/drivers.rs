@@ -49,7 +49,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
         _ => resolve::globals(&common.place)?,
     };
     let setup = common.method_options.setup(options.size);
-    let methods = resolve::methods(&options.method, &setup, &scene, &resolve::lenses(&scene, [&view]))?;
+    let methods = resolve::methods(&options.method, &setup, &[&scene], &resolve::lenses(&scene, [&view]))?;
     let base = resolve::gpu(&common.device)?;
     let others = other_devices::others(&base, common.device.validation)?;
     if others.is_empty() {

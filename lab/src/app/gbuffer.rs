@@ -84,7 +84,7 @@ fn load(file: &Path, map: Option<&Path>) -> anyhow::Result<GBufferData> {
         }
     };
     if let Some(doubt) = doubt {
-        eprintln!("ssct: warning: {}: {doubt}", file.display());
+        eprintln!("ssct: warning: {}: {doubt}", super::printable(&file.display().to_string()));
     }
     Ok(data)
 }

@@ -14,6 +14,7 @@ use crate::report::results::{PAGE, device_folder};
 use crate::report::run_folder::{self, CELLS, JOURNAL};
 use crate::report::{copies, files};
 use crate::study::cell_list::CellList;
+use crate::study::engine::keys_of;
 use crate::study::journal;
 use crate::study::merge::{MergeInput, MergedResult, MergedRun, ResultKind, merge};
 use crate::study::names::one_line;
@@ -108,7 +109,7 @@ fn of_figures() -> Merger {
 
 /// Checks the entries of a run's figures, and the files that they name: nothing else than pictures in the run's folder.
 fn check_figures(input: &MergeInput) -> Result<()> {
-    let keys: BTreeSet<&str> = input.cells.cells.iter().flat_map(|c| &c.results).map(|of| of.key.as_str()).collect();
+    let keys = keys_of(&input.cells);
     for line in &input.lines {
         let Some((key, value)) = journal::entry(&line.text).filter(|(key, _)| keys.contains(key.as_str())) else {
             continue;

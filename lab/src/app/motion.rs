@@ -55,7 +55,7 @@ impl StudyOptions for MotionOptions {
             _ => resolve::globals(place)?.iter().filter_map(|g| g.roughness).collect(),
         };
         let setup = self.common.method_options.setup(self.size);
-        let methods = resolve::methods(&self.method, &setup, &scene, &resolve::lenses(&scene, &views))?;
+        let methods = resolve::methods(&self.method, &setup, &[&scene], &resolve::lenses(&scene, &views))?;
         let (frames, rays) = (self.frames, self.rays);
         Ok(MotionStudy { scene, views, methods, setup, roughness, frames, rays, lineup: None })
     }

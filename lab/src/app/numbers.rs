@@ -25,7 +25,7 @@ pub fn with_sentences(command: Command) -> Command {
     })
 }
 
-/// A number; whether it lies where it should is for those to say who know what it means.
+/// Reads a number. Its range is checked by the command, which knows what it means.
 fn number(text: &str) -> Result<f32, String> {
     text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))
 }

@@ -50,7 +50,7 @@ impl StudyOptions for PathOptions {
         let sizes = resolve::listed_or(&self.size, [960, 540]);
         let setup = self.common.method_options.setup(sizes[0]);
         scene.lens = resolve::lens(place, scene.lens)?;
-        let methods = resolve::methods(&self.method, &setup, &scene, &[scene.lens])?;
+        let methods = resolve::methods(&self.method, &setup, &[&scene], &[scene.lens])?;
         Ok(PathStudy {
             scene,
             path,

@@ -1,7 +1,7 @@
 //! Standard output. Everything that a command prints goes through here, so that no name of a file, a scene or a shard is
 //! obeyed by a terminal.
 
-use crate::study::names::{is_obeyed, without_obeyed};
+use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use std::io::{Result, StdoutLock, Write};
 
 /// Standard output, without characters that a terminal obeys.
@@ -16,8 +16,7 @@ impl Write for Printed {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         // Texts come whole, each with the characters that it begins.
         let text = String::from_utf8_lossy(bytes);
-        let is_unsafe = |c: char| is_obeyed(c) && !matches!(c, '\n' | '\t');
-        self.0.write_all(without_obeyed(&text, is_unsafe).as_bytes())?;
+        self.0.write_all(without_obeyed(&text, is_obeyed_in_lines).as_bytes())?;
         Ok(bytes.len())
     }
 

@@ -232,32 +232,37 @@ pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Varian
     Ok(variants)
 }
 
-/// The methods of some names that find what they need in a scene; without names, every method that can be set up so and that
-/// takes the cameras.
-pub fn methods(names: &[String], setup: &Setup, scene: &Scene, lenses: &[Lens]) -> Result<Vec<&'static MethodInfo>> {
+/// The methods of some names that find what they need in one of some scenes; without names, every method that can be set up so
+/// and that takes the cameras.
+pub fn methods(
+    names: &[String],
+    setup: &Setup,
+    scenes: &[&Scene],
+    lenses: &[Lens],
+) -> Result<Vec<&'static MethodInfo>> {
     let chosen = methods::choose(names, setup)?;
-    showing(if names.is_empty() { taking(chosen, lenses) } else { chosen }, |method| method, &[scene])
+    showing(if names.is_empty() { taking(chosen, lenses) } else { chosen }, |method| method, scenes)
 }
 
 /// Leaves out what would show nothing in any of some scenes, since a method lacks what it needs there, and says of each scene
-/// what is left out. `method` is that of a piece.
+/// what is left out. `method` returns the method of an item.
 pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scenes: &[&Scene]) -> Result<Vec<T>> {
     for scene in scenes {
         let mut lacking: Vec<(Need, Vec<&str>)> = Vec::new();
         for method in all.iter().map(&method) {
             let Some(need) = method.lacks(scene).first().copied() else { continue };
-            match lacking.iter_mut().find(|(of, _)| *of == need) {
+            match lacking.iter_mut().find(|(known, _)| *known == need) {
                 Some((_, names)) if names.contains(&method.name) => {}
                 Some((_, names)) => names.push(method.name),
                 None => lacking.push((need, vec![method.name])),
             }
         }
         for (need, names) in lacking {
-            let (scene, need, names) = (&scene.name, need.words(), names.join(", "));
+            let (scene, need, names) = (super::printable(&scene.name), need.words(), names.join(", "));
             eprintln!("ssct: scene {scene} has no {need}; left out, as they would show nothing: {names}");
         }
     }
-    let shows = |piece: &T| scenes.iter().any(|scene| method(piece).lacks(scene).is_empty());
+    let shows = |item: &T| scenes.iter().any(|scene| method(item).lacks(scene).is_empty());
     let kept: Vec<T> = all.into_iter().filter(shows).collect();
     if kept.is_empty() {
         let scenes: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
@@ -295,9 +300,7 @@ pub fn variants(
     if !options.variant.is_empty() {
         return showing(typed_variants(&options.variant, base)?, |variant: &Variant| variant.method, scenes);
     }
-    let chosen = methods::choose(&options.method, base)?;
-    let chosen = if options.method.is_empty() { taking(chosen, lenses) } else { chosen };
-    let methods = showing(chosen, |method| method, scenes)?;
+    let methods = methods(&options.method, base, scenes, lenses)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
     Ok(if options.captures_sweep {
         let of = |method: &&'static MethodInfo| match method.takes_captures {

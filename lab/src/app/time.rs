@@ -113,18 +113,15 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, if is_table { "atrium" } else { "rooms" })?;
     let view = resolve::view(&scene, &common.place, is_table.then_some("hall"))?;
-    let methods = match &options.method[..] {
-        [] if is_table => table_5_8::methods(),
-        names => {
-            let lenses = resolve::lenses(&scene, [&view]);
-            resolve::methods(names, &common.method_options.setup([1, 1]), &scene, &lenses)?
-        }
-    };
     let globals = if is_table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, is_table)?;
     let base = common.method_options.setup(sizes[0]);
     let variants = match &options.variant[..] {
-        [] => Variant::of(&methods, &base),
+        [] if is_table && options.method.is_empty() => Variant::of(&table_5_8::methods(), &base),
+        [] => {
+            let lenses = resolve::lenses(&scene, [&view]);
+            Variant::of(&resolve::methods(&options.method, &base, &[&scene], &lenses)?, &base)
+        }
         typed => {
             resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?
         }

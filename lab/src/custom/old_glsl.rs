@@ -18,6 +18,8 @@ pub const NAMES: [(&str, &str); 11] = [
     ("attribute", "write in"),
 ];
 
+/// Refuses GLSL that is too old for Vulkan's compiler, or made for Shadertoy.
+///
 /// # Errors
 /// [`Error::Malformed`] with the line of a `#version` that is too old, and what to write in the place of each old name; for a text
 /// without `#version`, and for one whose function is `mainImage`.

@@ -100,6 +100,11 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     let source = source_text::read_program(path, "a shader", MAX_BYTES)?;
     old_glsl::check(path, &source)?;
     let wrong = |message: String| Error::malformed(path, None, message);
+    // The compiler's binding panics on a NUL character.
+    let has_nul = |text: &String| text.contains('\0');
+    if has_nul(&source) || pass.defines.iter().any(has_nul) {
+        return Err(wrong("a shader's text and its defines must not hold a NUL character".to_owned()));
+    }
     let compiler = Compiler::new().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
     let included = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));
     let mut options = CompileOptions::new().map_err(|e| wrong(e.to_string()))?;
@@ -114,8 +119,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     }
     options.set_include_callback(|name, _, includer, _| {
         let (resolved_name, content) = included.borrow_mut().read(name, includer)?;
-        // The compiler's C interface ends a text at the first NUL, and its binding panics.
-        if content.contains('\0') {
+        if has_nul(&content) {
             return Err(format!("{resolved_name}: a shader's text must not hold a NUL character"));
         }
         Ok(ResolvedInclude { resolved_name, content })

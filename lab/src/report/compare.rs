@@ -14,16 +14,20 @@ use crate::study::names::one_line;
 use crate::study::record::differing;
 
 /// Writes compare.json and compare.txt.
+pub fn write(folder: &Inside, json: &str, text: &str) -> Result<()> {
+    folder.join("compare.json").write(json.as_bytes())?;
+    folder.join("compare.txt").write(text.as_bytes())
+}
+
+/// Writes a comparison of times as compare.json and compare.txt.
 pub fn write_times(folder: &Inside, records: &[TimeComparison]) -> Result<()> {
-    folder.join("compare.json").write(files::json(records).as_bytes())?;
-    folder.join("compare.txt").write(times(records).as_bytes())
+    write(folder, &files::json(records), &times(records))
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
 /// or more, sRGB-encoded; magenta is no number), and FLIP's map as flip.png.
 pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
-    folder.join("compare.json").write(files::json(std::slice::from_ref(found)).as_bytes())?;
-    folder.join("compare.txt").write(images(found).as_bytes())?;
+    write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
     let (width, height) = (found.width, found.height);
     let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
     write_exr(&folder.join("error.exr"), &map, &["rmse"])?;

@@ -22,7 +22,7 @@ use crate::study::TimeRecord;
 use crate::study::agreement::AgreementRecord;
 use crate::study::error::ErrorRecord;
 use crate::study::exhibit::Table;
-use crate::study::names::{is_obeyed, without_obeyed};
+use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::Compared;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -158,8 +158,7 @@ fn frame(title: &str, header: &Markup, body: &Markup) -> String {
             }
         }
     };
-    let is_unsafe = |c: char| is_obeyed(c) && !matches!(c, '\n' | '\t');
-    without_obeyed(&page.into_string(), is_unsafe).into_owned()
+    without_obeyed(&page.into_string(), is_obeyed_in_lines).into_owned()
 }
 
 fn page_header(

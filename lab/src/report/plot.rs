@@ -3,7 +3,7 @@
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, Line, NamedPoint, StageBar, distinct};
 use crate::study::library::trends::TrendLine;
-use crate::study::names::{is_obeyed, without_obeyed};
+use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -55,8 +55,7 @@ pub fn draw(drawing: &Drawing) -> Result<String, String> {
         Drawing::Points([x, y], points) => against(points, [x, y]),
         Drawing::Bars(bars) => stage_bars(bars),
     };
-    let is_unsafe = |c: char| is_obeyed(c) && !matches!(c, '\n' | '\t');
-    svg.map(|svg| without_obeyed(&svg, is_unsafe).into_owned())
+    svg.map(|svg| without_obeyed(&svg, is_obeyed_in_lines).into_owned())
 }
 
 /// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.

@@ -74,7 +74,7 @@ impl Claim {
         if !resume && unfinished {
             return Err(Error::Unfinished { folder: self.folder.path(), journal: place.path() });
         }
-        self.begun(if resume { whole } else { 0 }, if resume { text.as_str() } else { "" })
+        if resume { self.begun(whole, &text) } else { self.new_journal() }
     }
 
     /// A journal that begins anew, whatever the folder has.

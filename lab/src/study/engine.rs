@@ -239,20 +239,23 @@ pub fn rows_of<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
     value.as_array().into_iter().flatten().find_map(sound::fault::<R>).map_or(Ok(rows), Err)
 }
 
-/// The keys of a list's results, and whether a key of a journal is that of a sample of one of them: it begins with the key of
-/// the result, and one or two words follow.
-fn keys_of(list: &CellList) -> (HashSet<&str>, impl Fn(&str) -> bool) {
-    let of_results = || list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str());
-    let (keys, known): (HashSet<&str>, HashSet<&str>) = (of_results().collect(), of_results().collect());
-    (keys, move |key| key.rmatch_indices(' ').take(2).any(|(end, _)| known.contains(&key[..end])))
+/// The keys of a list's results.
+pub fn keys_of(list: &CellList) -> HashSet<&str> {
+    list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str()).collect()
+}
+
+/// Whether a key of a journal is that of a sample of one of some results: it begins with the key of the result, and one or two
+/// words follow.
+fn is_sample(results: &HashSet<&str>, key: &str) -> bool {
+    key.rmatch_indices(' ').take(2).any(|(end, _)| results.contains(&key[..end]))
 }
 
 /// The keys of what a journal has of a list and what cannot be read: it is measured again.
 pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
-    let (keys, is_sample) = keys_of(list);
+    let keys = keys_of(list);
     let is_unread = |key: &&str| match journal.value(key) {
         Some(value) if keys.contains(key) => rows_of::<R>(value).is_err(),
-        Some(value) if R::IS_SAMPLED && is_sample(key) => interleave::sample_of(value).is_err(),
+        Some(value) if R::IS_SAMPLED && is_sample(&keys, key) => interleave::sample_of(value).is_err(),
         _ => false,
     };
     let mut found: Vec<String> = journal.keys().filter(is_unread).map(str::to_owned).collect();
@@ -265,13 +268,13 @@ pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
 /// # Errors
 /// The line, if it is known, and why what it says cannot be, as the end of a sentence about it.
 pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usize>, String)> {
-    let (keys, is_sample) = keys_of(&input.cells);
+    let keys = keys_of(&input.cells);
     for line in &input.lines {
         let Some((key, value)) = journal::entry(&line.text) else { continue };
         let wrong = |why: String| (Some(line.number), format!("the value of {key:?} {why}"));
         if keys.contains(key.as_str()) {
             rows_of::<R>(&value).map_err(wrong)?;
-        } else if R::IS_SAMPLED && is_sample(&key) {
+        } else if R::IS_SAMPLED && is_sample(&keys, &key) {
             interleave::sample_of(&value).map_err(wrong)?;
         }
     }

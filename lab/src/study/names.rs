@@ -44,6 +44,11 @@ pub fn is_obeyed(c: char) -> bool {
     c.is_control() || turns || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
+/// Whether a character is obeyed in a text of several lines, where ends of lines and tabs are wanted.
+pub fn is_obeyed_in_lines(c: char) -> bool {
+    is_obeyed(c) && !matches!(c, '\n' | '\t')
+}
+
 /// A text with a mark in the place of some characters.
 pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_unsafe) {
@@ -76,7 +81,7 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
 /// JSON with the numbers of the characters that a terminal obeys; they stand in names alone.
 pub fn json_text(json: &str) -> String {
     let escaped = |c: char| {
-        if is_obeyed(c) && !matches!(c, '\n' | '\t') { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
+        if is_obeyed_in_lines(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
     };
     json.chars().map(escaped).collect()
 }

@@ -93,7 +93,7 @@ impl ShaderRecord {
 fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for statistic in records.iter().flat_map(|r| &r.statistics) {
-        if Kind::of(&statistic.name) != Kind::Digest && !names.contains(&statistic.name) {
+        if Kind::named(&statistic.name) != Kind::Digest && !names.contains(&statistic.name) {
             names.push(statistic.name.clone());
         }
     }
@@ -120,7 +120,7 @@ impl Row for ShaderRecord {
 
     fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
         let names = statistic_names(rows);
-        let main: Vec<&String> = names.iter().filter(|name| Kind::of(name).is_main()).collect();
+        let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
         let every =
             Table::new("programs", "Programs", PROGRAMS_TABLE, programs(rows, &names.iter().collect::<Vec<_>>()));
         vec![
@@ -133,7 +133,8 @@ impl Row for ShaderRecord {
 
 /// A row for each frame.
 fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
-    let folded: Vec<(&String, Fold)> = names.iter().filter_map(|name| Some((*name, Kind::of(name).fold()?))).collect();
+    let folded: Vec<(&String, Fold)> =
+        names.iter().filter_map(|name| Some((*name, Kind::named(name).fold()?))).collect();
     let header = ["method", "roughness", "programs"].map(str::to_owned).into_iter();
     let mut cells = vec![header.chain(folded.iter().map(|(name, _)| (*name).clone())).collect()];
     let frame = |r: &ShaderRecord| (r.head.variant(), super::names::roughness(r.head.roughness));
@@ -169,10 +170,8 @@ fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = header.map(str::to_owned).into_iter();
     let mut cells = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
     for r in rows {
-        let [variant, roughness, runs_in, program, constants, stage] = r.identity();
-        let own =
-            [variant, roughness, runs_in, program, constants, stage, r.subgroup_size.to_string(), r.passes.clone()];
-        cells.push(own.into_iter().chain(names.iter().map(|name| shown(r.statistic(name)))).collect());
+        let own = r.identity().into_iter().chain([r.subgroup_size.to_string(), r.passes.clone()]);
+        cells.push(own.chain(names.iter().map(|name| shown(r.statistic(name)))).collect());
     }
     cells
 }
@@ -240,7 +239,7 @@ impl ShaderRecord {
     /// The programs of frames by the numbers that matter, once for all frames in which the same comes of one.
     pub fn table(records: &[Self]) -> Table {
         let names = statistic_names(records);
-        let main: Vec<&String> = names.iter().filter(|name| Kind::of(name).is_main()).collect();
+        let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
         Table::new("shaders", "Programs", PROGRAMS_TABLE, programs_of_frames(records, &main))
     }
 }

@@ -1,5 +1,5 @@
-//! Files inside a folder. The folder is one that the user named; the names inside it may come from strangers, as those of a
-//! shard that somebody else measured do. A name that leads out of the folder is refused, whether by `..`, by a root or by a
+//! Reads and writes files inside a folder that the user named. The names inside it may come from strangers, for example with a
+//! shard that somebody else measured. A name that leads out of the folder is refused, whether by `..`, by a root or by a
 //! link. Only regular files are read, of bounded size, and nothing is written through a link. All files that the
 //! laboratory writes are written here.
 
@@ -51,10 +51,8 @@ impl Inside {
     /// A file or a folder below this one.
     #[must_use]
     pub fn join(&self, name: impl AsRef<Path>) -> Self {
-        // Unlike a path, a place keeps its root whatever is joined.
-        let joined = self.name.as_os_str().is_empty();
-        let name = if joined { name.as_ref().to_owned() } else { self.name.join(name) };
-        Self { root: self.root.clone(), name }
+        // The root is kept apart, so that an absolute name cannot replace it.
+        Self { root: self.root.clone(), name: self.name.join(name) }
     }
 
     /// Where it is, for messages.

@@ -241,7 +241,7 @@ unsafe extern "system" fn get_buffer_memory_requirements(
     unsafe { made.write(requirements(*(buffer.as_raw() as *const vk::DeviceSize))) };
 }
 
-/// An image needs no memory, since the host sees none of an image's.
+/// Any size serves, since the host never maps an image's memory.
 unsafe extern "system" fn get_image_memory_requirements(
     _: vk::Device,
     _: vk::Image,

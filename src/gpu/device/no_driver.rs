@@ -8,7 +8,7 @@ use std::path::Path;
 /// The variables that name the loader's drivers. The first one that is set counts.
 const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 
-/// What everybody can install.
+/// Advice that helps on every machine.
 const HINT: &str = "Mesa's lavapipe is a driver that runs on the CPU";
 
 /// The error about a call that failed because no driver offers a device, or about any other failure of it.

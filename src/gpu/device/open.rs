@@ -4,7 +4,7 @@ use super::compile_only::{self, HostMemory};
 use super::features::{self, enable_features};
 use super::no_driver;
 use super::ray_queries::{self, RayQueries};
-use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
+use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, text, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::executables::Executables;
 use crate::gpu::memory::Source;
@@ -24,8 +24,7 @@ use std::sync::{Mutex, OnceLock};
 pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
-        let installs = "; scripts/setup.sh installs it".to_owned();
-        let advice = memory_limit().map_or(installs, |_| short_of_memory());
+        let advice = short_of_memory().unwrap_or_else(|| "; scripts/setup.sh installs it".to_owned());
         Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}){advice}"))
     })?;
     // SAFETY: enumeration has no preconditions.
@@ -69,16 +68,16 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
         info = info.push_next(&mut features).push_next(&mut messenger);
     }
     // SAFETY: the names and structures live through the call.
-    let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY if memory_limit().is_some() => {
-            Error::NoDevice(format!("the loader finds no driver that fits{}", short_of_memory()))
-        }
-        vk::Result::ERROR_INCOMPATIBLE_DRIVER => no_driver::no_device(result),
-        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
-            Error::NoWindow("no Vulkan driver here can present to this window system".into())
-        }
-        _ => no_driver::failed("vkCreateInstance")(result),
-    })?;
+    let instance =
+        unsafe { entry.create_instance(&info, None) }.map_err(|result| match (result, short_of_memory()) {
+            (vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY, Some(short)) => {
+                Error::NoDevice(format!("the loader finds no driver that fits{short}"))
+            }
+            (vk::Result::ERROR_EXTENSION_NOT_PRESENT, _) if !query.instance_extensions.is_empty() => {
+                Error::NoWindow("no Vulkan driver here can present to this window system".into())
+            }
+            (result, _) => no_driver::failed("vkCreateInstance")(result),
+        })?;
     Ok((entry, instance, has_debug))
 }
 
@@ -90,15 +89,12 @@ fn memory_limit() -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// That memory may be short, as the end of a sentence; nothing where it is not bounded.
-fn short_of_memory() -> String {
-    let said = |bytes: u64| {
-        let mib = bytes >> 20;
-        format!(
-            ": memory is short, as this process may take {mib} MiB (ulimit -v); raise the limit, or install a driver"
-        )
-    };
-    memory_limit().map(said).unwrap_or_default()
+/// Says that memory may be short, as the end of a sentence; `None` where the system does not bound it.
+fn short_of_memory() -> Option<String> {
+    let mib = memory_limit()? >> 20;
+    Some(format!(
+        ": memory is short, as this process may take {mib} MiB (ulimit -v); raise the limit, or install a driver"
+    ))
 }
 
 /// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
@@ -133,8 +129,6 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInf
     // SAFETY: the physical device belongs to the instance.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
     let p = properties.properties;
-    let text =
-        |c: std::result::Result<&CStr, _>| c.map(|c: &CStr| c.to_string_lossy().into_owned()).unwrap_or_default();
     let v = p.api_version;
     DeviceInfo {
         name: text(p.device_name_as_c_str()),
@@ -200,15 +194,11 @@ fn choose(
         };
         let reasons: Vec<_> =
             listing.iter().filter_map(|(_, l)| Some(format!("{}: {}", l.info.name, l.unsuitable.as_ref()?))).collect();
-        return listing.into_iter().filter(|(_, l)| l.unsuitable.is_none()).min_by_key(|(_, l)| rank(l)).ok_or_else(
-            || {
-                Error::NoDevice(if reasons.is_empty() {
-                    "the loader lists none; Mesa's lavapipe is one that runs on the CPU".into()
-                } else {
-                    reasons.join("; ")
-                })
-            },
-        );
+        return listing
+            .into_iter()
+            .filter(|(_, l)| l.unsuitable.is_none())
+            .min_by_key(|(_, l)| rank(l))
+            .ok_or_else(|| Error::NoDevice(reasons.join("; ")));
     };
     let names: Vec<_> = listing.iter().map(|(_, l)| format!("{} {}", l.index, l.info.name)).collect();
     let by_index = wanted.parse::<usize>().ok();
@@ -216,12 +206,8 @@ fn choose(
         Some(index) => l.index == index,
         None => l.info.name.to_lowercase().contains(&wanted.to_lowercase()),
     });
-    let (physical, found) = found.ok_or_else(|| {
-        Error::Usage(format!(
-            "no device {wanted:?}; there is: {}",
-            if names.is_empty() { "none".into() } else { names.join(", ") }
-        ))
-    })?;
+    let (physical, found) =
+        found.ok_or_else(|| Error::Usage(format!("no device {wanted:?}; there is: {}", names.join(", "))))?;
     match &found.unsuitable {
         Some(why) => Err(Error::NoDevice(format!("{} cannot be used: {why}", found.info.name))),
         None => Ok((physical, found)),

@@ -1,20 +1,20 @@
 //! Builds a [`Tree`] by the crate obvhs: a binary hierarchy by PLOC with reinsertion, and from it the wide one.
 //!
-//! A hierarchy with more levels than a walk has room for, as many triangles in
-//! one place make it, is built again by halving lists of triangles, which bounds its levels.
+//! A hierarchy with more levels than a walk has room for, as many triangles in one place make it, is built again by halving lists
+//! of triangles, which bounds its levels.
 
 use super::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
 use super::{
-    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, triangles, usual_levels,
+    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels, triangles,
 };
 use crate::error::{Error, Result};
-use crate::math::constants::TREE_DEPTH;
 use crate::scene::{Mesh, Placement, Scene};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::bvh2_to_cwbvh::{Bvh2Converter, bvh2_to_cwbvh};
 
 impl Tree {
     /// The hierarchy over all triangles of a scene that have an area.
@@ -29,17 +29,17 @@ impl Tree {
 
     /// The hierarchy over triangles in metres that have an area.
     pub fn over(corners: &[[DVec3; 3]]) -> Self {
-        Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]), TREE_DEPTH as u32)
+        Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]))
     }
 
-    /// The hierarchy over boxes, built by halves if it would have more levels than `most` otherwise.
-    fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles, most: u32) -> Self {
+    /// The hierarchy over boxes, built by halves if it would have more than [`most_levels`] otherwise.
+    fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles) -> Self {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
         }
         let mut wide = bvh2_to_cwbvh(&by_neighbours(&boxes), LEAF, true, false);
-        if levels(&wide) > most {
-            wide = bvh2_to_cwbvh(&by_halves(&boxes), LEAF, true, false);
+        if levels(&wide) > most_levels(with_area.len()) {
+            wide = by_halves(&boxes);
         }
         let words: &[Words] = bytemuck::cast_slice(&wide.nodes);
         debug_assert_eq!(words.len(), NODE_WORDS * wide.nodes.len());
@@ -71,9 +71,9 @@ impl Trees {
     }
 
     /// The tree over some triangles, by their places in a list. Its slots are such places.
-    fn over(&self, list: &[[DVec3; 3]], most_levels: u32) -> Tree {
+    fn over(&self, list: &[[DVec3; 3]]) -> Tree {
         let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
-        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]), most_levels)
+        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
     }
 }
 
@@ -83,7 +83,7 @@ impl BuildTrees for Trees {
         let stands = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
         let numbered = (0..).zip(triangles(&self.scene)).filter(stands);
         let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
-        let mut tree = self.over(&list, usual_levels(self.scene.triangle_count()));
+        let mut tree = self.over(&list);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
         let records = TriangleRecords::new(&self.scene, &tree);
         Ok((tree, records))
@@ -104,7 +104,7 @@ impl BuildTrees for Trees {
             first = end;
         }
         let list: Vec<_> = triangles(&part).map(|(mesh, t)| corners_of(mesh, t)).collect();
-        let mut tree = self.over(&list, usual_levels(self.scene.triangle_count()));
+        let mut tree = self.over(&list);
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
@@ -127,17 +127,26 @@ fn check_count(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// A binary hierarchy with as few levels as there can be: each list of boxes is cut in half along the axis in which its
-/// middles lie farthest apart.
-fn by_halves(padded: &[Padded]) -> Bvh2 {
+/// A hierarchy with few levels: each list of boxes is cut in half along the axis in which its middles lie farthest apart, and
+/// what becomes one node of eight children is decided by counts of boxes, and not by areas.
+fn by_halves(padded: &[Padded]) -> CwBvh {
     let mut indices: Vec<u32> = (0..padded.len() as u32).collect();
-    let mut nodes = vec![Bvh2Node::default()];
+    // Two copies of the hierarchy: one with its boxes, and one with boxes whose areas are the counts.
+    let mut nodes = [vec![Bvh2Node::default()], vec![Bvh2Node::default()]];
     let mut work = vec![(0_usize, 0..padded.len())];
     while let Some((node, range)) = work.pop() {
         let list = &mut indices[range.clone()];
         let aabb = list.iter().fold(Aabb::INVALID, |all, &i| all.union(&padded[i as usize].0));
+        let counted = Aabb::new(Vec3A::ZERO, Vec3A::new(list.len() as f32, 1.0, 0.0));
+        let first = nodes[0].len();
+        let mut set = |count: u32, first: usize| {
+            for (nodes, aabb) in nodes.iter_mut().zip([aabb, counted]) {
+                nodes[node] = Bvh2Node::new(aabb, count, first as u32);
+                nodes.resize(nodes.len() + if count == 0 { 2 } else { 0 }, Bvh2Node::default());
+            }
+        };
         if list.len() == 1 {
-            nodes[node] = Bvh2Node::new(aabb, 1, range.start as u32);
+            set(1, range.start);
             continue;
         }
         let middle = |i: &u32| Vec3A::from(padded[*i as usize].0.center().to_array());
@@ -148,11 +157,44 @@ fn by_halves(padded: &[Padded]) -> Bvh2 {
         let axis = (high - low).max_position();
         let half = list.len() / 2;
         list.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
-        let first = nodes.len();
-        nodes[node] = Bvh2Node::new(aabb, 0, first as u32);
-        nodes.extend([Bvh2Node::default(), Bvh2Node::default()]);
+        set(0, first);
         work.push((first, range.start..range.start + half));
         work.push((first + 1, range.start + half..range.end));
     }
-    Bvh2 { nodes, primitive_indices: indices, ..Bvh2::default() }
+    let [binary, counted] = nodes.map(|nodes| Bvh2 { nodes, primitive_indices: indices.clone(), ..Bvh2::default() });
+    let mut decided = Bvh2Converter::new(&counted, false, false);
+    decided.calculate_cost(LEAF);
+    let mut converter = Bvh2Converter::new(&binary, true, false);
+    converter.decisions = decided.decisions;
+    converter.convert_to_cwbvh();
+    let Bvh2Converter { nodes, primitive_indices, .. } = converter;
+    CwBvh { nodes, primitive_indices, total_aabb: *binary.nodes[0].aabb(), ..CwBvh::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes of a scene: some in one place, some on a line and some anywhere, of any size.
+    fn boxes(count: usize) -> Vec<Padded> {
+        let unit = |n: usize, k: usize| ((n * 7919 + k * 104_729) % 1009) as f32 / 1009.0;
+        let place = |n: usize| match n % 3 {
+            0 => Vec3A::ZERO,
+            1 => Vec3A::new(unit(n, 1).exp2(), 0.0, 0.0),
+            _ => Vec3A::new(unit(n, 2), unit(n, 3), unit(n, 4)),
+        };
+        let size = |n: usize| 10.0_f32.powf(-4.0 * unit(n, 5));
+        (0..count).map(|n| Padded(Aabb::new(place(n) - size(n), place(n) + size(n)))).collect()
+    }
+
+    #[test]
+    fn halves_bound_the_levels_of_trees_of_any_number_of_triangles() {
+        for count in (1..=700).chain([1023, 1024, 1025, 4095, 4097, 8082, 32_769, 100_000]) {
+            let wide = by_halves(&boxes(count));
+            assert!(levels(&wide) < most_levels(count), "{count} boxes: {} levels", levels(&wide));
+            let mut found: Vec<u32> = wide.primitive_indices.clone();
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..count as u32), "{count}");
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Methods beside each other, and filters of the poster's: a folder of records for each scene.
 
+use super::claims;
 use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio, shortest, table};
 use serde_json::Value;
 use std::path::Path;
@@ -61,7 +62,7 @@ pub fn poster_gain(folder: &Path, roughness: &str) -> Result<String> {
         Ok::<_, String>(figures(&records, "poster", "screen", roughness, "rmse"))
     };
     let (volume, mip) = (errors("volume")?, errors("mip")?);
-    let views: Vec<f64> = volume.iter().zip(&mip).map(|(volume, mip)| volume / mip).collect();
+    let views = claims::ratios(&volume, &mip)?;
     Ok(format!("{} ({} to {})", ratio(mean(&volume)? / mean(&mip)?), ratio(least(&views)), ratio(greatest(&views))))
 }
 

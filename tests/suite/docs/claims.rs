@@ -8,8 +8,8 @@ use super::records::plain_errors;
 use super::thesis;
 use std::path::{Path, PathBuf};
 
-/// What a method has over what another has, of each view.
-fn ratios(own: &[f64], other: &[f64]) -> Result<Vec<f64>> {
+/// Ratios of one method's values to another's, view by view.
+pub fn ratios(own: &[f64], other: &[f64]) -> Result<Vec<f64>> {
     if own.len() != other.len() {
         return Err(format!("{} values beside {}", own.len(), other.len()));
     }
@@ -65,57 +65,44 @@ pub fn caption(folder: &Path, figure: &str) -> Result<String> {
     row.last().cloned().ok_or_else(|| "an empty row".to_owned())
 }
 
+/// The column of a method in table 5.8.
+fn column(method: &str, columns: &[(&str, usize)]) -> Result<usize> {
+    let found = columns.iter().find(|(name, _)| *name == method);
+    found.map(|(_, column)| *column).ok_or_else(|| format!("table 5.8 has no {method}"))
+}
+
 /// A column of table 5.8, as measured here: a method's times over SSCT's at a roughness, from the least to the greatest.
 pub fn table_5_8(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String> {
-    let column = match method {
-        "hzct" => 9,
-        "sslr" => 11,
-        _ => return Err(format!("table 5.8 has no {method}")),
-    };
+    let column = column(method, &[("hzct", 9), ("sslr", 11)])?;
     range(thesis::rows_5_8(folder)?.iter().filter(|r| r[1] == roughness).map(|r| r[column].as_str()))
 }
 
 /// A method's time over SSCT's in table 5.8 at a size, as measured here.
 pub fn table_5_8_at(folder: &Path, [method, roughness, size]: [&str; 3]) -> Result<String> {
-    let column = match method {
-        "hzct" => 9,
-        "sslr" => 11,
-        _ => return Err(format!("table 5.8 has no {method}")),
-    };
+    let column = column(method, &[("hzct", 9), ("sslr", 11)])?;
     let rows = thesis::rows_5_8(folder)?;
     let row = rows.iter().find(|r| r[0] == size.replace('x', "×") && r[1] == roughness);
     Ok(row.ok_or(format!("no {size} at {roughness}"))?[column].clone())
 }
 
+/// A method's time in table 5.8 at a size and a roughness.
+fn time_5_8(rows: &[Vec<String>], method: &str, size: &str, roughness: &str) -> Result<f64> {
+    let column = column(method, &[("ssct", 3), ("hzct", 5), ("sslr", 7)])?;
+    let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
+    row[column].parse().map_err(|e| format!("table 5.8, {method}, {size}, roughness {roughness}: {e}"))
+}
+
 /// A method's time at the greatest size of table 5.8 over that at the least one, which has 6.75 times fewer pixels.
 pub fn pixels(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String> {
-    let column = match method {
-        "ssct" => 3,
-        "hzct" => 5,
-        "sslr" => 7,
-        _ => return Err(format!("table 5.8 has no {method}")),
-    };
     let rows = thesis::rows_5_8(folder)?;
-    let time = |size: &str| -> Result<f64> {
-        let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
-        row[column].parse().map_err(|e| format!("{e}"))
-    };
+    let time = |size| time_5_8(&rows, method, size, roughness);
     Ok(ratio(time("1920×1080")? / time("640×480")?))
 }
 
 /// Times at roughness 0.1 over those of mirrors in table 5.8, as measured here.
 pub fn rougher(folder: &Path, method: &str) -> Result<String> {
-    let column = match method {
-        "ssct" => 3,
-        "hzct" => 5,
-        "sslr" => 7,
-        _ => return Err(format!("table 5.8 has no {method}")),
-    };
     let rows = thesis::rows_5_8(folder)?;
-    let time = |roughness: &str, size: &str| {
-        let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
-        row[column].parse::<f64>().map_err(|e| e.to_string())
-    };
+    let time = |roughness, size| time_5_8(&rows, method, size, roughness);
     let mirrors = rows.iter().filter(|r| r[1] == "0.0");
     let ratios = mirrors.map(|r| Ok(ratio(time("0.1", &r[0])? / time("0.0", &r[0])?))).collect::<Result<Vec<_>>>()?;
     range(ratios.iter().map(String::as_str))

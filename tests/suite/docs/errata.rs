@@ -41,7 +41,7 @@ pub fn rows(path: &Path, kind: &str) -> Result<String> {
     };
     let texts = pages.iter().map(|page| fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display())));
     let all: Vec<_> = texts.collect::<Result<Vec<_>>>()?.iter().flat_map(|text| kinds(text)).collect();
-    match all.iter().filter(|(_, of)| of == kind).count() {
+    match all.iter().filter(|(_, found)| found == kind).count() {
         0 => Err(format!("no row is of the kind {kind}")),
         n => Ok(n.to_string()),
     }

@@ -131,19 +131,24 @@ fn a_wrong_lens_is_estimated() {
 }
 
 #[test]
-fn a_cropped_picture_with_the_lens_of_the_whole_one_is_doubted() {
-    // The right upper quarter of the picture, as a border render with crop leaves it.
+fn a_cropped_picture_is_told_apart_from_a_whole_one() {
     let folder = Folder::new();
-    let quarter = |x: u32, y: u32| {
-        seen(0.5 * (f64::from(x) + 0.5) + 0.5 * f64::from(SIZE[0]), 0.5 * (f64::from(y) + 0.5), aspect())
-    };
-    let pixels: Vec<_> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| quarter(x, y))).collect();
-    let channel = |value: &dyn Fn(&(DVec3, DVec3)) -> f64| floats(pixels.iter().map(value));
-    let mut samples = vec![channel(&|p| p.0.z), channel(&|p| p.1.x), channel(&|p| p.1.y), channel(&|p| p.1.z)];
-    samples.extend((0..4).map(|_| channel(&|_| 0.5)));
-    write(&folder, samples);
-    let said = said(&folder, &map(&[], "")).unwrap();
-    assert!(said.contains("normals disagree with the slopes of the depth") && said.contains("fov-y-deg = "), "{said}");
+    // Each quarter of the picture, as a border render with crop leaves it.
+    for [right, down] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
+        let middle = |pixel: u32, cropped: f64, side: u32| 0.5 * (f64::from(pixel) + 0.5 + cropped * f64::from(side));
+        let quarter = |x: u32, y: u32| seen(middle(x, right, SIZE[0]), middle(y, down, SIZE[1]), aspect());
+        let pixels: Vec<_> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| quarter(x, y))).collect();
+        let channel = |value: &dyn Fn(&(DVec3, DVec3)) -> f64| floats(pixels.iter().map(value));
+        let mut samples = vec![channel(&|p| p.0.z), channel(&|p| p.1.x), channel(&|p| p.1.y), channel(&|p| p.1.z)];
+        samples.extend((0..4).map(|_| channel(&|_| 0.5)));
+        write(&folder, samples);
+        let said = said(&folder, &map(&[], "")).unwrap();
+        let (_, shift) = said.split_once(" and shift-px = [").unwrap_or_else(|| panic!("{said}"));
+        let shift = shift.split_once(']').unwrap().0.split(", ").map(|number| number.parse::<f64>().unwrap());
+        let expected = [(0.5 - right) * f64::from(SIZE[0]), (0.5 - down) * f64::from(SIZE[1])];
+        assert!(shift.zip(expected).all(|(found, right)| (found - right).abs() <= 2.0), "{expected:?}: {said}");
+        assert!(said.contains("with fov-y-deg = 20."), "{said}");
+    }
 }
 
 #[test]

@@ -149,13 +149,13 @@ fn a_module_without_names_has_sets_and_bindings() {
         layout(push_constant) uniform P { vec4 tint; };\n\
         void main() { shown = gain * m * texture(picture, at) + tint; }\n";
     let words = without_names(&compiled(text, ShaderKind::Fragment));
-    let of = reflect(&words, true).expect("an interface");
-    let names: Vec<(&str, bool)> = of.variables.iter().map(|v| (v.name.as_str(), v.is_nameless)).collect();
+    let found = reflect(&words, true).expect("an interface");
+    let names: Vec<(&str, bool)> = found.variables.iter().map(|v| (v.name.as_str(), v.is_nameless)).collect();
     assert_eq!(names, [("0.3", true), ("1.2", true)]);
-    let VariableKind::Uniform(layout) = &of.variables[1].kind else { panic!("{:?}", of.variables[1]) };
+    let VariableKind::Uniform(layout) = &found.variables[1].kind else { panic!("{:?}", found.variables[1]) };
     assert_eq!(layout.fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), ["0", "1"]);
-    assert_eq!(of.variables[1].block, "1.2");
-    assert_eq!(of.push.expect("push constants").0, "push");
+    assert_eq!(found.variables[1].block, "1.2");
+    assert_eq!(found.push.expect("push constants").0, "push");
 
     let separate = "#version 450\nlayout(binding = 0) uniform texture2D picture;\nlayout(binding = 1) uniform sampler how;\n\
         layout(location = 0) in vec2 at;\nlayout(location = 0) out vec4 shown;\n\

@@ -13,8 +13,8 @@ pub struct ShaderComparison {
     pub a: String,
     /// The second.
     pub b: String,
-    /// What tells the program from others: variant, roughness, when it runs, program, constants and stage. The constants are
-    /// left out where the runs disagree about them.
+    /// Variant, roughness, when it runs, program and stage. A sixth text is the program's number among those of a run that
+    /// agree in all of these; it is empty for the first.
     pub program: Vec<String>,
     /// The driver's name of what is compared.
     pub statistic: String,
@@ -27,15 +27,17 @@ pub struct ShaderComparison {
 /// Runs with what they are called.
 pub type Named<'a> = (&'a str, &'a [ShaderRecord]);
 
-/// The key by which records of two runs find each other, and how often it occurred before in the run: constants are no part
-/// of it, since a new constant renumbers none and changes what the program is told.
+/// The keys by which records of two runs find each other. Constants are left out, since a change of the program may change
+/// them; records that agree in the rest are numbered in the order of the run.
 fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     let mut keys: Vec<Vec<String>> = Vec::new();
     for record in records {
         let [variant, roughness, runs_in, program, _, stage] = record.identity();
         let mut key = vec![variant, roughness, runs_in, program, stage, String::new()];
         let same = keys.iter().filter(|known| known[..5] == key[..5]).count();
-        key[5] = if same > 0 { format!("{}", same + 1) } else { String::new() };
+        if same > 0 {
+            key[5] = (same + 1).to_string();
+        }
         keys.push(key);
     }
     keys
@@ -51,7 +53,7 @@ pub fn compare((name_a, a): Named, (name_b, b): Named) -> Vec<ShaderComparison> 
     let compared = |key: Vec<String>| {
         let [in_a, in_b] = [found(&keys_a, a, &key), found(&keys_b, b, &key)];
         let names = in_a.iter().chain(&in_b).flat_map(|r| r.statistics.iter().map(|s| s.name.clone()));
-        let names = distinct(names.filter(|name| Kind::of(name) != Kind::Digest));
+        let names = distinct(names.filter(|name| Kind::named(name) != Kind::Digest));
         let value = |record: &Option<ShaderRecord>, name: &str| record.as_ref().and_then(|r| r.statistic(name));
         let comparison = |statistic: String| ShaderComparison {
             kind: "compare-shaders",
@@ -79,7 +81,7 @@ pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
         let [in_a, in_b] = [here(a), here(b)];
         let names = distinct(in_a.iter().chain(&in_b).flat_map(|r| r.statistics.iter().map(|s| s.name.clone())));
         for name in names {
-            let Some(fold) = Kind::of(&name).fold() else { continue };
+            let Some(fold) = Kind::named(&name).fold() else { continue };
             let total = |records: &[ShaderRecord]| {
                 records.iter().filter_map(|r| r.statistic(&name)).reduce(|x, y| fold.join(x, y))
             };
@@ -89,7 +91,7 @@ pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
     }
     let header = ["method", "roughness", "program", "stage", "number", "A", "B", "B/A"].map(str::to_owned);
     let mut programs = vec![header.to_vec()];
-    for c in comparisons.iter().filter(|c| c.program[2] == FRAME && Kind::of(&c.statistic).is_main()) {
+    for c in comparisons.iter().filter(|c| c.program[2] == FRAME && Kind::named(&c.statistic).is_main()) {
         if c.value_a != c.value_b {
             let own = [0, 1, 3, 4].map(|n| c.program[n].clone()).into_iter().chain([c.statistic.clone()]);
             programs.push(own.chain(beside(c.value_a, c.value_b)).collect());

@@ -65,7 +65,7 @@ const NAMES: [(&str, Kind); 21] = [
 
 impl Kind {
     /// What a statistic of a driver's name is about.
-    pub fn of(name: &str) -> Self {
+    pub fn named(name: &str) -> Self {
         let name = name.to_lowercase();
         NAMES.iter().find(|(part, _)| name.contains(part)).map_or(Self::Other, |(_, kind)| *kind)
     }
@@ -120,13 +120,13 @@ mod tests {
             ("Branches", Kind::Other),
         ];
         for (name, kind) in names {
-            assert_eq!(Kind::of(name), kind, "{name}");
+            assert_eq!(Kind::named(name), kind, "{name}");
         }
     }
 
     #[test]
     fn values_of_a_frame_are_sums_or_extremes() {
-        let folded = |name: &str| Kind::of(name).fold().map(|fold| fold.join(3.0, 5.0));
+        let folded = |name: &str| Kind::named(name).fold().map(|fold| fold.join(3.0, 5.0));
         assert_eq!(
             ["VGPRs", "Latency", "Subgroups per SIMD", "Hash"].map(folded),
             [Some(5.0), Some(8.0), Some(3.0), None]

@@ -18,7 +18,7 @@ use std::path::Path;
 pub(super) struct ExrPart {
     /// Its name; files of one part may have none.
     pub name: Option<String>,
-    /// The view that it is of, as of one eye.
+    /// The view that it shows, such as that of the left eye; files without views have none.
     pub view: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],

@@ -28,6 +28,7 @@ use check::MapPosition;
 pub use check::disagreement;
 use depth::MapDepth;
 use files::{Arrangement, MapFiles};
+use glam::DVec2;
 use keys::{MapKeys, MapSection};
 use normals::MapNormals;
 use serde::Deserialize;
@@ -175,6 +176,12 @@ impl GBufferMap {
         files.finish()?;
         Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
     }
+}
+
+/// The centre of a pixel in normalised device coordinates, with y up.
+fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
+    let (x, y) = (pixel % width as usize, pixel / width as usize);
+    DVec2::new((x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0)
 }
 
 /// The keys of a section that must be there.

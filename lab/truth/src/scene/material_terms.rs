@@ -31,8 +31,8 @@ pub fn f0_of_ior(ior: f32) -> f32 {
 
 /// The reflectivity, 0…1, of a surface of the linear base colour `base`, which is metal by the share `metallic` and
 /// reflects `f0` along the normal as far as it is none.
-pub fn reflectivity(base: Vec3, metallic: f32, f0: f32) -> f32 {
-    luminance(Vec3::splat(f0).lerp(base, metallic)).clamp(0.0, 1.0)
+pub fn reflectivity(base: Vec3, metallic: f32, f0: Vec3) -> f32 {
+    luminance(f0.lerp(base, metallic)).clamp(0.0, 1.0)
 }
 
 /// The roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, of the exponent α of a Phong lobe; 0 for α ≤ 0.

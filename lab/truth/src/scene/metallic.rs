@@ -4,6 +4,7 @@
 //! The albedo is what metalness leaves of the base colour, the reflectivity the luminance of mix(F0, base colour, metalness),
 //! and what is emitted is added to the albedo (docs/definitions.md, "glTF").
 
+use super::material_terms;
 use super::texture::{self, Encoding, Texture, luminance};
 use crate::math;
 use glam::{DVec2, DVec4, Vec3};
@@ -68,7 +69,7 @@ impl Factors {
     /// The reflectivity, 0…1.
     pub(super) fn reflectivity(&self, texel: &TexelInputs) -> f32 {
         let f0 = (self.f0 * texel.tint).min(Vec3::ONE) * self.specular * texel.specular;
-        luminance(f0.lerp(texel.base * self.base, texel.metallic * self.metallic)).clamp(0.0, 1.0)
+        material_terms::reflectivity(texel.base * self.base, texel.metallic * self.metallic, f0)
     }
 
     /// A texel of an sRGB image of the colour, with the share of emission in alpha.

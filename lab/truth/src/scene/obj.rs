@@ -11,10 +11,10 @@ mod mtl;
 mod polygons;
 mod text;
 
-use super::{LoadOptions, Material, Probe, Scene, Surface, assemble, bounded, encoding, material_terms, viewpoint};
+use super::source_text::decode;
+use super::{LoadOptions, Material, Probe, Scene, Surface, assemble, bounded, material_terms, viewpoint};
 use crate::error::{Error, Result};
 use glam::DVec3;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 pub(super) use images::resolve;
@@ -67,7 +67,8 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 /// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are those of MikkTSpace;
 ///   without texture coordinates, a tangent is any unit vector orthogonal to the normal.
 /// - A mesh holds the triangles of one group with one material; large meshes are split in space.
-/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of equal name in two files stay separate; unused ones are dropped.
+/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of
+///   equal name in two files stay separate; unused ones are dropped.
 /// - The scene gets one view, `default`, that frames the bounds, one directional light, and one probe at the
 ///   centre.
 ///
@@ -161,22 +162,6 @@ fn load_file(
 
 fn read_limited(path: &Path) -> Result<Vec<u8>> {
     bounded::read(path, "a file", MAX_FILE_BYTES)
-}
-
-/// The text of an OBJ or MTL file, without a byte-order mark. What is not UTF-8 is read as Latin-1, so that different names
-/// stay different.
-///
-/// # Errors
-/// [`Error::Malformed`] for text of more than a byte for each character.
-fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    if let Some(name) = encoding::wide(bytes) {
-        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
-    }
-    let bytes = encoding::without_mark(bytes);
-    Ok(match std::str::from_utf8(bytes) {
-        Ok(text) => text.into(),
-        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
-    })
 }
 
 fn stem(path: &Path) -> String {

@@ -3,6 +3,7 @@
 
 use super::{bounded, encoding};
 use crate::error::{Error, Result};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -61,13 +62,22 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
 /// [`Error::Io`]; [`Error::Malformed`] for a longer one, and for text of more than a byte for each character.
 pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
-    if let Some(name) = encoding::wide(&bytes) {
+    decode(path, &bytes).map(Cow::into_owned)
+}
+
+/// Decodes a text without its byte-order mark. Text that is not UTF-8 is read as Latin-1, so that different names stay
+/// different.
+///
+/// # Errors
+/// [`Error::Malformed`] for text of more than a byte for each character.
+pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+    if let Some(name) = encoding::wide(bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
     }
-    let bytes = encoding::without_mark(&bytes);
+    let bytes = encoding::without_mark(bytes);
     Ok(match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
     })
 }
 

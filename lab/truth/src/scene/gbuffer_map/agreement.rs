@@ -14,6 +14,9 @@ const TOLERATED_DEGREES: f64 = 8.0;
 /// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
 const GROSS_DEGREES: f64 = 45.0;
 
+/// Normals and slopes that are this near to each other in the mean leave nothing to better.
+const RIGHT_DEGREES: f64 = 0.1;
+
 /// A larger angle counts as this in means.
 const MOST_COUNTED_DEGREES: f64 = 30.0;
 
@@ -96,10 +99,9 @@ impl Slopes {
         // Farther neighbours keep the rounding of 16-bit depth below the slope in large images.
         let reach = (width.max(height) / 240).clamp(1, 8);
         let image_point = |x: usize, y: usize| {
-            let reversed = f64::from(depth[y * width + x]);
-            let ndc =
-                DVec2::new((x as f64 + 0.5) / width as f64 * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height as f64 * 2.0);
-            (reversed > 0.0).then(|| (ndc, view_z(camera, reversed)))
+            let pixel = y * width + x;
+            let reversed = f64::from(depth[pixel]);
+            (reversed > 0.0).then(|| (super::pixel_ndc(size, pixel), view_z(camera, reversed)))
         };
         let sample = |x: usize, y: usize| {
             let normal = normals[y * width + x].as_dvec3();
@@ -154,11 +156,15 @@ impl Slopes {
         let badness = |opened: &Opened| mean_degrees(opened, &few);
         let same_pixels = search(self.opened, &badness, &[Change::Scale]);
         let other_pixels = search(self.opened, &badness, &[Change::Scale, Change::Aspect]);
-        let shifted = search(self.opened, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY]);
+        // A picture that is cropped is most often one corner of the whole one. A search from the middle may miss it.
+        let shifted = [[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|shift| {
+            let start = Opened { shift: self.opened.shift + DVec2::from(shift), ..self.opened };
+            search(start, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY])
+        });
         let mut best = same_pixels;
-        // A lens that changes more must be much better to be believed.
-        for other in [other_pixels, shifted] {
-            if badness(&other) < 0.5 * badness(&best) {
+        // A lens that changes more must be much better to be believed, and the other one must leave something to better.
+        for other in [other_pixels].into_iter().chain(shifted) {
+            if badness(&best) > RIGHT_DEGREES && badness(&other) < 0.5 * badness(&best) {
                 best = other;
             }
         }
@@ -215,25 +221,29 @@ impl Change {
     }
 }
 
-/// The lens of the least badness: changes are tried one after another, in ever smaller steps.
+/// The lens of the least badness: from where it is, the best of all combinations of steps is gone, and where none is better,
+/// steps halve. Changes make up for each other, so that no single one of them leads along a valley.
 fn search(start: Opened, badness: &impl Fn(&Opened) -> f64, changes: &[Change]) -> Opened {
-    /// Rounds with the greatest steps, before they halve.
-    const COARSE: usize = 2;
-    const ROUNDS: usize = 10;
+    /// Far more than any search that ends in a minimum takes.
+    const MOST_ROUNDS: usize = 60;
+    const LEAST_STEP: f64 = 1.0 / 512.0;
     let mut best = (start, badness(&start));
     let mut size = 1.0;
-    for round in 0..ROUNDS {
-        for change in changes {
-            for step in [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0] {
-                let tried = change.by(best.0, step * size);
-                let bad = badness(&tried);
-                if bad < best.1 {
-                    best = (tried, bad);
-                }
-            }
+    for _ in 0..MOST_ROUNDS {
+        if size < LEAST_STEP {
+            break;
         }
-        if round + 1 >= COARSE {
-            size *= 0.5;
+        // Each change makes a step back, none or a step forth.
+        let ways = 3_u32.pow(changes.len() as u32);
+        let digit = |way: u32, place: usize| f64::from(way / 3_u32.pow(place as u32) % 3) - 1.0;
+        let stepped = |way: u32| {
+            let steps = changes.iter().enumerate();
+            let lens = steps.fold(best.0, |lens, (place, change)| change.by(lens, size * digit(way, place)));
+            (lens, badness(&lens))
+        };
+        match (0..ways).map(stepped).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(nearer) if nearer.1 < best.1 => best = nearer,
+            _ => size *= 0.5,
         }
     }
     best.0

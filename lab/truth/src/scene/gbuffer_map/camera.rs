@@ -106,11 +106,11 @@ impl MapCamera {
         !matches!(self.place, MapPlace::Origin)
     }
 
-    /// The camera with its lens along the other axis, or its matrix taken for the inverse, each with words.
+    /// Other readings of the camera, each in words: the lens along the other axis, or the matrix as its inverse.
     pub fn other_ways(&self) -> Vec<(&'static str, Self)> {
         let lens = |lens: MapLens| Self { lens, ..self.clone() };
         let place = |place: MapPlace| Self { place, ..self.clone() };
-        let of_lens = match self.lens.clone() {
+        let other_lens = match self.lens.clone() {
             MapLens::Angle { axis, angle, to_radians } => {
                 let words = ["an angle from top to bottom (fov-y)", "an angle from left to right (fov-x)"][axis];
                 Some((words, lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
@@ -131,7 +131,7 @@ impl MapCamera {
             }
             MapLens::Matrix(_) => None,
         };
-        let of_place = match self.place.clone() {
+        let other_place = match self.place.clone() {
             MapPlace::WorldToView(matrix) => {
                 Some(("view-to-world in the place of world-to-view", place(MapPlace::ViewToWorld(matrix))))
             }
@@ -140,7 +140,7 @@ impl MapCamera {
             }
             MapPlace::Origin | MapPlace::Points(_) => None,
         };
-        of_lens.into_iter().chain(of_place).collect()
+        other_lens.into_iter().chain(other_place).collect()
     }
 
     /// The camera, and how the files encode depth.

@@ -10,7 +10,7 @@ use super::readings::readings;
 use super::source::{MapSource, SourceRules};
 use crate::error::Result;
 use crate::scene::{Camera, GBufferData};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use std::path::Path;
 
 /// Up to this share of pixels may disagree without a word: edges, and maps of normals.
@@ -48,13 +48,11 @@ impl MapPosition {
     /// The share of the surfaces whose place lies elsewhere than depth and camera say.
     fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
-        let [width, height] = frame.size.map(f64::from);
         let opened = Opened::new(&frame.camera);
         let to_view = frame.camera.world_to_view.as_dmat4();
         let (mut off, mut all) = (0_usize, 0_usize);
         for (i, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
-            let (x, y) = (i % frame.size[0] as usize, i / frame.size[0] as usize);
-            let ndc = DVec2::new((x as f64 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height * 2.0);
+            let ndc = super::pixel_ndc(frame.size, i);
             let own = opened.point((ndc, view_z(&frame.camera, f64::from(*depth))));
             let stated = planes.three(i);
             let stated = match self.is_world {
@@ -178,13 +176,16 @@ impl GBufferMap {
                 best = Some((reading.words, other));
             }
         }
-        let lens =
-            slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
-        // A lens is fitted, and must be clearly better than what is only read in another way.
-        let is_clearly_better =
-            |other: &Disagreement| best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees);
-        if let Some((words, other)) = lens.filter(|(_, other)| self.position.is_none() && is_clearly_better(other)) {
-            best = Some((words, other));
+        // A lens is fitted, and must be clearly better than what is only read in another way. Places would tell it apart.
+        if self.position.is_none() {
+            let lens = slopes.best_lens(&data.camera);
+            let lens = lens.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
+            let is_clearly_better = |other: &Disagreement| {
+                best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees)
+            };
+            if let Some(lens) = lens.filter(|(_, other)| is_clearly_better(other)) {
+                best = Some(lens);
+            }
         }
         Ok(said(own, best, self.position.is_some()))
     }

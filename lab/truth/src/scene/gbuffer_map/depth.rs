@@ -221,8 +221,7 @@ fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
         if kind.is_orthographic() {
             return DVec3::Z;
         }
-        let (x, y) = (pixel % width as usize, pixel / width as usize);
-        let ndc = [(x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0];
-        DVec3::new((ndc[0] - clip.z_axis.x) / clip.x_axis.x, (ndc[1] - clip.z_axis.y) / clip.y_axis.y, 1.0)
+        let ndc = super::pixel_ndc([width, height], pixel);
+        DVec3::new((ndc.x - clip.z_axis.x) / clip.x_axis.x, (ndc.y - clip.z_axis.y) / clip.y_axis.y, 1.0)
     }
 }

@@ -210,7 +210,7 @@ impl<'a> MapFiles<'a> {
     }
 }
 
-/// The width of a pixel over its height, as the header of a part has it; 1 for what can be none.
+/// The width of a pixel over its height, from the header of a part; 1 if it is missing, not finite or not positive.
 fn pixel_aspect(part: &ExrPart) -> f64 {
     match part.attributes.get("pixelAspectRatio") {
         Some(AttributeValue::F32(aspect)) if aspect.is_finite() && *aspect > 0.0 => f64::from(*aspect),
@@ -273,6 +273,7 @@ fn find<'a>(
         _ => {
             let names: Vec<&str> = found.iter().map(|(p, ..)| p.name.as_deref().unwrap_or("")).collect();
             let mut views: Vec<&str> = found.iter().filter_map(|(p, ..)| p.view.as_deref()).collect();
+            views.sort_unstable();
             views.dedup();
             let by_view = match views.len() {
                 0 | 1 => String::new(),

@@ -1,7 +1,7 @@
 //! Other readings of a map: one convention, kind of depth or way to give the lens changed at a time.
 
+use super::GBufferMap;
 use super::axes::MapConventions;
-use super::{GBufferMap, MapOrigin};
 use crate::conventions::{Axes, MatrixOrder};
 
 /// A map with one change, in the words of the map.
@@ -19,9 +19,8 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         readings.push(Reading { words, map: other });
     };
     // Rows in the other order come before axes that mirror the same, since they are the commoner mistake.
-    let origin = if map.bottom_up { MapOrigin::TopLeft } else { MapOrigin::BottomLeft };
     let word = if map.bottom_up { "top-left" } else { "bottom-left" };
-    add(format!("origin = {word:?}"), &|m| m.bottom_up = origin == MapOrigin::BottomLeft);
+    add(format!("origin = {word:?}"), &|m| m.bottom_up = !m.bottom_up);
     for (word, kind) in map.depth.other_kinds() {
         add(format!("kind = {word:?} in [depth]"), &|m| m.depth = m.depth.with_kind(kind));
     }

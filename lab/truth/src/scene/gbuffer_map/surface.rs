@@ -139,7 +139,7 @@ impl MapReflectivity {
                     let f0 = f0.as_ref().map(|f0| unit(f0, 0, i)).transpose()?;
                     let f0 = f0.map_or(material_terms::F0, |f0| f0 as f32);
                     let metallic = unit(&metallic, 0, i)? as f32;
-                    Ok(material_terms::reflectivity(colour(&base, i)?, metallic, f0))
+                    Ok(material_terms::reflectivity(colour(&base, i)?, metallic, Vec3::splat(f0)))
                 })
             }
         }

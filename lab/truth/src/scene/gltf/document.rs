@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     // They are read apart: a scene stands without them.
     let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
-    check_places(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
+    check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
     let alone = draco_alone(&value);
     let mut json: Root = typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
@@ -242,7 +242,7 @@ fn changed_geometry(extension: &str) -> Option<&'static str> {
     })
 }
 
-/// What whoever has a file with this extension can do.
+/// Advice for a user whose file needs this extension.
 pub(super) fn remedy(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes the meshes without it",
@@ -255,12 +255,12 @@ pub(super) fn remedy(extension: &str) -> &'static str {
 }
 
 /// # Errors
-/// A sentence for what an extension refers to that is not there.
-fn check_places(document: &Value) -> std::result::Result<(), String> {
-    let items = |name: &str| document.get(name).and_then(Value::as_array).into_iter().flatten().enumerate();
+/// A sentence about a node whose light is not there.
+fn check_lights(document: &Value) -> std::result::Result<(), String> {
     let lights =
         document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
-    for (index, node) in items("nodes") {
+    let nodes = document.get("nodes").and_then(Value::as_array).into_iter().flatten();
+    for (index, node) in nodes.enumerate() {
         let light = node.pointer("/extensions/KHR_lights_punctual/light").and_then(Value::as_u64);
         if light.is_some_and(|light| light >= lights as u64) {
             return Err(format!("nodes[{index}].extensions.KHR_lights_punctual.light refers to what is not there"));

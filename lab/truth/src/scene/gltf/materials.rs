@@ -87,11 +87,11 @@ impl<'a> Use<'a> {
     fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
-            let json = self.texture.index();
-            let others = data.document.as_json().textures.get(json).and_then(|t| t.extensions.as_ref());
-            let extension = others.and_then(|e| e.others.keys().next().cloned()).unwrap_or_default();
+            let texture = data.document.as_json().textures.get(self.texture.index());
+            let extension = texture.and_then(|t| t.extensions.as_ref()?.others.keys().next());
+            let advice = extension.map_or("export the images as PNG, JPEG or WebP", |name| remedy(name));
             let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
-            notes.add("formats", format!("{what}; {}", remedy(&extension)));
+            notes.add("formats", format!("{what}; {advice}"));
         }
         image
     }
@@ -130,7 +130,7 @@ enum Baked {
         base: Option<Image>,
         metallic: Option<Image>,
         emission: Option<Image>,
-        of: Factors,
+        factors: Factors,
     },
     /// In red.
     Reflectivity {
@@ -138,7 +138,7 @@ enum Baked {
         metallic: Option<Image>,
         /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
         specular: [Option<Image>; 2],
-        of: Factors,
+        factors: Factors,
     },
     /// ϱ, in green.
     Roughness {
@@ -244,7 +244,7 @@ fn factors(material: &gltf::Material) -> Factors {
     }
 }
 
-/// Notes factors that lie where none can: each counts as the nearest that can be.
+/// Notes each factor outside 0…1, which counts as the nearer bound.
 fn note_range(material: &gltf::Material, notes: &mut Notes) {
     let pbr = material.pbr_metallic_roughness();
     let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
@@ -331,14 +331,14 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         _ if base.is_some() || metallic.is_some() || emission.is_some() => {
             made.albedo = Vec3::ONE;
             made.emission = if emits { 1.0 } else { 0.0 };
-            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of: factors }));
+            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, factors }));
         }
         _ => {}
     }
     let tinted = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
     if !factors.unlit && (tinted || specular != [None; 2]) {
         made.reflectivity = 1.0;
-        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, of: factors }));
+        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, factors }));
     }
     if let Some(metallic) = rough.filter(|_| !factors.unlit && roughness_factor > 0.0) {
         made.roughness = 1.0;
@@ -411,14 +411,14 @@ impl<'a> Baker<'a> {
         let image = |index: &Option<Image>, encoding| index.and_then(|i| self.image(i, encoding));
         match baked {
             Baked::Plain { base } => self.image(*base, Encoding::Srgb).unwrap_or_else(white),
-            Baked::Albedo { base, metallic, emission, of } => {
+            Baked::Albedo { base, metallic, emission, factors } => {
                 let inputs =
                     [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
                 texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
-                    of.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
+                    factors.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
                 })
             }
-            Baked::Reflectivity { base, metallic, specular: [strength, tint], of } => {
+            Baked::Reflectivity { base, metallic, specular: [strength, tint], factors } => {
                 let inputs = [
                     image(base, Encoding::Srgb),
                     image(metallic, Encoding::Linear),
@@ -427,7 +427,7 @@ impl<'a> Baker<'a> {
                 ];
                 texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
                     let inputs = TexelInputs::new(base, metallic.z, DVec4::ONE).with_specular(strength.w, tint);
-                    grey(of.reflectivity(&inputs))
+                    grey(factors.reflectivity(&inputs))
                 })
             }
             Baked::Roughness { metallic, factor } => {

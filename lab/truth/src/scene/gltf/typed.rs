@@ -18,14 +18,14 @@ pub(super) fn typed(value: Value) -> Result<Root, String> {
 /// What serde says of a value, in the words of JSON.
 fn in_words(message: &str) -> String {
     let of_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
-    if let Some((found, expected)) = of_type.and_then(|rest| rest.split_once(", expected ")) {
+    if let Some((found, expected)) = of_type.and_then(|rest| rest.rsplit_once(", expected ")) {
         return format!("{} where {} belongs", found_in_words(found), expected_in_words(expected));
     }
     if let Some(field) = message.strip_prefix("missing field ") {
         return format!("it has no {}", field.trim_matches('`'));
     }
     if let Some((length, expected)) =
-        message.strip_prefix("invalid length ").and_then(|rest| rest.split_once(", expected "))
+        message.strip_prefix("invalid length ").and_then(|rest| rest.rsplit_once(", expected "))
     {
         return format!("a list of {length} where {} belongs", expected_in_words(expected));
     }
@@ -52,7 +52,7 @@ fn found_in_words(found: &str) -> String {
 /// The thing that belongs there: serde's `f32` is a number.
 fn expected_in_words(expected: &str) -> String {
     let expected = expected.trim();
-    let is_whole = |word: &str| word.len() > 1 && word[1..].parse::<u32>().is_ok() && word.starts_with(['u', 'i']);
+    let is_integer = |sign: char| expected.strip_prefix(sign).is_some_and(|bits| bits.parse::<u32>().is_ok());
     match expected {
         "f32" | "f64" => "a number".to_owned(),
         "a string" | "string" | "str" => "a text".to_owned(),
@@ -60,8 +60,8 @@ fn expected_in_words(expected: &str) -> String {
         "a boolean" => "true or false".to_owned(),
         "a map" => "an object".to_owned(),
         "usize" | "index into child of root" => "a whole number of at least 0".to_owned(),
-        word if is_whole(word) && word.starts_with('u') => "a whole number of at least 0".to_owned(),
-        word if is_whole(word) => "a whole number".to_owned(),
+        _ if is_integer('u') => "a whole number of at least 0".to_owned(),
+        _ if is_integer('i') => "a whole number".to_owned(),
         text if text.starts_with("struct ") => "an object".to_owned(),
         text => match text.strip_prefix("an array of length ") {
             Some(length) => format!("a list of {length} numbers"),
@@ -88,6 +88,7 @@ mod tests {
             ("invalid type: boolean `true`, expected struct Asset", "true or false where an object belongs"),
             ("missing field `attributes`", "it has no attributes"),
             ("invalid length 2, expected an array of length 3", "a list of 2 where a list of 3 numbers belongs"),
+            ("invalid type: string \", expected é\", expected f32", "a text where a number belongs"),
             ("something new", "something new"),
         ] {
             assert_eq!(in_words(message), words);

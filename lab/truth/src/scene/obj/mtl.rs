@@ -50,7 +50,7 @@ pub(super) struct Definition {
     /// `map_Ns` and `refl`, whose meaning the law decides.
     exponent_image: Option<ImageStatement>,
     reflection_image: Option<ImageStatement>,
-    /// Where `Tf` is 1: nothing is filtered, or in Blender's words all light goes through.
+    /// The place of a positive `Tf` that filters nothing. Blender writes it for surfaces that let light through.
     transmission: Option<String>,
     /// What was dropped, and the file and line where it was first met.
     dropped: BTreeMap<&'static str, String>,
@@ -102,9 +102,11 @@ pub(super) fn read_libraries(
     Ok(definitions)
 }
 
-/// The files that a statement names, each with its path if it is there. A name with blanks is one file if such a file exists;
-/// blanks behind a backslash are always parts of a name.
+/// Finds the files that a statement names, each with its path if it is there. The longest run of words that is a file counts as
+/// one name; a blank behind a backslash always belongs to a name.
 fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
+    /// Files are sought whose names have at most this many words, unless a name is the whole statement.
+    const MOST_WORDS: usize = 16;
     let found = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
     if let Some(whole) = spellings(statement).iter().find_map(|name| found(name)) {
         return vec![whole];
@@ -116,7 +118,8 @@ fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>
     let mut names = Vec::new();
     let mut rest = &words[..];
     while let Some(first) = rest.first() {
-        let longest = (1..=rest.len()).rev().find_map(|count| Some((count, found(&rest[..count].join(" "))?)));
+        let mut counts = (1..=rest.len().min(MOST_WORDS)).rev();
+        let longest = counts.find_map(|count| Some((count, found(&rest[..count].join(" "))?)));
         let (count, name) = longest.unwrap_or_else(|| (1, (first.clone(), None)));
         names.push(name);
         rest = &rest[count..];

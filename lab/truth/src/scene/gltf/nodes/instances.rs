@@ -28,8 +28,12 @@ pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     let translations = attribute::<3>(data, node, extension, "TRANSLATION")?;
     let rotations = attribute::<4>(data, node, extension, "ROTATION")?;
     let scales = attribute::<3>(data, node, extension, "SCALE")?;
-    let lengths = [translations.as_ref().map(Vectors::len), rotations.as_ref().map(Vectors::len)];
-    let mut lengths = lengths.into_iter().chain([scales.as_ref().map(Vectors::len)]).flatten();
+    let lengths = [
+        translations.as_ref().map(Vectors::len),
+        rotations.as_ref().map(Vectors::len),
+        scales.as_ref().map(Vectors::len),
+    ];
+    let mut lengths = lengths.into_iter().flatten();
     let Some(count) = lengths.next() else { return Ok(vec![DMat4::IDENTITY]) };
     if lengths.any(|other| other != count) {
         return Err(data.error(format!("node {}: the attributes of {INSTANCING} differ in length", node.index())));

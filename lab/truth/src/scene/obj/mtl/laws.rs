@@ -91,24 +91,23 @@ impl Definition {
 
     /// What the material is by its law.
     pub(in crate::scene::obj) fn reading(&self) -> Reading {
-        let law = self.law;
         let factors = Factors {
             base: self.base(),
-            metallic: self.metallic(law),
+            metallic: self.metallic(),
             emission: self.emitted(),
-            f0: Vec3::splat(self.f0(law)),
+            f0: Vec3::splat(self.f0()),
             specular: 1.0,
             unlit: false,
         };
-        let is_metallic = law != Law::Wavefront;
+        let is_metallic = self.law != Law::Wavefront;
         let (albedo, emission) = factors.colour(&TexelInputs::default());
         let reflectivity = match is_metallic {
             true => factors.reflectivity(&TexelInputs::default()),
             false => self.specular.map_or(1.0, luminance).clamp(0.0, 1.0),
         };
-        let roughness = self.lobe(law);
+        let roughness = self.lobe();
         let material = Material { albedo, emission, reflectivity, roughness, ..Material::default() };
-        Reading { material, factors, is_metallic, roughness_factor: self.perceptual(law).unwrap_or(1.0) }
+        Reading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
     }
 
     /// Black under an image counts as white, as exporters mean it.
@@ -122,24 +121,21 @@ impl Definition {
         if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
     }
 
-    fn metallic(&self, law: Law) -> f32 {
-        let stated = match law {
-            Law::Wavefront => Some(0.0),
-            // The ambient colour is the metalness where there is any, and white where there is none. What tells both apart is
-            // the model of a mirror, which the exporter states for metals alone.
+    fn metallic(&self) -> f32 {
+        let stated = match self.law {
+            Law::Wavefront => 0.0,
+            // The exporter writes the metalness as the ambient colour, but white where there is none. Only for metals does it
+            // state the model of a mirror.
             Law::Blender(_) => {
-                self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map(|ambient| ambient.x).or(Some(0.0))
+                self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map_or(0.0, |ambient| ambient.x)
             }
-            Law::Pbr(_) => self.metalness,
+            Law::Pbr(_) => self.metalness.unwrap_or(0.0),
         };
-        match (stated, &self.images.metalness) {
-            (Some(0.0) | None, Some(_)) => 1.0,
-            (stated, _) => stated.unwrap_or(0.0).clamp(0.0, 1.0),
-        }
+        if stated == 0.0 && self.images.metalness.is_some() { 1.0 } else { stated.clamp(0.0, 1.0) }
     }
 
     /// What a surface that is no metal reflects along its normal.
-    fn f0(&self, law: Law) -> f32 {
+    fn f0(&self) -> f32 {
         // The exporter writes an index of 1 for materials without one.
         let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
         let of_ior = ior.map_or(F0, f0_of_ior);
@@ -148,7 +144,7 @@ impl Definition {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
             2.0 * level * if major >= BLENDER_WITH_IOR { of_ior } else { F0 }
         };
-        match law {
+        match self.law {
             Law::Wavefront => 0.0,
             Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => level(major),
             Law::Pbr(Exporter::Unknown) => of_ior,
@@ -156,20 +152,20 @@ impl Definition {
     }
 
     /// The perceptual roughness, as glTF's, without images; `None` where the material states none, or an exponent.
-    fn perceptual(&self, law: Law) -> Option<f32> {
+    fn perceptual(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
         }
         let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
-        match law {
+        match self.law {
             Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
             Law::Wavefront | Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
         }
     }
 
     /// The roughness ϱ, 0…1, without images.
-    fn lobe(&self, law: Law) -> f32 {
-        match (self.perceptual(law), law) {
+    fn lobe(&self) -> f32 {
+        match (self.perceptual(), self.law) {
             (Some(r), _) => roughness_of_perceptual(r),
             (None, Law::Wavefront) => self.exponent.map_or(0.0, roughness_of_exponent),
             (None, _) => self.exponent.map_or(roughness_of_perceptual(1.0), roughness_of_exponent),

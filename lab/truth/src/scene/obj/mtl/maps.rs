@@ -57,7 +57,7 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
         take_options(bare[*at..].trim_start(), &mut ignored).len() < bare[*at..].trim_start().len()
     };
     let tail = bare.match_indices(" -").map(|(at, _)| at).find(is_option);
-    let (head, tail) = tail.map_or((bare, ""), |at| bare.split_at(at));
+    let (head, tail) = tail.map_or((bare, ""), |place| bare.split_at(place));
     let last = bare.split_whitespace().next_back().unwrap_or(bare);
     let folder = place.path.parent().unwrap_or(Path::new(""));
     let clean = |name: &str| name.trim().trim_matches('"').trim().to_owned();

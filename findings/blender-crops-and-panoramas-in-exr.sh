@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Blender's multilayer OpenEXR files: with both eyes in one part, every channel has the name of its view (ViewLayer.Depth.left.Z), where
-# OpenEXR's rule for multiView is that channels of the first view have none. A region that was cropped has a display window of its own
-# from 0, 0 on, so that the file does not say where the region lay, which OpenEXR's data window is for. A panorama has distances
-# in Depth, where perspectives have planar depth.
+# Blender's multilayer OpenEXR files. A cropped region gets a display window of its own that begins at 0, 0, so that the file does not
+# say where the region lay. OpenEXR's data window is for that. Panoramas have distances in Depth, and perspectives planar depth.
+# Expected: the data window has the place of the region, and Depth means the same for every camera.
+# Seen with Blender 5.2.3: the right upper quarter of 64×32 pixels has the display window [[0, 0], [31, 15]].
 # It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
 python=${PYTHON:-python3.13}
@@ -41,11 +41,6 @@ def render(name):
 
 
 print("Blender", bpy.app.version_string)
-scene.render.use_multiview, scene.render.views_format, image.views_format = True, "STEREO_3D", "MULTIVIEW"
-stereo = render("stereo")
-depths = sorted(name for name in stereo.channels() if "Depth" in name)
-print("multiView", stereo.header()["multiView"], depths)
-scene.render.use_multiview, image.views_format = False, "INDIVIDUAL"
 scene.render.use_border = scene.render.use_crop_to_border = True
 scene.render.border_min_x, scene.render.border_min_y = 0.5, 0.5
 window = [side.tolist() for side in render("crop").header()["displayWindow"]]
@@ -66,8 +61,7 @@ perspective = off("perspective", True)
 scene.camera.data.type, scene.camera.data.panorama_type = "PANO", "EQUIRECTANGULAR"
 panorama = off("panorama", False)
 print(f"perspective: off the planar depth by {perspective:.3f} m; panorama: off the distance by {panorama:.3f} m")
-holds = (depths == ["ViewLayer.Depth.left.Z", "ViewLayer.Depth.right.Z"] and window == [[0, 0], [31, 15]]
-         and perspective < 0.2 and panorama < 0.2)
+holds = window == [[0, 0], [31, 15]] and perspective < 0.2 and panorama < 0.2
 print("holds" if holds else "changed")
 PY
 grep -v 'INFO\|render  \|Fra:' log | tail -8
