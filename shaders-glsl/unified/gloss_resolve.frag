@@ -45,26 +45,30 @@ void GatherBoth(inout CellSum sum, Here here, Gathered ray, int outward) {
     Gather(sum, here, AcrossY(ray, outward));
 }
 
+// The rays of a row, the first of which is two cells inwards, and those that the other cell of the block along y has in their places.
+void GatherRows(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
+    // The other cell of the block along x hands on the rays between those that are loaded.
+    Gathered inner = Load(cell - ivec2(2 * outward.x, 0));
+    Gathered middle = Load(cell);
+    GatherBoth(sum, here, inner, outward.y);
+    GatherBoth(sum, here, AcrossX(middle, outward.x), outward.y);
+    GatherBoth(sum, here, middle, outward.y);
+    GatherBoth(sum, here, AcrossX(inner, outward.x), outward.y);
+    GatherBoth(sum, here, Load(cell + ivec2(2 * outward.x, 0)), outward.y);
+}
+
+// Row by row and not in a loop, which SwiftShader of Chromium 156 compiles for minutes in gigabytes.
 void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
-    for (int y = -1; y <= 1; ++y) {
-        // The other cell of the block along x hands on the rays between those that are loaded.
-        Gathered inner = Load(cell + 2 * outward * ivec2(-1, y));
-        Gathered middle = Load(cell + 2 * outward * ivec2(0, y));
-        Gathered outer = Load(cell + 2 * outward * ivec2(1, y));
-        if (y < 1) {
-            GatherBoth(sum, here, inner, outward.y);
-            GatherBoth(sum, here, AcrossX(middle, outward.x), outward.y);
-            GatherBoth(sum, here, middle, outward.y);
-            GatherBoth(sum, here, AcrossX(inner, outward.x), outward.y);
-            GatherBoth(sum, here, outer, outward.y);
-        } else {
-            Gather(sum, here, inner);
-            Gather(sum, here, AcrossX(middle, outward.x));
-            Gather(sum, here, middle);
-            Gather(sum, here, AcrossX(inner, outward.x));
-            Gather(sum, here, outer);
-        }
-    }
+    ivec2 y = ivec2(0, 2 * outward.y);
+    GatherRows(sum, here, cell - y, outward);
+    GatherRows(sum, here, cell, outward);
+    Gathered inner = Load(cell + y - ivec2(2 * outward.x, 0));
+    Gathered middle = Load(cell + y);
+    Gather(sum, here, inner);
+    Gather(sum, here, AcrossX(middle, outward.x));
+    Gather(sum, here, middle);
+    Gather(sum, here, AcrossX(inner, outward.x));
+    Gather(sum, here, Load(cell + 2 * outward));
 }
 
 void main() {
