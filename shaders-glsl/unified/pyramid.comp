@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Pyramid)
 // The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of
-// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone; above,
+// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone, in strips; above,
 // the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
 //
 // A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
@@ -65,62 +65,88 @@ void Store(ivec2 cell, int level, vec2 block) {
         imageStore(pyramid, CellTexel(cell, level), vec4(block, 0.0, 0.0));
 }
 
-// Depth and Reciprocal of 4 x 4 pixels and those around them.
-vec2 at[6][6];
+// Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side. The rows are vectors: no array
+// is held in registers.
+struct Rows {
+    vec4 upper_depth, upper_reciprocal;
+    vec4 lower_depth, lower_reciprocal;
+};
 
-// Two by two of them, the first at (x, y); sky beyond the image.
-void Fetch(ivec2 first, int x, int y) {
-    ivec2 p = first + ivec2(x, y);
+// The depths of two by two pixels in textureGather's order, the first at p; sky beyond the image.
+vec4 Fetch(ivec2 p) {
     // Where the four meet: no rounding can reach another texel.
     vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
     bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
-    d = mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
-    at[y][x] = vec2(d.w, Reciprocal(d.w));
-    at[y][x + 1] = vec2(d.z, Reciprocal(d.z));
-    at[y + 1][x] = vec2(d.x, Reciprocal(d.x));
-    at[y + 1][x + 1] = vec2(d.y, Reciprocal(d.y));
+    return mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
 }
 
-// The block of a pixel, from its place among those fetched, to its place in the pyramid.
-vec2 Pixel(ivec2 first, int x, int y) {
-    vec2 block = Block(at[y][x].x, at[y][x - 1], at[y][x + 1], at[y - 1][x], at[y + 1][x]);
-    Store(first + ivec2(x, y), 0, block);
+vec4 Reciprocals(vec4 depths) {
+    return vec4(Reciprocal(depths.x), Reciprocal(depths.y), Reciprocal(depths.z), Reciprocal(depths.w));
+}
+
+Rows FetchRows(ivec2 p) {
+    vec4 left = Fetch(p), right = Fetch(p + ivec2(2, 0));
+    vec4 upper = vec4(left.wz, right.wz), lower = vec4(left.xy, right.xy);
+    return Rows(upper, Reciprocals(upper), lower, Reciprocals(lower));
+}
+
+// The block of a pixel, to its place in the pyramid.
+vec2 Pixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
+    vec2 block = Block(depth, left, right, up, down);
+    Store(pixel, 0, block);
     return block;
 }
 
-// Four pixels and the cell above them.
-vec2 Quad(ivec2 first, int x, int y) {
-    vec2 top = Union(Pixel(first, x, y), Pixel(first, x + 1, y));
-    vec2 bottom = Union(Pixel(first, x, y + 1), Pixel(first, x + 1, y + 1));
+vec2 Upper(Rows rows, int x) {
+    return vec2(rows.upper_depth[x], rows.upper_reciprocal[x]);
+}
+
+vec2 Lower(Rows rows, int x) {
+    return vec2(rows.lower_depth[x], rows.lower_reciprocal[x]);
+}
+
+// Four pixels, the first of which is `pixel`, and the cell above them. They are in the middle of the lower row of `above` and of
+// the upper row of `below`.
+vec2 Quad(ivec2 pixel, Rows above, Rows below) {
+    vec2 first = Lower(above, 1), second = Lower(above, 2);
+    vec2 third = Upper(below, 1), fourth = Upper(below, 2);
+    vec2 top = Union(Pixel(pixel, first.x, Lower(above, 0), second, Upper(above, 1), third),
+                     Pixel(pixel + ivec2(1, 0), second.x, first, Lower(above, 3), Upper(above, 2), fourth));
+    vec2 bottom = Union(Pixel(pixel + ivec2(0, 1), third.x, Upper(below, 0), fourth, first, Lower(below, 1)),
+                        Pixel(pixel + 1, fourth.x, third, Upper(below, 3), second, Lower(below, 2)));
     vec2 cell = Union(top, bottom);
-    Store((first + ivec2(x, y)) >> 1, 1, cell);
+    Store(pixel >> 1, 1, cell);
     return cell;
 }
 
-// 4 x 4 pixels from the one at p, and the cell above them.
-vec2 Sixteen(ivec2 p) {
-    ivec2 first = p - 1;
-    Fetch(first, 0, 0);
-    Fetch(first, 2, 0);
-    Fetch(first, 4, 0);
-    Fetch(first, 0, 2);
-    Fetch(first, 2, 2);
-    Fetch(first, 4, 2);
-    Fetch(first, 0, 4);
-    Fetch(first, 2, 4);
-    Fetch(first, 4, 4);
-    vec2 top = Union(Quad(first, 1, 1), Quad(first, 3, 1));
-    vec2 cell = Union(top, Union(Quad(first, 1, 3), Quad(first, 3, 3)));
-    Store(p >> 2, 2, cell);
-    return cell;
+// A strip of 2 x 8 pixels from the one at p: what is above its upper half, and what is above its lower half. A strip is as narrow
+// as it can be, so that a thread holds few pixels at a time. It is written without a loop, which SwiftShader of Chromium 156
+// compiles until memory ends.
+vec4 Strip(ivec2 p) {
+    Rows first = FetchRows(p - 1), second = FetchRows(p + ivec2(-1, 1));
+    vec2 upper = Quad(p, first, second);
+    Rows third = FetchRows(p + ivec2(-1, 3));
+    upper = Union(upper, Quad(p + ivec2(0, 2), second, third));
+    Rows fourth = FetchRows(p + ivec2(-1, 5));
+    vec2 lower = Quad(p + ivec2(0, 4), third, fourth);
+    Rows last = FetchRows(p + ivec2(-1, 7));
+    return vec4(upper, Union(lower, Quad(p + ivec2(0, 6), fourth, last)));
+}
+
+// What is above 4 x 8 pixels from the one at p.
+vec2 Half(ivec2 p) {
+    vec4 left = Strip(p), right = Strip(p + ivec2(2, 0));
+    vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
+    Store(p >> 2, 2, upper);
+    Store((p + ivec2(0, 4)) >> 2, 2, lower);
+    return Union(upper, lower);
 }
 
 void main() {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
     ivec2 p = 64 * tile + 8 * local;
-    vec2 top = Union(Sixteen(p), Sixteen(p + ivec2(4, 0)));
-    vec2 cell = Union(top, Union(Sixteen(p + ivec2(0, 4)), Sixteen(p + 4)));
+    vec2 cell = Union(Half(p), Half(p + ivec2(4, 0)));
     Store(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {
