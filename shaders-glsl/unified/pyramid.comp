@@ -10,6 +10,8 @@
 // The differences of nearby depths are exact, so nothing cancels at any distance. If rays of sight are parallel, depth itself
 // is proportional to z, and T is a difference of depths.
 
+#extension GL_EXT_control_flow_attributes : require
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "common/sight.glsl"
@@ -28,41 +30,44 @@ int CellRow(int level) {
     return 16 - (128 >> level);
 }
 
+// Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a loop that
+// has many. Drivers would unroll loops without branches, and then hold all pixels at once.
+
 // 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {
-    precise float offset = ORTHOGRAPHIC ? 1.0 : depth + unified.depth_offset;
-    return depth > 0.0 ? 1.0 / offset : -1.0;
+    precise float offset = mix(depth + unified.depth_offset, 1.0, ORTHOGRAPHIC);
+    return mix(-1.0, 1.0 / offset, depth > 0.0);
 }
 
 float Span(float depth, float neighbour, float reciprocal) {
     precise float span = abs(depth - neighbour) * reciprocal;
-    return reciprocal > 0.0 ? span : NOTHING;
+    return mix(NOTHING, span, reciprocal > 0.0);
 }
 
 // Front and back of a pixel; each neighbour with its Reciprocal.
 vec2 Block(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     float x = min(Span(depth, left.x, left.y), Span(depth, right.x, right.y));
     float y = min(Span(depth, up.x, up.y), Span(depth, down.x, down.y));
-    x = x < NOTHING ? x : 0.0;
-    y = y < NOTHING ? y : 0.0;
-    if (ORTHOGRAPHIC) {
-        precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
-        precise float behind = depth - ((x + y) + least);
-        return depth > 0.0 ? vec2(depth, behind) : EMPTY_BLOCK;
-    }
+    x = mix(0.0, x, x < NOTHING);
+    y = mix(0.0, y, y < NOTHING);
+    // Behind what is seen in parallel; SHARE_OF_DEPTH is then of the reach.
+    precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
+    precise float parallel = depth - ((x + y) + least);
     precise float thickness = (x + y) + SHARE_OF_DEPTH;
     precise float scale = 1.0 / (1.0 + thickness);
     precise float back = (depth - unified.depth_offset * thickness) * scale;
-    return depth > 0.0 ? vec2(depth, back) : EMPTY_BLOCK;
+    return mix(EMPTY_BLOCK, vec2(depth, mix(back, parallel, ORTHOGRAPHIC)), bvec2(depth > 0.0));
 }
 
 vec2 Union(vec2 a, vec2 b) {
     return vec2(max(a.x, b.x), min(a.y, b.y));
 }
 
+// A cell beyond the image or the levels is written outside of the image, where a write has no effect (Vulkan, "Texel Output
+// Coordinate Validation"): a branch for each write would hold a mask each.
 void Store(ivec2 cell, int level, vec2 block) {
-    if (level <= unified.top_level && all(lessThan(cell, unified.padded >> level)))
-        imageStore(pyramid, CellTexel(cell, level), vec4(block, 0.0, 0.0));
+    bool inside = all(bvec3(level <= unified.top_level, lessThan(cell, unified.padded >> level)));
+    imageStore(pyramid, mix(ivec2(-1), CellTexel(cell, level), bvec2(inside)), vec4(block, 0.0, 0.0));
 }
 
 // Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side. The rows are vectors: no array
@@ -120,33 +125,32 @@ vec2 Quad(ivec2 pixel, Rows above, Rows below) {
 }
 
 // A strip of 2 x 8 pixels from the one at p: what is above its upper half, and what is above its lower half. A strip is as narrow
-// as it can be, so that a thread holds few pixels at a time. It is written without a loop, which SwiftShader of Chromium 156
-// compiles until memory ends.
+// as it can be, and a loop goes down along it, so that a thread holds few pixels at a time.
 vec4 Strip(ivec2 p) {
-    Rows first = FetchRows(p - 1), second = FetchRows(p + ivec2(-1, 1));
-    vec2 upper = Quad(p, first, second);
-    Rows third = FetchRows(p + ivec2(-1, 3));
-    upper = Union(upper, Quad(p + ivec2(0, 2), second, third));
-    Rows fourth = FetchRows(p + ivec2(-1, 5));
-    vec2 lower = Quad(p + ivec2(0, 4), third, fourth);
-    Rows last = FetchRows(p + ivec2(-1, 7));
-    return vec4(upper, Union(lower, Quad(p + ivec2(0, 6), fourth, last)));
-}
-
-// What is above 4 x 8 pixels from the one at p.
-vec2 Half(ivec2 p) {
-    vec4 left = Strip(p), right = Strip(p + ivec2(2, 0));
-    vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
-    Store(p >> 2, 2, upper);
-    Store((p + ivec2(0, 4)) >> 2, 2, lower);
-    return Union(upper, lower);
+    vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
+    Rows above = FetchRows(p - 1);
+    [[dont_unroll]] for (int row = 0; row < 8; row += 2) {
+        Rows below = FetchRows(p + ivec2(-1, row + 1));
+        vec2 own = Quad(p + ivec2(0, row), above, below);
+        upper_half = mix(upper_half, cell, bvec2(row == 4));
+        cell = mix(Union(cell, own), own, bvec2(row == 4));
+        above = below;
+    }
+    return vec4(upper_half, cell);
 }
 
 void main() {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
     ivec2 p = 64 * tile + 8 * local;
-    vec2 cell = Union(Half(p), Half(p + ivec2(4, 0)));
+    vec2 cell = EMPTY_BLOCK;
+    [[dont_unroll]] for (int x = 0; x < 8; x += 4) {
+        vec4 left = Strip(p + ivec2(x, 0)), right = Strip(p + ivec2(x + 2, 0));
+        vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
+        Store((p + ivec2(x, 0)) >> 2, 2, upper);
+        Store((p + ivec2(x, 4)) >> 2, 2, lower);
+        cell = Union(cell, Union(upper, lower));
+    }
     Store(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {

@@ -87,7 +87,9 @@ macro_rules! replacements {
                 )*
                 // SAFETY: as above, for each.
                 $( $call_name => unsafe { std::mem::transmute::<$Call, Void>($call) }, )*
+                // SAFETY: as above, for each.
                 $( $command_name => unsafe { std::mem::transmute::<$Command, Void>($command) }, )*
+                // SAFETY: as above, for each.
                 $( $own_name => unsafe { std::mem::transmute::<$Own, Void>($own) }, )*
                 _ => return None,
             };
