@@ -72,7 +72,7 @@ fn materials(count: usize) -> Value {
 /// The scene of a document, and the bytes that were allocated while it was loaded.
 fn loaded(document: &Value) -> (Scene, usize) {
     let folder = Folder::new();
-    folder.write("a.gltf", &document.to_string());
+    folder.write("a.gltf", document.to_string());
     let before = allocated();
     let scene = gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).expect("the document is valid");
     (scene, allocated() - before)

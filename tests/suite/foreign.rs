@@ -238,7 +238,9 @@ fn pipes_and_devices_are_no_files() {
             assert!(named && said.contains(file.rsplit('/').next().unwrap()), "{file}, {command:?}: {said}");
         }
         std::fs::remove_file(folder.path(file)).unwrap();
-        before.map(|bytes| std::fs::write(folder.path(file), bytes).unwrap());
+        if let Some(bytes) = before {
+            std::fs::write(folder.path(file), bytes).unwrap()
+        }
     }
     pipe(&folder.path("instead"));
     assert!(at_once(&folder, &["merge", "instead", "-o", "all"]).contains("is no folder"));

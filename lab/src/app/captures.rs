@@ -115,8 +115,8 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
             return Ok(());
         }
         let [color, depth] = std::mem::take(&mut pictures).crosses();
-        color.write_png(&place.join(file.with_file_name("color.png")))?;
-        depth.write_png(&place.join(file.with_file_name("depth.png")))
+        color.write_png(place.join(file.with_file_name("color.png")))?;
+        depth.write_png(place.join(file.with_file_name("depth.png")))
     })?;
     // The list comes last, so that a folder with a list has all of its faces.
     let near_m = common_near_m(captures);

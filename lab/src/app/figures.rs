@@ -199,7 +199,7 @@ fn write(plate: &Plate, made: FinishedFigure, folder: &Inside) -> Result<String>
     match made {
         FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
-            picture.write_png(&folder.join(&file))?;
+            picture.write_png(folder.join(&file))?;
             Ok(file)
         }
         FinishedFigure::Drawing(svg) => {

@@ -60,7 +60,7 @@ pub fn of_view(
     let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
         let [named, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
         let file = format!("images/{named}-{seen}-{}.png", name.replace(' ', "-"));
-        images::write_image(&folder.join(&file), pixels)?;
+        images::write_image(folder.join(&file), pixels)?;
         pictures.push(Picture { file, name: name.into(), caption });
         Ok(())
     };
@@ -126,7 +126,7 @@ pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &Inside, size: [u32; 
         let shot = Shot::new(stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
         if let Some(all) = image::render(stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
-            figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;
+            figures::draw(figure, &all, &camera.lens)?.write_png(folder.join(&file))?;
             pictures.push(Picture { file, name: stem.to_owned(), caption: caption.to_owned() });
         }
     }

@@ -30,10 +30,10 @@ pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
     write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
     let (width, height) = (found.width, found.height);
     let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
-    write_exr(&folder.join("error.exr"), &map, &["rmse"])?;
+    write_exr(folder.join("error.exr"), &map, &["rmse"])?;
     let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
-    Rgb::from_pixels(&map, shade).write_png(&folder.join("error.png"))?;
-    Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(&folder.join("flip.png"))
+    Rgb::from_pixels(&map, shade).write_png(folder.join("error.png"))?;
+    Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
 
 /// What was compared and how, a row for each pass and total that both runs have, what one lacks, and

@@ -41,7 +41,7 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] if it holds other records.
 pub fn read_records<R: DeserializeOwned>(file: &Inside) -> Result<Vec<R>> {
     serde_json::from_slice(&file.bytes()?)
-        .map_err(|e| Error::malformed(&file.path(), None, format!("holds other records: {e}")))
+        .map_err(|e| Error::malformed(file.path(), None, format!("holds other records: {e}")))
 }
 
 /// Reads what [`sample_cells`](crate::study::timing::sample_cells) makes, as CSV, now or at an earlier version, whose files have fewer columns.

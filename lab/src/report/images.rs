@@ -197,7 +197,7 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
 /// Writes intermediates, each as PNG and EXR.
 pub fn write_intermediates(folder: &Inside, all: &Intermediates, lens: &Lens) -> Result<()> {
     for (stem, kind, pixels) in all {
-        picture(*kind, pixels, lens).write_png(&folder.join(format!("{stem}.png")))?;
+        picture(*kind, pixels, lens).write_png(folder.join(format!("{stem}.png")))?;
         let names: &[&str] = match kind {
             Content::Color => &["R", "G", "B", "A"],
             Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
@@ -209,9 +209,9 @@ pub fn write_intermediates(folder: &Inside, all: &Intermediates, lens: &Lens) ->
             Content::Hits => &["u", "v", "depth", "path"],
             Content::Steps => &["steps"],
         };
-        write_exr(&folder.join(format!("{stem}.exr")), pixels, names)?;
+        write_exr(folder.join(format!("{stem}.exr")), pixels, names)?;
         if *kind == Content::Hits {
-            paths(pixels).write_png(&folder.join("paths.png"))?;
+            paths(pixels).write_png(folder.join("paths.png"))?;
         }
     }
     Ok(())

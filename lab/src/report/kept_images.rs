@@ -26,7 +26,7 @@ fn image_path(folder: &Inside, method: &str, stem: &str, what: &str) -> Inside {
 /// # Errors
 /// Errors of writing a file.
 pub fn write_device(folder: &Inside, device: &DeviceInfo) -> Result<()> {
-    files::write(&folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
+    files::write(folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
 }
 
 /// Reads which device it was.
@@ -48,9 +48,9 @@ pub fn write(folder: &Inside, stem: &str, data: &GBufferData, made: &[DeviceImag
     let path = gbuffer_path(folder, stem);
     path.write(&gbuffer_file::encode(data, &path.path())?)?;
     for DeviceImage { method, reflection, hits } in made {
-        write_exr(&image_path(folder, method.name, stem, ""), reflection, &COLOR)?;
+        write_exr(image_path(folder, method.name, stem, ""), reflection, &COLOR)?;
         if let Some(hits) = hits {
-            write_exr(&image_path(folder, method.name, stem, "-hits"), hits, &HITS)?;
+            write_exr(image_path(folder, method.name, stem, "-hits"), hits, &HITS)?;
         }
     }
     Ok(())

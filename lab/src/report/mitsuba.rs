@@ -69,7 +69,7 @@ pub fn export(folder: &Inside, what: &Export) -> Result<Exported> {
         folder.join(mesh_file(i)).write(&ply(mesh))?;
     }
     for (i, texture) in what.scene.textures.iter().enumerate() {
-        write_rgba_png(&folder.join(texture_file(i)), [texture.width, texture.height], &texture.rgba)?;
+        write_rgba_png(folder.join(texture_file(i)), [texture.width, texture.height], &texture.rgba)?;
     }
     let arrays = Arrays(folder);
     arrays.primary(&world, what, &first_hits)?;

@@ -91,7 +91,7 @@ pub fn interleave(
         for turn in 0..shots.len() {
             let shot = shot_at(n, turn, shots.len());
             let key = round.label.as_deref().map(|label| key(shot, label));
-            if lacking[shot] && !key.as_ref().is_some_and(|key| kept(journal, key).is_some()) {
+            if lacking[shot] && key.as_ref().is_none_or(|key| kept(journal, key).is_none()) {
                 if let Some(camera) = round.camera {
                     shots[shot].camera = camera;
                 }

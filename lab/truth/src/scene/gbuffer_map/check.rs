@@ -60,7 +60,9 @@ impl MapPosition {
                 false => conventions.view * DVec3::from(stated) * conventions.metres,
             };
             all += 1;
-            off += usize::from(!(own.distance(stated) <= MOST_OFF * own.length()));
+            // A position that is not a number is not near.
+            let near = own.distance(stated) <= MOST_OFF * own.length();
+            off += usize::from(!near);
         }
         Ok(if all == 0 { 0.0 } else { off as f64 / all as f64 })
     }
