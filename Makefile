@@ -156,7 +156,7 @@ lint: setup
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
 	$(CARGO) clippy --package ssct-c --features compile-shaders --all-targets -- -D warnings
-	$(CARGO) clippy --package ssct-lab --features tracy -- -D warnings
+	$(CARGO) clippy --package ssct-lab --features ssct-lab/tracy -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 
 bench: setup
