@@ -142,7 +142,7 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
 }
 
 /// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`): how far away, in units of
-/// [`unit`], as the bits of a float, and 0 for nothing; and the number of a triangle.
+/// [`unit()`], as the bits of a float, and 0 for nothing; and the number of a triangle.
 pub const ENDS: vk::Format = vk::Format::R32G32_UINT;
 
 /// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): near (1 + k) of a perspective, k = near / (far - near),

@@ -1,5 +1,5 @@
 //! A scene's triangles in device memory, as the programs under `shaders-glsl/triangles/` read them: the tree with the
-//! records of its triangles, and in [`images`] the texels of all images with their levels, and a table of materials.
+//! records of its triangles, and in `images` the texels of all images with their levels, and a table of materials.
 
 mod images;
 

@@ -1,4 +1,4 @@
-//! The columns of a study's rows. A row declares each of them once, with [`columns!`]: its name in records,
+//! The columns of a study's rows. A row declares each of them once, with `columns!`: its name in records,
 //! what it means, how tables show it, and whether it is a figure, which is equal to the bit on every machine, or a time,
 //! which is kept apart by device. Tables, CSV files and the comparison of shards follow from that.
 
