@@ -7,6 +7,7 @@
 
 #include "captures/color_seen.glsl"
 #include "captures/push.glsl"
+#include "unified/surface.glsl"
 #ifdef CONFIRMED
 #include "triangles/confirm.glsl"
 #endif

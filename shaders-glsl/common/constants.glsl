@@ -15,12 +15,30 @@ const float MIRROR_ALPHA = 1000.0;
 // Share of the view depth that a pixel's surface is taken to measure in depth at least (docs/definitions.md, "Oracle",
 // item 3).
 const float SHARE_OF_DEPTH = 0.004;
+// What stands before both of its neighbours along an axis of the image by more than this share of their view depths is thin:
+// they say nothing of how far its surface spans.
+const float THIN = 0.05;
 // Version 2 of the oracle: fronts of neighbouring pixels, in reversed depth, are of one surface if they lie no
 // further apart than this share of the two blocks' thicknesses together. (Of a plane, half is enough.)
 const float JOINED = 0.8;
 // How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of its own z, and as
 // many metres (docs/definitions.md, "World agreement").
 const float VISIBLE_WITHIN = 0.02;
+// By how much what a texel shows may lie off the plane of the triangle that a ray meets and still be of its surface: in texels, as
+// wide as they are there, since a surface may be curved. Along an edge, the pixels of the next surface lie farther off but for
+// the nearest of them.
+const float SAME_SURFACE = 0.1;
+// What the screen shows around a hit is no part of its colour if it stands before the pixel that was hit by more than so many
+// times its texel's width there,
+const float STANDS_BEFORE = 10.0;
+// and beside the ray by more than so many,
+const float STANDS_BESIDE = 3.0;
+// or if it stands not by so much of that width above the plane of the surface that reflects.
+const float STANDS_ABOVE = 0.3;
+// From this level of the colour chain on, texels mix what a ray can have seen with what it cannot, and all around a hit count.
+const float SEEN_LEVELS = 1.5;
+// The least cosine at which a surface is taken to be seen where a length on it is found by that.
+const float LEAST_FACING = 0.05;
 // What the traversal of `unified` takes for infinite: a time at which a ray never leaves a cell.
 const float NEVER = 1e30;
 

@@ -170,6 +170,30 @@ float March(Line line, float shift, out int layer, out int path) {
     return -1.0;
 }
 
+// Where a direction in view space goes on for ever on the screen, in texture coordinates. False where that is not on the
+// screen, or where the screen shows something in front of the sky there.
+bool MeetsSky(vec3 direction, out vec2 uv) {
+    vec4 clip = camera.view_to_clip * vec4(direction, 0.0);
+    uv = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;
+    bool is_inside = direction.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
+    return is_inside && texelFetch(depth_buffer, ivec2(uv * camera.resolution), 0).r == 0.0;
+}
+
+// The colour of the sky at a place on the screen: between those of the four pixels around it that show sky, one of which does.
+vec3 SkyShown(vec2 uv) {
+    vec2 corner = uv * camera.resolution - 0.5;
+    vec2 low = floor(corner), part = corner - low;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        ivec2 pixel = clamp(ivec2(low) + next, ivec2(0), ivec2(camera.resolution) - 1);
+        vec2 weight = mix(1.0 - part, part, vec2(next));
+        bool is_sky = texelFetch(depth_buffer, pixel, 0).r == 0.0;
+        sum += is_sky ? weight.x * weight.y * vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0) : vec4(0.0);
+    }
+    return sum.rgb / sum.a;
+}
+
 void main() {
     out_reflection = vec4(0.0);
     if (HITS)
@@ -191,6 +215,11 @@ void main() {
     if (s < 0.0) {
         if (HITS)
             out_hit.w = float(path);
+        vec2 end;
+        if (path == PATH_LINEAR_MISS && MeetsSky(direction, end)) {
+            float sky_fade = dda.fade != 0 ? BorderFade(end, dda.fade_start, dda.fade_end) : 1.0;
+            out_reflection = vec4(Sound(SkyShown(end)), sky_fade);
+        }
         return;
     }
 

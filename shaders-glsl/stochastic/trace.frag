@@ -21,7 +21,7 @@ layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 #include "stochastic/stochastic.glsl"
 #include "captures/color_seen.glsl"
 #ifdef EXACT
-#include "unified/traverse.glsl"
+#include "unified/surface.glsl"
 #endif
 
 layout(location = 0) out vec4 out_place; // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm
@@ -33,28 +33,52 @@ layout(location = 2) out vec4 out_hit;   // of a mirror: texture coordinates, st
 struct End {
     int code;      // PATH_*
     bool hits;
-    bool shows;    // what it hits is seen from the pixel: not from behind the pixel's normal
+    bool shows;    // what it hits, or the sky that it goes to, is seen from the pixel: not from behind the pixel's normal
     vec2 position; // continuous pixel coordinates
     float depth;   // reversed
+    vec3 color;    // of what it hits
 };
 
-// From a pixel along a direction in view space, of unit length. `normal` is that of a mirror, else 0.
-End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal) {
+#ifndef EXACT
+// The lit colour of the screen at a place in full resolution, whatever surfaces are around it. Each of the four pixels around the place is sky or not, so that those that are can be left
+// out, and the sky be looked up once: a device that takes both ways of a branch pays for every look.
+vec3 ColorBetween(vec2 position, vec3 along) {
+    vec2 corner = position - 0.5;
+    vec2 first = floor(corner);
+    vec2 part = corner - first;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        vec4 seen = texelFetch(color_buffer, clamp(ivec2(first) + next, ivec2(0), unified.size - 1), 0);
+        vec2 weight = mix(1.0 - part, part, vec2(next));
+        bool shows_sky = unified.sky != 0 && seen.a == 0.0;
+        sum += weight.x * weight.y * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
+    }
+    return Sound(sum.rgb) + (1.0 - sum.a) * along;
+}
+#endif
+
+// From a pixel along a direction in view space, of unit length.
+End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
 #ifdef EXACT
     bool faces = true;
     Ray ray = RayAlong(pixel, depth, direction);
-    if (normal != vec3(0.0))
+    if (is_mirror)
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
-    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hits && faces, hit.position, hit.depth);
+    bool is_far = GoesFar(ray, hit);
+    Mirrored seen = MirroredAt(hit, ViewPoint(ray.start, depth), normal, ray.direction, SkyAlong(direction));
+    bool shows = faces && (hits || (is_far && seen.is_sky));
+    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, shows, hit.position, hit.depth, seen.color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
     vec3 V_ss = Project(Unproject(P_ss) + direction * thesis.reflection_offset) - P_ss;
     float path;
     vec3 hit = RayTrace(P_ss, V_ss, path);
     bool hits = hit != INVALID_RAY;
-    return End(int(path), hits, hits, hit.xy * thesis.resolution, 1.0 - hit.z);
+    vec2 position = hit.xy * thesis.resolution;
+    return End(int(path), hits, hits, position, 1.0 - hit.z, ColorBetween(position, SkyAlong(direction)));
 #endif
 }
 
@@ -91,11 +115,11 @@ void main() {
     bool above = dot(direction, normal) > 0.0;
     if (!above && !(HITS && is_mirror))
         return;
-    End end = WalkAlong(pixel, depth, direction, is_mirror ? normal : vec3(0.0));
+    End end = WalkAlong(pixel, depth, direction, normal, is_mirror);
     if (end.shows && above) {
         vec2 uv = end.position * unified.pixel_to_clip;
         out_place = vec4(ViewPoint(end.position, end.depth), density);
-        out_color = vec4(ColorMirrored(end.position, SkyAlong(direction)), Fade(uv));
+        out_color = vec4(end.color, Fade(uv));
     }
     if (HITS && is_mirror) {
         precise vec2 uv = end.position * unified.pixel_to_clip;

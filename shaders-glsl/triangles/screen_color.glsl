@@ -13,13 +13,6 @@ layout(constant_id = 25) const bool SCREEN_COLORS = false; // colours come from 
 layout(binding = 14) uniform sampler2D screen_color; // lit colour, linear, with its coarser levels; alpha is 0 where sky is
 layout(binding = 15) uniform sampler2D screen_depth; // reversed; 0 is sky
 
-// The least cosine at which a footprint on a surface is taken to stretch.
-const float LEAST_FACING = 0.05;
-
-// By how much a surface that the screen shows may lie off the plane of what is met, since it may be curved: in texels, as wide
-// as they are where it stands. Along an edge, the pixels of the next surface lie farther off but for the nearest of them.
-const float SAME_SURFACE = 0.1;
-
 // Sums are precise, so that both stages of a shader see the same colour.
 
 // Where on the screen a point of view space is seen, in continuous pixel coordinates.

@@ -34,7 +34,7 @@ struct End {
 // What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
 #if defined(AMONG_TRIANGLES)
 
-bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
     Among seen = SeeFrom(ray, spread);
     color = vec4(seen.color, 1.0);
     end = End(ToView(seen.place) / captures.view_unit, false, seen.met);
@@ -43,7 +43,7 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 
 #elif defined(CONFIRMED)
 
-bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
     Hit hit = Traverse(ray);
     Confirmed confirmed;
     color = vec4(0.0);
@@ -60,7 +60,46 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
 
 #else
 
-bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+// The lit colour of the screen over a footprint. From SEEN_LEVELS on, texels have mixed surfaces already. Below, the four texels around
+// the hit are asked, in the level of the chain whose texels are nearest to the footprint in size. Where the ray can have seen all of
+// them, the colour is what the chain has between its levels. Elsewhere it is a mean of those that the ray can have seen in their
+// middles, and that hold no sky or nothing else; or the colour of the pixel that was hit where there are none. `point` and
+// `normal` are those of the surface that reflects.
+vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint_level, vec3 along) {
+    if (footprint_level >= SEEN_LEVELS)
+        return ColorOver(hit.position, footprint_level, along);
+    int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
+    float own_depth = BLOCK_AT(PixelTexel(hit.pixel)).x;
+    Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own_depth, exp2(float(level)));
+    // Some drivers take textureSize of one thread's level for all threads around it.
+    ivec2 texels = max(unified.size >> level, ivec2(1));
+    vec2 to_texels = vec2(texels) / vec2(unified.size);
+    precise vec2 from_middle = hit.position * to_texels - 0.5;
+    vec2 low = floor(from_middle), part = from_middle - low;
+    precise vec4 sum = vec4(0.0);
+    precise float counted = 0.0;
+    bool sees_all = true;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
+        ivec2 middle = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
+        vec4 seen = texelFetch(color_buffer, texel, level);
+        vec2 weight = mix(1.0 - part, part, vec2(next));
+        bool counts = IsSeen(from, vec2(middle) + 0.5, BLOCK_AT(PixelTexel(middle)).x);
+        bool is_whole = unified.sky == 0 || seen.a == 0.0 || seen.a > 0.999;
+        AddTexel(sum, counted, seen, counts && is_whole, weight.x * weight.y);
+        sees_all = sees_all && counts && is_whole;
+    }
+    if (sees_all)
+        return ColorOver(hit.position, footprint_level, along);
+    vec4 own = texelFetch(color_buffer, hit.pixel, 0);
+    bool shows_sky = unified.sky != 0 && own.a == 0.0;
+    float whole = 1.0 / max(counted, 1e-6);
+    vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
+    return shows_sky ? along : counted > 0.0 ? between : Sound(own.rgb);
+}
+
+bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
     Hit hit = Traverse(ray);
     vec3 along = SkyAlong(ray.direction);
     vec3 point = ViewPoint(ray.start, ray.depth);
@@ -72,13 +111,17 @@ bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    if (hit.code != PATH_HI_Z)
+    bool on_sky = GoesFar(ray, hit) && BLOCK_AT(PixelTexel(hit.pixel)).x < 0.0;
+    if (hit.code != PATH_HI_Z && !on_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
-    end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
+    if (on_sky)
+        end.place = point + FAR_SKY * ray.direction;
+    else
+        end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
     float level = FootprintLevel(point, there, density, share);
-    color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
+    color = vec4(ColorSeen(hit, point, normal, ray.direction, level, along), Fade(hit.position * unified.pixel_to_clip));
     return true;
 }
 
@@ -102,7 +145,8 @@ Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float foo
         return seen;
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
     float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
-    seen.is_hit = Look(at, RayAlong(pixel, depth, direction), spread, density, share, seen.color, end);
+    Ray ray = RayAlong(pixel, depth, direction);
+    seen.is_hit = Look(at, ray, lobe.normal, spread, density, share, seen.color, end);
     return seen;
 }
 

@@ -81,12 +81,13 @@ bool Show(ivec2 pixel, out Shown shown) {
         PushFromPixel(uvec2(pixel), ray, spread);
     }
 #else
-    bool shows = is_hit || in_sky;
+    bool is_far = GoesFar(ray, hit);
+    vec3 along = SkyAlong(ray.direction);
+    Mirrored mirrored = MirroredAt(hit, ViewPoint(ray.start, depth), normal, ray.direction, along);
+    bool shows = is_hit || in_sky || (faces && is_far && mirrored.is_sky);
     if (shows) {
-        vec3 along = SkyAlong(ray.direction);
-        shown.reflection = in_sky ? vec4(along, 1.0)
-                                  : vec4(ColorMirrored(hit.position, along),
-                                         Fade(hit.position * unified.pixel_to_clip));
+        float fade = Fade(hit.position * unified.pixel_to_clip);
+        shown.reflection = in_sky ? vec4(along, 1.0) : vec4(mirrored.color, fade);
     } else if (faces) {
         // A mirror's footprint is the pixel's, which has widened since the eye.
         float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;

@@ -39,17 +39,25 @@ float Reciprocal(float depth) {
     return mix(-1.0, 1.0 / offset, depth > 0.0);
 }
 
-float Span(float depth, float neighbour, float reciprocal) {
-    precise float span = abs(depth - neighbour) * reciprocal;
-    return mix(NOTHING, span, reciprocal > 0.0);
+// How far behind a pixel its neighbour stands, as a share of the pixel's own view depth, or in depth if rays of sight are
+// parallel; negative where it stands before it.
+float Behind(float depth, vec2 neighbour) {
+    precise float behind = (depth - neighbour.x) * neighbour.y;
+    return mix(-NOTHING, behind, neighbour.y > 0.0);
+}
+
+// What a surface spans in depth across its pixel along an axis, from the neighbours to both sides. What stands far before both
+// is thinner than two pixels, and they say nothing of it.
+float Span(float depth, vec2 before, vec2 after) {
+    precise float thin = THIN * mix(1.0, unified.reach * unified.depth_offset, ORTHOGRAPHIC);
+    float a = Behind(depth, before), b = Behind(depth, after);
+    float span = min(abs(a), abs(b));
+    return mix(0.0, span, all(bvec2(span < NOTHING, min(a, b) <= thin)));
 }
 
 // Front and back of a pixel; each neighbour with its Reciprocal.
 vec2 Block(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
-    float x = min(Span(depth, left.x, left.y), Span(depth, right.x, right.y));
-    float y = min(Span(depth, up.x, up.y), Span(depth, down.x, down.y));
-    x = mix(0.0, x, x < NOTHING);
-    y = mix(0.0, y, y < NOTHING);
+    float x = Span(depth, left, right), y = Span(depth, up, down);
     // Behind what is seen in parallel; SHARE_OF_DEPTH is then of the reach.
     precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
     precise float parallel = depth - ((x + y) + least);

@@ -74,7 +74,7 @@ fn json_is_all_that_goes_to_standard_output() {
     let records: Value = serde_json::from_str(&said).unwrap();
     let [record] = &records.as_array().unwrap()[..] else { panic!("one record: {said}") };
     assert_eq!(record["kind"], "render");
-    assert_eq!(record["definitions"], 2);
+    assert_eq!(record["definitions"], 3);
     assert_eq!((&record["width"], &record["height"]), (&53.into(), &31.into()));
     assert_eq!(record["method"], "ssct");
     assert_eq!(record["drawn"]["meshes"], 2);
@@ -130,7 +130,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
     assert_eq!(records.len() % 4, 0, "methods × two sizes × two roughness values");
     assert!(records.len() >= 8);
     for r in records {
-        assert_eq!((&r["kind"], &r["definitions"]), (&"time".into(), &2.into()));
+        assert_eq!((&r["kind"], &r["definitions"]), (&"time".into(), &3.into()));
         let passes = r["passes"].as_array().unwrap();
         assert!(passes.iter().all(|p| p["samples"] == 3 && p["min_ms"].as_f64().unwrap() >= 0.0), "{r}");
         let sum: f64 = passes.iter().filter(|p| p["counted"] == true).map(|p| p["min_ms"].as_f64().unwrap()).sum();
@@ -182,7 +182,7 @@ fn a_path_gives_frames_per_second_of_each_method() {
     let records = records.as_array().unwrap();
     assert_eq!(records.len(), 4, "two methods, two sizes");
     for r in records {
-        assert_eq!((&r["kind"], &r["definitions"], &r["view"]), (&"path".into(), &2.into(), &"way".into()));
+        assert_eq!((&r["kind"], &r["definitions"], &r["view"]), (&"path".into(), &3.into(), &"way".into()));
         let frames = r["frames"].as_array().unwrap();
         assert_eq!(frames.len(), 5);
         for f in frames {

@@ -54,7 +54,7 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
                 assert!(record[key].as_f64().unwrap().is_finite(), "{key}: {record}");
             }
             assert_eq!(record["floor"].is_number(), against == "world", "{record}");
-            assert!(record["rmse"].as_f64().unwrap() > 0.0 && record["definitions"] == 2);
+            assert!(record["rmse"].as_f64().unwrap() > 0.0 && record["definitions"] == 3);
         }
     }
     assert!(records.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));

@@ -17,7 +17,7 @@ use ssct::passes::tiles::{TileStage, UnifiedSetup};
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
-use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
+use ssct_lab::reference::unified::{Aim, Cell, ColorSeen, Gathered, Gloss, Traversal};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
@@ -200,15 +200,16 @@ fn check_ray(
         pairs.reduce(|a, b| [by(a[0], b[0]), by(a[1], b[1])]).unwrap()
     };
     let ([key_low, color_low], [key_high, color_high]) = (fold(Vec4::min), fold(Vec4::max));
-    // A device's filter has at least 8 bits for the weights of texels.
-    let filter = gloss.follow(&aim).map_or(Vec3::ZERO, |(hit, _)| {
-        let range: Vec3 =
-            gloss.looked_up(&aim, &hit).iter().map(|(t, weight)| *weight * (t.range[1] - t.range[0])).sum();
-        range / 256.0
-    });
     let key_allowed = Vec4::from(key_error(&aim, found));
-    let color_allowed = color_high.to_array().map(half_step);
-    let color_allowed = Vec4::from(color_allowed) + filter.extend(0.0);
+    // A device's filter has at least 8 bits for the weights of texels.
+    let filter = match gloss.seen(&aim) {
+        Some((_, ColorSeen::Over(levels))) => {
+            let range: Vec3 = levels.iter().map(|(t, weight)| *weight * (t.range[1] - t.range[0])).sum();
+            range / 256.0
+        }
+        _ => Vec3::ZERO,
+    };
+    let color_allowed = Vec4::from(color_high.to_array().map(half_step)) + filter.extend(0.0);
     let off = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
     let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
         && off(found.color, color_low, color_high).cmple(color_allowed).all();
@@ -357,6 +358,13 @@ pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     }
 }
 
+/// A G-buffer with sky in six of ten pixels.
+fn under_sky(data: &GBufferData) -> GBufferData {
+    let stream = Stream::new(6, u64::from(data.width));
+    let depth = |(i, depth): (usize, &f32)| if stream.uniform(i as u64) < 0.6 { 0.0 } else { *depth };
+    GBufferData { depth: data.depth.iter().enumerate().map(depth).collect(), ..data.clone() }
+}
+
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -374,6 +382,7 @@ fn every_glossy_pass_is_its_twin() {
         cases.push((format!("noise, {extent:?}"), noise(extent), true));
         cases.push((format!("mixed noise, {extent:?}"), mixed(&noise(extent), 3), false));
     }
+    cases.push(("noise under a sky".to_owned(), under_sky(&noise([66, 65])), true));
     let take = if is_gpu_assisted() { 1 } else { usize::MAX };
     let mut totals = Counts::default();
     for (name, data, of_one_kind) in cases.iter().take(take) {

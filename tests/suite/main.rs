@@ -41,6 +41,7 @@ mod gloss_twin;
 mod golden;
 mod hi_z_ray_trace;
 mod history;
+mod hit_color;
 mod ibr;
 mod impostors;
 #[cfg(unix)]

@@ -21,6 +21,7 @@ pub mod paths;
 pub mod ray;
 pub mod screen;
 pub mod surface;
+pub mod surface_color;
 pub mod thickness;
 pub mod triangles;
 pub mod unified;

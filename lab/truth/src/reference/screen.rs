@@ -14,11 +14,11 @@
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
-use super::ray::Outcome;
-use super::surface::sky_color;
+use super::ray::{MissReason, Outcome};
+use super::surface_color::{Reflected, SurfaceColors};
 use crate::math::random::Stream;
 use crate::math::{OracleVersion, phong};
-use crate::scene::{GBufferData, Surface};
+use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -66,7 +66,7 @@ impl ScreenReference {
         assert_eq!(mask.len(), gbuffer.depth.len(), "the mask must have the G-buffer's size");
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
-        let pixels = Pixels { hierarchy: &hierarchy, view_to_world, sampling };
+        let pixels = Pixels { hierarchy: &hierarchy, colors: SurfaceColors::new(gbuffer), view_to_world, sampling };
         let rows: Vec<Vec<Estimate>> = (0..gbuffer.height)
             .into_par_iter()
             .map(|y| {
@@ -99,6 +99,7 @@ struct Estimate {
 /// What the pixels of an image have in common.
 struct Pixels<'a> {
     hierarchy: &'a Hierarchy<'a>,
+    colors: SurfaceColors<'a>,
     view_to_world: DMat4,
     sampling: Sampling,
 }
@@ -142,25 +143,26 @@ impl Pixels<'_> {
         sum
     }
 
-    /// The pixel that a ray from a pixel hits, and the colour there; `None` where it hits nothing or leads below the
-    /// surface.
+    /// The pixel in which a ray from a pixel ends, and the colour there; `None` where the screen shows neither what it hits nor the
+    /// sky behind all that stands, or where it leads below the surface.
     fn hit(&self, [x, y]: [u32; 2], direction: DVec3) -> Option<([u32; 2], DVec3)> {
         let rays = self.hierarchy.rays();
-        rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
-        let Outcome::Hit { pixel: [i, j], position } = self.hierarchy.trace_direction(x, y, direction).outcome else {
-            return None;
+        let normal = rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
+        let (pixel, position) = match self.hierarchy.trace_direction(x, y, direction).outcome {
+            Outcome::Hit { pixel, position } => (pixel, position),
+            Outcome::Miss { reason: MissReason::Far, .. } => {
+                let end = rays.segment(x, y, direction)?.at(1.0);
+                let last = [(end.x, rays.gbuffer.width), (end.y, rays.gbuffer.height)]
+                    .map(|(v, side)| (v.max(0.0) as u32).min(side - 1));
+                let is_sky = rays.gbuffer.depth[rays.gbuffer.index(last[0], last[1])] <= 0.0;
+                is_sky.then_some((last, end))?
+            }
+            Outcome::Miss { .. } => return None,
         };
         let towards = self.view_to_world.transform_vector3(direction);
-        Some(([i, j], shown(rays.gbuffer, rays.gbuffer.index(i, j), [position.x, position.y], towards)))
-    }
-}
-
-/// What the screen shows to a ray that ends at a place of a pixel, in continuous pixel coordinates: on a surface that
-/// shows the environment, the environment along the ray's direction in the world; elsewhere the lit colour, bilinear.
-pub fn shown(gbuffer: &GBufferData, pixel: usize, [x, y]: [f64; 2], towards: DVec3) -> DVec3 {
-    match gbuffer.surface[pixel] {
-        Surface::Lit => bilinear(gbuffer, x, y),
-        Surface::Sky => sky_color(towards),
+        let index = rays.gbuffer.index(pixel[0], pixel[1]);
+        let ray = rays.position(x, y).map(|point| Reflected { point, normal, direction });
+        Some((pixel, self.colors.shown(index, [position.x, position.y], towards, ray)))
     }
 }
 
@@ -180,19 +182,6 @@ fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
         DVec3::new(variance.x.sqrt(), variance.y.sqrt(), variance.z.sqrt())
     };
     Estimate { mean, standard_error }
-}
-
-/// The lit colour at continuous pixel coordinates, bilinear between pixel centres and clamped at the border.
-pub fn bilinear(gbuffer: &GBufferData, x: f64, y: f64) -> DVec3 {
-    let axis = |v: f64, side: u32| {
-        let v = (v - 0.5).clamp(0.0, f64::from(side - 1));
-        let low = v.floor() as u32;
-        (low, (low + 1).min(side - 1), v - v.floor())
-    };
-    let (left, right, fx) = axis(x, gbuffer.width);
-    let (top, bottom, fy) = axis(y, gbuffer.height);
-    let at = |x, y| gbuffer.color[gbuffer.index(x, y)].as_dvec3();
-    at(left, top).lerp(at(right, top), fx).lerp(at(left, bottom).lerp(at(right, bottom), fx), fy)
 }
 
 #[cfg(test)]

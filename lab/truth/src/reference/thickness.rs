@@ -2,7 +2,7 @@
 //! (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
-pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH};
+pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH, THIN};
 use crate::scene::GBufferData;
 use glam::DVec3;
 
@@ -36,7 +36,9 @@ impl DepthBlock {
 pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
-        least.unwrap_or(0.0)
+        // What stands far before both neighbours is thinner than two pixels, and they say nothing of it.
+        let is_thin = [a, b].iter().all(|n| n.is_some_and(|n| n - z > THIN * reach));
+        least.filter(|_| !is_thin).unwrap_or(0.0)
     };
     span(left, right) + span(up, down) + SHARE_OF_DEPTH * reach
 }
@@ -77,6 +79,16 @@ mod tests {
         assert!((t - (0.2 + 0.0 + 0.04)).abs() < 1e-12);
         assert!((thickness(10.0, 10.0, [None, Some(12.0), None, None]) - (2.0 + 0.0 + 0.04)).abs() < 1e-12);
         assert!((thickness(10.0, 10.0, [None; 4]) - 0.04).abs() < 1e-12, "a lone pixel must get the least thickness");
+    }
+
+    #[test]
+    fn what_stands_far_before_both_neighbours_has_the_least_thickness() {
+        // A pole one pixel wide, 2 m before a wall, and one of two pixels. Nearer than a twentieth of z it is a slope.
+        let beside = |left, right| thickness(10.0, 10.0, [Some(left), Some(right), Some(10.0), Some(10.0)]);
+        assert!((beside(12.0, 12.0) - 0.04).abs() < 1e-12);
+        assert!((beside(12.0, 10.0) - 0.04).abs() < 1e-12);
+        assert!((beside(10.4, 10.3) - 0.34).abs() < 1e-12);
+        assert!((beside(12.0, 8.0) - 2.04).abs() < 1e-12, "a steep surface goes on behind and before");
     }
 
     #[test]

@@ -5,16 +5,18 @@
 //! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
+mod blocks;
 mod follow;
 mod gather;
 mod gloss;
 mod gloss_trace;
 mod lobe;
 mod resolve;
+mod surface;
 
 pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
-pub use gloss::{Footprint, Gloss};
+pub use gloss::{ColorSeen, Footprint, Gloss};
 pub use gloss_trace::{Aim, Gathered, octahedral};
 pub use lobe::Lobe;
 
@@ -210,8 +212,9 @@ impl<'a> Traversal<'a> {
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
-        let mut levels =
-            vec![Level::from_fn(width, height, |x, y| block(gbuffer, &parameters, IVec2::new(x as i32, y as i32)))];
+        let mut levels = vec![Level::from_fn(width, height, |x, y| {
+            blocks::block(gbuffer, &parameters, IVec2::new(x as i32, y as i32))
+        })];
         for n in 0..parameters.top_level as usize {
             let below = &levels[n];
             levels.push(Level::from_fn(below.width / 2, below.height / 2, |x, y| {
@@ -450,34 +453,6 @@ fn crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
 /// `Dot`: in this order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-/// A pixel's block; `Block` of `pyramid.comp`.
-fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
-    let depth_at = |p: IVec2| {
-        let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();
-        if inside { gbuffer.depth[gbuffer.index(p.x as u32, p.y as u32)] } else { 0.0 }
-    };
-    let depth = depth_at(p);
-    if depth <= 0.0 {
-        return Block::EMPTY;
-    }
-    let is_linear = parameters.kind.is_orthographic();
-    let span = |dx, dy| {
-        let neighbour = depth_at(p + IVec2::new(dx, dy));
-        let reciprocal = if is_linear { 1.0 } else { 1.0 / (neighbour + parameters.depth_offset) };
-        if neighbour > 0.0 { (depth - neighbour).abs() * reciprocal } else { NEVER }
-    };
-    let least = |a: f32, b: f32| if a.min(b) < NEVER { a.min(b) } else { 0.0 };
-    let spans = least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1));
-    let share = constants::SHARE_OF_DEPTH as f32;
-    if is_linear {
-        let thickness = spans + share * (parameters.reach * parameters.depth_offset);
-        return Block { front: depth, back: depth - thickness };
-    }
-    let thickness = spans + share;
-    let scale = 1.0 / (1.0 + thickness);
-    Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
 }
 
 /// The greatest 16-bit float.

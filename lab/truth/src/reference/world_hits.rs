@@ -2,8 +2,8 @@
 //! "World agreement", judges a method's hits by this.
 
 use super::first_hits::FirstHits;
-use super::screen::shown;
 use super::surface::World;
+use super::surface_color::SurfaceColors;
 use super::world::RAY_START_M;
 pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
@@ -70,6 +70,7 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) 
 #[derive(Debug, Clone)]
 pub(super) struct ShownPlaces<'a> {
     gbuffer: &'a GBufferData,
+    colors: SurfaceColors<'a>,
     view_z_m: &'a [f64],
     world_to_view: DMat4,
     view_to_clip: DMat4,
@@ -79,7 +80,8 @@ impl<'a> ShownPlaces<'a> {
     /// The places that a G-buffer shows, with its own first hits.
     pub(super) fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
-        Self { gbuffer, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
+        let colors = SurfaceColors::new(gbuffer);
+        Self { gbuffer, colors, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
     /// Where a place projects to (`None` behind the eye of a perspective), its view-space z in metres, and whether the pixel there shows
@@ -96,7 +98,7 @@ impl<'a> ShownPlaces<'a> {
     pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
         let (pixel, _, visible) = self.judge(end);
         let p = pixel.filter(|_| visible)?;
-        Some(shown(self.gbuffer, self.index(p)?, p.to_array(), towards))
+        Some(self.colors.shown(self.index(p)?, p.to_array(), towards, None))
     }
 
     /// The index of the pixel at continuous coordinates; `None` off screen.

@@ -85,10 +85,14 @@ fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
     let Outcome::Hit { pixel: [8, 0], position } = trace.outcome else { panic!("{trace:?}") };
     assert_eq!(trace.steps, 8);
     assert!((position - DVec3::new(8.0, 0.5, f64::from(depth_of(4.0)))).length() < 1e-9, "the entry: {position}");
-    // With neighbours at 4.2 m and 5 m, the pole is 1.2 + 0.012 m thick and extends to 4.212 m.
-    let thick = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
+    // With a neighbour at 4.2 m and nothing on the other side, the pole is 1.2 + 0.012 m thick and extends to 4.212 m.
+    let thick = row(&[4.0, SKY, SKY, SKY, 3.0, 4.2, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thick).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [4, 0], .. }), "{trace:?}");
+    // With neighbours at 4.2 m and 5 m it stands far before both, and is as thin as alone.
+    let between = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
+    let trace = Oracle::new(&between).trace_direction(0, 0, DVec3::X);
+    assert!(matches!(trace.outcome, Outcome::Hit { pixel: [8, 0], .. }), "{trace:?}");
     // With a neighbour at 3.9 m, the pole extends only to 3.912 m. But that neighbour, whose only neighbour is
     // the pole, is itself 0.9 + 0.0156 m thick.
     let thinner = row(&[4.0, SKY, SKY, SKY, 3.0, 3.9, SKY, SKY, SKY]);

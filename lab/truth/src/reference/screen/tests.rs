@@ -3,8 +3,9 @@
 use super::*;
 use crate::reference::Oracle;
 use crate::reference::ray::RaySetup;
+use crate::reference::surface::sky_color;
 use crate::reference::testing::{flat, floor_and_wall};
-use crate::scene::Camera;
+use crate::scene::{Camera, Surface};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
 
@@ -21,6 +22,14 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     }
     let mask = g.reflecting();
     (g, mask)
+}
+
+/// The lit colour where a ray from a pixel hits another.
+fn shown(g: &GBufferData, from: [u32; 2], direction: DVec3, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
+    let rays = RaySetup::new(g);
+    let from = rays.position(from[0], from[1]).zip(rays.normal(from[0], from[1]));
+    let ray = from.map(|(point, normal)| Reflected { point, normal, direction });
+    SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z, ray)
 }
 
 /// The camera ray of a sample through the pixel, as the reference draws it.
@@ -52,7 +61,7 @@ fn a_ray_goes_on_where_it_was_reflected() {
             let normal = rays.normal(from[0], from[1]).expect("a normal");
             let hit = oracle.trace_direction(from[0], from[1], direction).outcome;
             let (Outcome::Hit { pixel, position }, true) = (hit, direction.dot(normal) > 0.0) else { break };
-            sum += share * bilinear(&g, position.x, position.y);
+            sum += share * shown(&g, from, direction, pixel, position);
             share *= f64::from(g.reflectivity[g.index(pixel[0], pixel[1])]);
             let normal = rays.normal(pixel[0], pixel[1]).expect("a normal");
             (from, direction) = (pixel, direction - 2.0 * direction.dot(normal) * normal);
@@ -123,12 +132,12 @@ fn directions_below_the_surface_carry_nothing_and_count() {
         let uv = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
         let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
         let direction = lobe_direction(mirror, phong::exponent(f64::from(0.6_f32)), uv);
-        let hit = oracle.trace_direction(x, y, direction).position();
+        let hit = oracle.trace_direction(x, y, direction).outcome;
         if direction.dot(normal) <= 0.0 {
             below += 1;
-            would_hit += usize::from(hit.is_some());
-        } else if let Some(p) = hit {
-            sum += bilinear(&g, p.x, p.y);
+            would_hit += usize::from(matches!(hit, Outcome::Hit { .. }));
+        } else if let Outcome::Hit { pixel, position } = hit {
+            sum += shown(&g, [x, y], direction, pixel, position);
         }
     }
     assert!(below > 10 && would_hit > 5, "{below} rays below the surface, {would_hit} of which would hit the floor");
@@ -206,7 +215,9 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
         (3.0, 2.0, 9.0),
         (3.0, 1.0, 8.5),
     ] {
-        assert_eq!(bilinear(&g, x, y), DVec3::splat(expected), "({x}, {y})");
+        let pixel = [f64::min(x, 2.5), f64::min(y, 1.5)].map(|v| v as u32);
+        let found = SurfaceColors::new(&g).shown(g.index(pixel[0], pixel[1]), [x, y], DVec3::Z, None);
+        assert_eq!(found, DVec3::splat(expected), "({x}, {y})");
     }
 }
 
@@ -224,8 +235,12 @@ fn rays_are_drawn_by_their_numbers() {
                 let u = [stream.uniform(4 * i), stream.uniform(4 * i + 1)];
                 let mirror = footprint_ray(&rays, [x, y], i).reflect(normal);
                 let direction = lobe_direction(mirror, phong::exponent(f64::from(roughness)), u);
-                let hit = hierarchy.trace_direction(x, y, direction).position().filter(|_| direction.dot(normal) > 0.0);
-                hit.map_or(DVec3::ZERO, |p| bilinear(&g, p.x, p.y))
+                match hierarchy.trace_direction(x, y, direction).outcome {
+                    Outcome::Hit { pixel, position } if direction.dot(normal) > 0.0 => {
+                        shown(&g, [x, y], direction, pixel, position)
+                    }
+                    _ => DVec3::ZERO,
+                }
             });
             let expected = mean_and_error(colors);
             let i = g.index(x, y);
@@ -324,4 +339,31 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
     g.surface.fill(Surface::Lit);
     let unknown = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
     assert!(unknown.color.iter().all(|c| c.y == 0.0 && c.x <= 9.0));
+}
+
+#[test]
+fn a_ray_beyond_the_far_plane_shows_the_sky_of_the_screen_and_no_other_miss_does() {
+    let (mut g, mask) = stage(0.0);
+    for i in (0..mask.len()).filter(|i| !mask[*i]) {
+        (g.depth[i], g.normal[i], g.color[i]) = (0.0, Vec3::ZERO, Vec3::new(0.25, 0.5, 0.75));
+    }
+    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let hierarchy = Hierarchy::new(&g);
+    let [mut shown, mut black] = [0, 0];
+    for (x, y) in (0..g.height).flat_map(|y| (1..31).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
+        let found = image.color[g.index(x, y)];
+        match hierarchy.trace(x, y).outcome {
+            // Rays of a pixel that all leave by the same side.
+            Outcome::Miss { reason: MissReason::Far, .. } if y < 15 => {
+                assert!((found - Vec3::new(0.25, 0.5, 0.75)).length() < 1e-6, "({x}, {y}): {found}");
+                shown += 1;
+            }
+            Outcome::Miss { reason: MissReason::LeftScreen, .. } => {
+                assert!(found.length() < 1.0);
+                black += usize::from(found == Vec3::ZERO);
+            }
+            _ => {}
+        }
+    }
+    assert!(shown > 50, "{shown} {black}");
 }

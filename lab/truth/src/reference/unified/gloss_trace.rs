@@ -1,8 +1,9 @@
 //! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
 //! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
 
+use super::gloss::ColorSeen;
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
-use super::{Code, Footprint, Gloss, Hit};
+use super::{Code, Gloss, Hit};
 use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
@@ -11,6 +12,7 @@ const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;
 const WIDE_FOOTPRINTS: f32 = constants::WIDE_FOOTPRINTS as f32;
 const NEAR_HIT: f32 = constants::NEAR_HIT as f32;
 const FAR_AWAY: f32 = constants::FAR_AWAY as f32;
+const FAR_SKY: f32 = constants::FAR_SKY as f32;
 
 /// A ray before it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,27 +83,27 @@ impl Gloss<'_> {
         Aim { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
-    /// The second half of `Look`: where the ray hits a surface, and the colour and the fade there. `None` for a miss.
+    /// The second half of `Look`: where the ray hits a surface or shows the sky of the screen, and the colour and the fade there.
+    /// `None` for a miss.
     pub fn follow(&self, aim: &Aim) -> Option<(Hit, Vec4)> {
+        let (hit, seen) = self.seen(aim)?;
+        let fade = self.fade(hit.position * self.traversal.parameters.pixel_to_clip);
+        Some((hit, seen.color().map(super::sound).extend(fade)))
+    }
+
+    /// Where the ray ends, and what it sees there.
+    pub fn seen(&self, aim: &Aim) -> Option<(Hit, ColorSeen)> {
         // Below the surface there is nothing to see.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
             return None;
         }
         let [x, y] = aim.pixel.as_uvec2().to_array();
-        let hit = self.traversal.traverse(&self.traversal.ray_along(x, y, aim.direction)?);
-        (hit.code == Code::Surface).then(|| {
-            let [(low, _), (high, share)] = self.looked_up(aim, &hit);
-            let color = low.mean + (high.mean - low.mean) * share;
-            (hit, color.map(super::sound).extend(self.fade(hit.position * self.traversal.parameters.pixel_to_clip)))
-        })
-    }
-
-    /// The two levels of the colour's chain that a ray reads at its hit, with their weights.
-    pub fn looked_up(&self, aim: &Aim, hit: &Hit) -> [(Footprint, f32); 2] {
+        let ray = self.traversal.ray_along(x, y, aim.direction)?;
+        let hit = self.traversal.traverse(&ray);
+        let hit = self.traversal.ends_on_sky(&ray, &hit).or((hit.code == Code::Surface).then_some(hit))?;
         let p = &self.traversal.parameters;
-        let there = p.view_point(hit.position, hit.depth);
-        let level = p.footprint_level(aim.point, there, aim.density, aim.share);
-        self.lookup(hit.position * p.pixel_to_clip, level)
+        let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
+        Some((hit, self.color_seen(&hit, [aim.point, aim.lobe.normal, ray.direction], level)))
     }
 
     /// What the ray of a narrow lobe leaves for its neighbours, before it is packed.
@@ -116,6 +118,9 @@ impl Gloss<'_> {
         let Some((hit, color)) = self.follow(aim) else {
             return Gathered { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
         };
+        if hit.code != Code::Surface {
+            return Gathered { key: (aim.point + FAR_SKY * aim.direction).extend(aim.density), color };
+        }
         let there = self.traversal.parameters.view_point(hit.position, hit.depth);
         let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
         let is_beside = away.x.max(away.y) < NEAR_HIT;

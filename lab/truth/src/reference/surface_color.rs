@@ -1,0 +1,227 @@
+//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64: of the four pixels
+//! around the hit, those count that the ray can have seen.
+
+use super::surface::sky_color;
+use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
+use crate::scene::{GBufferData, Surface};
+use glam::{DVec2, DVec3};
+
+/// The colours that a G-buffer's pixels show to rays.
+#[derive(Debug, Clone)]
+pub struct SurfaceColors<'a> {
+    gbuffer: &'a GBufferData,
+    is_orthographic: bool,
+    /// What makes the depth of a perspective, plus this, proportional to 1 / z; without perspective, the change of depth with each
+    /// metre of z.
+    depth_offset: f64,
+    /// The other number of the projection that depth depends on: z (depth + offset) of a perspective; without it the depth at z = 0.
+    depth_unit: f64,
+    /// Half a pixel's width and height, at z = 1 in a perspective.
+    pixel_to_view: DVec2,
+    /// How far the image is shifted against the axis of the view, in half pixels.
+    shift: DVec2,
+}
+
+/// A ray that a surface reflects, in view space.
+#[derive(Debug, Clone, Copy)]
+pub struct Reflected {
+    /// Where it begins on the surface, in metres.
+    pub point: DVec3,
+    /// The surface's unit normal.
+    pub normal: DVec3,
+    /// The ray's unit direction.
+    pub direction: DVec3,
+}
+
+impl<'a> SurfaceColors<'a> {
+    /// Reads the projection of a G-buffer.
+    pub fn new(gbuffer: &'a GBufferData) -> Self {
+        let (projection, is_orthographic) = (gbuffer.view_to_clip(), gbuffer.camera.kind().is_orthographic());
+        let size = DVec2::new(f64::from(gbuffer.width), f64::from(gbuffer.height));
+        let shift = if is_orthographic { projection.w_axis } else { projection.z_axis };
+        Self {
+            gbuffer,
+            is_orthographic,
+            depth_offset: -projection.z_axis.z,
+            depth_unit: projection.w_axis.z,
+            pixel_to_view: 1.0 / (size * DVec2::new(projection.x_axis.x, projection.y_axis.y)),
+            shift: size * shift.truncate().truncate(),
+        }
+    }
+
+    /// What the screen shows to a ray that ends at a place of a pixel, in continuous pixel coordinates: on a surface that shows the
+    /// environment, the environment along `towards`, the ray's direction in the world; elsewhere the lit colour between the pixels
+    /// around that the ray can have seen, by their bilinear weights, or that of the pixel itself if it can have seen none. Of a ray
+    /// that is not known all pixels around count.
+    pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, ray: Option<Reflected>) -> DVec3 {
+        let g = self.gbuffer;
+        if g.surface[pixel] == Surface::Sky {
+            return sky_color(towards);
+        }
+        let (mut sum, mut counted) = (DVec3::ZERO, 0.0);
+        for (index, weight) in around(g, x, y) {
+            if ray.is_none_or(|ray| self.is_seen(index, pixel, ray)) {
+                let shows_sky = g.surface[index] == Surface::Sky;
+                sum += weight * if shows_sky { sky_color(towards) } else { g.color[index].as_dvec3() };
+                counted += weight;
+            }
+        }
+        if counted > 0.0 { sum / counted } else { g.color[pixel].as_dvec3() }
+    }
+
+    /// The view-space z of a depth in metres.
+    fn z(&self, depth: f64) -> f64 {
+        if self.is_orthographic {
+            (self.depth_unit - depth) / self.depth_offset
+        } else {
+            self.depth_unit / (depth + self.depth_offset)
+        }
+    }
+
+    /// The point of view space in the middle of a pixel, at a z.
+    fn point(&self, pixel: usize, z: f64) -> DVec3 {
+        let (width, height) = (self.gbuffer.width as usize, self.gbuffer.height as usize);
+        let place = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+        let size = DVec2::new(width as f64, height as f64);
+        let centred = (2.0 * place + 1.0 - size) * DVec2::new(1.0, -1.0) - self.shift;
+        (centred * self.pixel_to_view * if self.is_orthographic { 1.0 } else { z }).extend(z)
+    }
+
+    /// Whether a ray that hit the pixel `hit` can have seen what another one shows. On the screen something may stand before what
+    /// was hit, and beside it, that stands elsewhere in the reflection: far beside the ray. Nothing of the surface that reflects is seen,
+    /// or of what is below it; if the pixel that was hit shows that, the ray has met what stands on it. Sky lies behind all.
+    fn is_seen(&self, pixel: usize, hit: usize, ray: Reflected) -> bool {
+        let [depth, own] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
+        if own <= 0.0 {
+            return depth <= 0.0;
+        }
+        let own_z = self.z(own);
+        let is_its = !self.is_above(hit, own_z, ray);
+        if depth <= 0.0 {
+            return !is_its;
+        }
+        let z = self.z(depth);
+        let (behind, apart) = (z - own_z, STANDS_BEFORE * self.width(z));
+        let is_beside =
+            (self.point(pixel, z) - ray.point).cross(ray.direction).length() > STANDS_BESIDE * self.width(z);
+        self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_its && behind > apart)
+    }
+
+    /// How wide a pixel is at a z.
+    fn width(&self, z: f64) -> f64 {
+        2.0 * self.pixel_to_view.y * if self.is_orthographic { 1.0 } else { z }
+    }
+
+    /// Whether a pixel shows nothing of the surface that reflects, nor of what is below it.
+    fn is_above(&self, pixel: usize, z: f64, ray: Reflected) -> bool {
+        ray.normal.dot(self.point(pixel, z) - ray.point) > STANDS_ABOVE * self.width(z)
+    }
+}
+
+/// The four pixels around continuous pixel coordinates, clamped at the border, with their bilinear weights.
+fn around(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
+    let axis = |v: f64, side: u32| {
+        let v = (v - 0.5).clamp(0.0, f64::from(side - 1));
+        let low = v.floor() as u32;
+        (low, (low + 1).min(side - 1), v - v.floor())
+    };
+    let (left, right, fx) = axis(x, gbuffer.width);
+    let (top, bottom, fy) = axis(y, gbuffer.height);
+    let corners = [
+        (left, top, 1.0 - fx, 1.0 - fy),
+        (right, top, fx, 1.0 - fy),
+        (left, bottom, 1.0 - fx, fy),
+        (right, bottom, fx, fy),
+    ];
+    corners.map(|(x, y, wx, wy)| (gbuffer.index(x, y), wx * wy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::ray::RaySetup;
+    use crate::reference::testing::{flat, floor_and_wall};
+    use glam::Vec3;
+
+    /// The floor and the wall with a colour each, the floor's first row, and a ray of its second row towards the wall.
+    fn stage() -> (GBufferData, u32, Reflected) {
+        let mut g = floor_and_wall(32, 18);
+        for (color, normal) in g.color.iter_mut().zip(&g.normal) {
+            *color = if *normal == Vec3::Y { Vec3::X } else { Vec3::Z };
+        }
+        let foot = (0..g.height).find(|y| g.normal[g.index(0, *y)] == Vec3::Y).expect("a floor");
+        let point = RaySetup::new(&g).position(16, foot + 1).expect("no sky");
+        (g, foot, Reflected { point, normal: DVec3::Y, direction: DVec3::Z })
+    }
+
+    #[test]
+    fn the_foot_of_a_wall_has_nothing_of_the_floor_that_reflects_it() {
+        let (g, foot, ray) = stage();
+        let colors = SurfaceColors::new(&g);
+        for x in 0..32 {
+            // In the wall's last row, and in the floor's first, whose middle lies on the floor.
+            for (row, y) in [(foot - 1, -0.1), (foot, 0.1)] {
+                let (pixel, place) = (g.index(x, row), [f64::from(x) + 0.8, f64::from(foot) + y]);
+                assert_eq!(colors.shown(pixel, place, DVec3::Z, Some(ray)), DVec3::Z, "{x}, {row}");
+                let mixed = colors.shown(pixel, place, DVec3::Z, None);
+                assert!(mixed.x > 0.3 && mixed.z > 0.3, "{x}: {mixed} of a ray that nobody knows");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hit_on_the_surface_that_reflects_has_its_colour_where_nothing_else_is_around() {
+        let (g, foot, ray) = stage();
+        let shown =
+            SurfaceColors::new(&g).shown(g.index(5, foot + 4), [5.5, f64::from(foot) + 4.5], DVec3::Z, Some(ray));
+        assert_eq!(shown, DVec3::X);
+    }
+
+    #[test]
+    fn colours_go_on_evenly_where_all_can_be_seen() {
+        let (mut g, foot, ray) = stage();
+        for (i, color) in g.color.iter_mut().enumerate() {
+            *color = Vec3::new((i % 32) as f32, (i / 32) as f32, 0.0);
+        }
+        let colors = SurfaceColors::new(&g);
+        for (x, row) in (1..31).flat_map(|x| (1..foot - 1).map(move |y| (x, y))) {
+            let place = [f64::from(x) + 0.7, f64::from(row) + 0.2];
+            let shown = colors.shown(g.index(x, row), place, DVec3::Z, Some(ray));
+            assert!((shown - DVec3::new(place[0] - 0.5, place[1] - 0.5, 0.0)).length() < 1e-9, "({x}, {row}): {shown}");
+        }
+    }
+
+    /// Two walls side by side, the left one near, and a pixel of sky in the right one; red, green and blue.
+    fn near_and_far() -> GBufferData {
+        let mut g = flat(64, 36, 40.0);
+        let near = flat(64, 36, 1.0).depth[0];
+        for (x, i) in (0..36).flat_map(|y| (0..64).map(move |x| (x, 64 * y + x))) {
+            g.color[i] = if x < 32 { Vec3::X } else { Vec3::Y };
+            g.depth[i] = if x < 32 { near } else { g.depth[i] };
+        }
+        let sky = g.index(40, 0);
+        (g.depth[sky], g.normal[sky], g.color[sky]) = (0.0, Vec3::ZERO, Vec3::Z);
+        g
+    }
+
+    #[test]
+    fn what_stands_before_a_hit_is_part_of_it_only_near_the_ray() {
+        let g = near_and_far();
+        let (colors, rays) = (SurfaceColors::new(&g), RaySetup::new(&g));
+        let [near, far] = [31, 32].map(|x| rays.position(x, 0).expect("no sky"));
+        let shown = |x: u32, place: [f64; 2], point: DVec3| {
+            let normal = DVec3::Y;
+            let direction = (rays.position(x, 0).expect("no sky") - point).normalize();
+            colors.shown(g.index(x, 0), place, DVec3::Z, Some(Reflected { point, normal, direction }))
+        };
+        let [under, aside] = [DVec3::new(0.0, -5.0, -1.0), far + DVec3::new(9.0, -20.0, -9.0)];
+        let passing = near + (near - far).normalize() * 2.0;
+        assert_eq!(shown(32, [32.25, 0.5], aside), DVec3::Y, "far from the ray it is left out");
+        assert!(
+            (shown(32, [32.25, 0.5], passing) - DVec3::new(0.25, 0.75, 0.0)).length() < 1e-9,
+            "near the ray it counts"
+        );
+        assert!((shown(31, [31.75, 0.5], under) - DVec3::new(0.75, 0.25, 0.0)).length() < 1e-9, "behind it counts");
+        assert!((shown(39, [39.75, 0.5], aside) - DVec3::new(0.0, 0.75, 0.25)).length() < 1e-9, "so does sky");
+    }
+}

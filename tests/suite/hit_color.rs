@@ -1,0 +1,88 @@
+//! The colour of a hit on the screen has nothing of the surface that reflects in it, and where the screen shows sky, rays that go on
+//! for ever have its colour (docs/definitions.md, "The colour of a hit").
+
+use crate::common::{Builder, Shown, camera, check_validation, gpu, show, unfaded};
+use glam::Vec3;
+use ssct::methods::Setup;
+use ssct::methods::setup::StageChoice;
+use ssct::methods::unified::UnifiedParams;
+use ssct_lab::scene::Scene;
+use ssct_lab::stage::Globals;
+
+/// An even height, so that no row of pixels is the horizon.
+const EXTENT: [u32; 2] = [160, 120];
+const WALL_Z: f32 = 6.0;
+const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
+
+/// A black mirror floor that a white wall of a height in metres stands on.
+fn floor_and_wall(height: f32) -> Scene {
+    let mut b = Builder::new("floor and white wall");
+    b.light(Vec3::Z);
+    let white = b.matt(Vec3::ONE);
+    b.quad(white, Vec3::new(-24.0, 0.0, WALL_Z), Vec3::X * 48.0, Vec3::Y * height, -Vec3::Z);
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-24.0, 0.0, 0.0), Vec3::X * 48.0, Vec3::Z * WALL_Z, Vec3::Y);
+    b.0
+}
+
+fn shown(scene: &Scene, method: &str, setup: &Setup) -> Shown {
+    let gpu = gpu();
+    let shown = show(&gpu, scene, camera(EYE, EYE + Vec3::Z, EXTENT), method, setup, &Globals::default());
+    check_validation(&gpu).unwrap();
+    shown
+}
+
+fn colors(shown: &Shown, image: &str) -> Vec<Vec3> {
+    shown.get(image).texels().map(Vec3::from_slice).collect()
+}
+
+fn reflects(shown: &Shown) -> Vec<bool> {
+    shown.get("material").texels().map(|t| t[0] > 0.5).collect()
+}
+
+fn in_stage(choice: StageChoice) -> Setup {
+    unfaded(EXTENT).with(|p: &mut UnifiedParams| p.trace_stage = choice)
+}
+
+#[test]
+fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
+    let scene = floor_and_wall(24.0);
+    let ways = [
+        ("unified", in_stage(StageChoice::Fragment)),
+        ("unified", in_stage(StageChoice::Compute)),
+        ("stochastic", unfaded(EXTENT)),
+    ];
+    for (method, setup) in ways {
+        let shown = shown(&scene, method, &setup);
+        let (reflection, reflects) = (colors(&shown, "reflection"), reflects(&shown));
+        let wall = colors(&shown, "color").into_iter().map(|c| c.x).fold(0.0, f32::max);
+        let hits: Vec<f32> = (0..reflects.len()).filter(|i| reflects[*i]).map(|i| reflection[i].x / wall).collect();
+        let seen = hits.iter().filter(|share| **share > 0.0).count();
+        let mixed = hits.iter().filter(|share| **share > 0.0 && **share < 0.99).count();
+        assert!(seen > 5000 && mixed == 0, "{method}: {mixed} of {seen}");
+    }
+}
+
+#[test]
+fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
+    let [width, height] = EXTENT;
+    for method in ["unified", "dda"] {
+        let shown = shown(&floor_and_wall(1.0), method, &unfaded(EXTENT));
+        let (reflection, reflects, color) = (colors(&shown, "reflection"), reflects(&shown), colors(&shown, "color"));
+        let depth: Vec<f32> = shown.get("depth").values.clone();
+        let mut all = 0;
+        for (x, y) in (height / 2..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let [i, mirrored] = [y, height - 1 - y].map(|y| (y * width + x) as usize);
+            // The floor's rays pass over the wall from 3.27 m on towards the camera, and go where the same row above the horizon looks.
+            let slope =
+                (f64::from(y) + 0.5 - f64::from(height) / 2.0) / f64::from(height) * 2.0 * 37_f64.to_radians().tan();
+            if !reflects[i] || f64::from(EYE.y) / slope > 3.1 || depth[mirrored] > 0.0 {
+                continue;
+            }
+            let off = (reflection[i] - color[mirrored]).abs().max_element();
+            assert!(off < 0.02, "{method} at ({x}, {y}): {} for {}", reflection[i], color[mirrored]);
+            all += usize::from(color[mirrored] != Vec3::ZERO);
+        }
+        assert!(all > 2000, "{method}: {all}");
+    }
+}
