@@ -32,14 +32,14 @@ impl Svg {
     }
 
     /// A rectangle with attributes of its own.
-    fn rect(&mut self, at: Vec2, size: Vec2, attributes: &str) {
+    pub(super) fn rect(&mut self, at: Vec2, size: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="{:.2}" {attributes}/>"#,
             at.x, at.y, size.x, size.y
         ));
     }
 
-    fn line(&mut self, a: Vec2, b: Vec2, attributes: &str) {
+    pub(super) fn line(&mut self, a: Vec2, b: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" {attributes}/>"#,
             a.x, a.y, b.x, b.y

@@ -11,7 +11,6 @@ mod fly_camera;
 mod follow;
 mod history;
 mod input;
-mod inspect;
 mod options;
 mod panel;
 mod path;
