@@ -1,7 +1,8 @@
-//! Legends that stand beside pictures as SVG.
+//! Legends and scales that stand beside pictures as SVG.
 
 use super::diagrams::Svg;
 use super::images::Color;
+use crate::math::display_byte;
 use glam::Vec2;
 
 const ROW: f32 = 22.0;
@@ -28,6 +29,32 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
         svg.rect(Vec2::new(MARGIN, top), Vec2::splat(TEXT), &format!(r#"fill="{}" {EDGE}"#, hex(*color)));
         svg.text(Vec2::new(MARGIN + ROW, top + TEXT - 2.0), TEXT, "", line);
     }
+    svg.finish()
+}
+
+/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB, with a mark at the greatest number of the
+/// picture.
+pub fn scale(picture: &str, what: &str, greatest: f32) -> String {
+    const STEPS: u16 = 100;
+    const STEP: f32 = 4.0;
+    let left = 2.0 * MARGIN;
+    let mut svg = Svg::new(Vec2::new(2.0 * left + STEP * f32::from(STEPS), 5.0 * ROW + MARGIN));
+    svg.text(Vec2::new(left, MARGIN + TEXT), TEXT, r#"font-weight="bold""#, &format!("{picture}: {what}"));
+    let top = 2.0 * ROW;
+    for step in 0..STEPS {
+        let grey = [display_byte((f32::from(step) + 0.5) / f32::from(STEPS)); 3];
+        let at = Vec2::new(left + STEP * f32::from(step), top);
+        svg.rect(at, Vec2::new(STEP, ROW), &format!(r#"fill="{}""#, hex(grey)));
+    }
+    for tick in [0.0, 0.1, 0.25, 0.5, 0.75, 1.0] {
+        let label = if tick < 1.0 { tick.to_string() } else { "1 or more".to_owned() };
+        let at = Vec2::new(left + STEP * f32::from(STEPS) * tick, top + ROW + TEXT + 2.0);
+        svg.text(at, TEXT, r#"text-anchor="middle""#, &label);
+    }
+    let mark = left + STEP * f32::from(STEPS) * greatest.clamp(0.0, 1.0);
+    svg.line(Vec2::new(mark, top - 4.0), Vec2::new(mark, top + ROW), r##"stroke="#e33" stroke-width="2""##);
+    let line = format!("red: the greatest, {}", super::compare::number(f64::from(greatest)));
+    svg.text(Vec2::new(left, top + 2.0 * ROW + TEXT), TEXT, r##"fill="#c00""##, &line);
     svg.finish()
 }
 
