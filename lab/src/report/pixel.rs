@@ -25,7 +25,7 @@ pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     lines.push(("image", image(report)));
     if let Some(end) = &report.method_end {
         let at = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
-        let capture = end.capture.map(|k| format!(" {k}")).unwrap_or_default();
+        let capture = end.capture.map(|k| format!(", number {k}")).unwrap_or_default();
         let place = end.place_m.map(|p| format!(", {} m in the world", point(p.map(f64::from)))).unwrap_or_default();
         lines.push(("method", format!("{}{capture}{at}{place} (path {})", end.end, end.path)));
     } else if report.surface.reflects {

@@ -26,7 +26,7 @@ mod tests;
 mod viewer;
 mod window;
 
-use ssct::{error, gpu, math, methods, parameter, passes};
+use ssct::{error, gpu, methods, parameter, passes};
 use ssct_lab::app::{self, resolve};
 use ssct_lab::{custom, metrics, reference, report, scene, stage, study};
 

@@ -66,7 +66,10 @@ fn world(end: &WorldEnd) -> String {
         (true, _) | (_, None) => format!("{met} the screen shows{place}."),
         (false, Some(hidden)) => {
             let by = match (&end.hidden_by, end.shown_view_z_m, end.view_z_m) {
-                (Some(by), Some(before), Some(z)) => format!(" {by}, at {before:.2} m of view depth against {z:.2} m"),
+                (Some(by), Some(before), Some(z)) => {
+                    let by = if by == mesh { "another part of it" } else { by };
+                    format!(" {by}, at {before:.2} m of view depth against {z:.2} m")
+                }
                 (None, Some(shown), Some(z)) => format!(", at {shown:.2} m of view depth against {z:.2} m"),
                 _ => String::new(),
             };
@@ -123,7 +126,8 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
 fn fade(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
-    let is_partial = is_hit && (0.0..1.0).contains(&fade);
+    // A fade is stored as a float of 16 bits, so that one of 1 may be a little less.
+    let is_partial = is_hit && (0.0..0.995).contains(&fade);
     is_partial.then(|| format!("The fade leaves {:.0} % of the reflection.", 100.0 * fade))
 }
 

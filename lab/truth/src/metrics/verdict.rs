@@ -1,5 +1,5 @@
 //! Whether the reflection of a pixel is right, and if it is not, whether the screen shows what belongs there
-//! (docs/dump.md, "verdict").
+//! (docs/dump.md, "Verdict").
 
 use crate::math::linear_to_srgb;
 use crate::reference::pixel::Estimated;
