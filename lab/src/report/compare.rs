@@ -34,7 +34,8 @@ pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
     write_exr(folder.join("error.exr"), &map, &["rmse"])?;
     let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
     Rgb::from_pixels(&map, shade).write_png(folder.join("error.png"))?;
-    let scale = scale("error.png", "root mean square error of a pixel, linear", found.greatest);
+    let greatest = (found.greatest, &*number(f64::from(found.greatest)));
+    let scale = scale("error.png", "root mean square error of a pixel, linear", greatest);
     folder.join("error-scale.svg").write(scale.as_bytes())?;
     Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
@@ -135,7 +136,7 @@ fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
 }
 
 /// A difference with six digits behind the point; one of 0 is named, and a lesser one is not shown as 0.
-pub(super) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     match value {
         0.0 => "identical".to_owned(),
         v if v.abs() < 1e-6 => format!("{v:.1e}"),

@@ -33,8 +33,8 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
 }
 
 /// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB, with a mark at the greatest number of the
-/// picture.
-pub fn scale(picture: &str, what: &str, greatest: f32) -> String {
+/// picture, which stands there as a text as well.
+pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> String {
     const STEPS: u16 = 100;
     const STEP: f32 = 4.0;
     let left = 2.0 * MARGIN;
@@ -53,7 +53,7 @@ pub fn scale(picture: &str, what: &str, greatest: f32) -> String {
     }
     let mark = left + STEP * f32::from(STEPS) * greatest.clamp(0.0, 1.0);
     svg.line(Vec2::new(mark, top - 4.0), Vec2::new(mark, top + ROW), r##"stroke="#e33" stroke-width="2""##);
-    let line = format!("red: the greatest, {}", super::compare::number(f64::from(greatest)));
+    let line = format!("red: the greatest, {shown}");
     svg.text(Vec2::new(left, top + 2.0 * ROW + TEXT), TEXT, r##"fill="#c00""##, &line);
     svg.finish()
 }

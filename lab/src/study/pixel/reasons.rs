@@ -43,7 +43,8 @@ fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
 
 fn verdict(report: &PixelReport) -> String {
     let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
-    let by = format!("it differs from the world's by {off:.0} % of white, and {:.0} % are wrong", 100.0 * WRONG);
+    let by =
+        format!("it differs from the world's by {off:.0} % of white ({:.0} % beyond chance are wrong)", 100.0 * WRONG);
     match report.verdict {
         PixelVerdict::Right => format!("The reflection is right: {by}."),
         PixelVerdict::WrongByScreen => {
