@@ -147,14 +147,16 @@ fn number(value: f64) -> String {
 /// The figures of two images.
 pub fn images(found: &ImageComparison) -> String {
     let [x, y] = found.greatest_at;
-    let greatest = if found.greatest > 0.0 { format!(" at {x}, {y}") } else { String::new() };
-    let rows = [
-        ("RMSE, linear".to_owned(), number(found.rmse)),
-        ("greatest RMSE of a pixel".to_owned(), number(f64::from(found.greatest)) + &greatest),
-        ("relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)),
-        ("FLIP mean, display".to_owned(), number(found.flip)),
+    let mut rows = vec![
+        ["RMSE, linear".to_owned(), number(found.rmse)],
+        ["greatest RMSE of a pixel".to_owned(), number(f64::from(found.greatest))],
+        ["relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)],
+        ["FLIP mean, display".to_owned(), number(found.flip)],
     ];
+    if found.greatest > 0.0 {
+        rows.insert(2, ["where that pixel is".to_owned(), format!("{x}, {y}")]);
+    }
+    let rows: Vec<_> = rows.into_iter().map(Vec::from).collect();
     let size = format!("{}x{}", found.width, found.height);
-    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b)
-        + &tables::aligned(&rows.map(|(what, value)| vec![what, value]))
+    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b) + &tables::aligned(&rows)
 }

@@ -38,7 +38,8 @@ pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> Strin
     const STEPS: u16 = 100;
     const STEP: f32 = 4.0;
     let left = 2.0 * MARGIN;
-    let mut svg = Svg::new(Vec2::new(2.0 * left + STEP * f32::from(STEPS), 5.0 * ROW + MARGIN));
+    // The last label reaches beyond the greys.
+    let mut svg = Svg::new(Vec2::new(3.0 * left + STEP * f32::from(STEPS), 5.0 * ROW + MARGIN));
     svg.text(Vec2::new(left, MARGIN + TEXT), TEXT, r#"font-weight="bold""#, &format!("{picture}: {what}"));
     let top = 2.0 * ROW;
     for step in 0..STEPS {
