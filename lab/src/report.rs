@@ -22,5 +22,6 @@ pub mod plot;
 pub mod results;
 pub mod run_folder;
 pub mod sheet;
+mod svg;
 pub mod tables;
 pub mod trace;

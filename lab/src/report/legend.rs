@@ -1,7 +1,7 @@
 //! Legends and scales that stand beside pictures as SVG.
 
-use super::diagrams::Svg;
 use super::images::Color;
+use super::svg::Svg;
 use crate::math::display_byte;
 use glam::Vec2;
 
