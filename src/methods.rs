@@ -36,7 +36,7 @@ use crate::passes::history::SurfaceMotion;
 use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
-use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
+use crate::passes::{Captures, Content, GBuffer, Hits, Pyramid, Reflection};
 use crate::scene::{Camera, Material, Scene};
 pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
@@ -128,6 +128,13 @@ pub struct Intermediate<'a> {
     pub content: Content,
     /// The image.
     pub image: &'a Image,
+}
+
+impl<'a> Pyramid<'a> {
+    /// The pyramid of a picture of some pixels as an intermediate.
+    pub(crate) fn shown(self, extent: [u32; 2]) -> Intermediate<'a> {
+        Intermediate { name: "pyramid", content: Content::Pyramid(extent), image: self.0 }
+    }
 }
 
 /// What a method made in a frame.

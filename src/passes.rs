@@ -354,6 +354,10 @@ pub enum Content {
     StandardDepth,
     /// View-space z in metres.
     LinearDepth,
+    /// A [`Pyramid`], all levels in one image, of so many pixels along the width and the height of the picture.
+    Pyramid([u32; 2]),
+    /// Numbers that are none of the above: places, movements, packed normals.
+    Numbers,
     /// Shares 0…1.
     Share,
     /// Reflectivity and roughness.
@@ -433,6 +437,29 @@ impl PathCode {
     /// The capture in which a ray hit, by the channel's value.
     pub fn capture(value: f32) -> Option<usize> {
         (0..constants::CAPTURE_SLOTS).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
+    }
+
+    /// How such a ray ends, as the end of a sentence about it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::None => "does not exist",
+            Self::HiZ => "hits by the Hi-Z traversal",
+            Self::Linear => "hits by a linear march",
+            Self::Miss => "left the picture in the Hi-Z traversal",
+            Self::LinearMiss => "found nothing in a linear march",
+            Self::Exhausted => "ran out of iterations, and is taken for a hit",
+            Self::Untraced => "runs towards the camera, and was not traced",
+            Self::Unfinished => "ran out of steps",
+            Self::MissScreen => "left the picture by a side",
+            Self::MissNear => "went behind the near plane",
+            Self::MissSky => "went beyond the far plane",
+            Self::MissBehind => "passed behind a surface",
+            Self::Sky => "ended in the sky",
+            Self::Unknown => "went where no capture sees it",
+            Self::LinearExhausted => "ran out of steps, and is taken for a miss",
+            Self::Triangle => "hits a triangle of the scene",
+            Self::Capture => "hits in a capture",
+        }
     }
 
     /// Whether the method takes the ray for a hit on the screen.

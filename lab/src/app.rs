@@ -22,6 +22,7 @@ mod motion;
 mod numbers;
 pub mod parameters;
 mod path;
+mod pixel;
 mod precision;
 pub mod printed;
 mod progress;

@@ -451,6 +451,11 @@ impl<'a> ImageSlice<'a> {
         has_stencil(self.image.format).then_some(self.image.stencil_view)
     }
 
+    /// Returns true if something was written to every level of it. Fresh memory shows nothing, whatever it holds.
+    pub fn is_written(&self) -> bool {
+        self.states().all(|(_, state)| state.get().layout() != vk::ImageLayout::UNDEFINED)
+    }
+
     /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
     /// one layout for them all.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Tracked)> + use<'a> {

@@ -162,6 +162,7 @@ impl Method for StochasticMethod {
         let hits = match &self.walk {
             Walk::Exact(pyramid, trace) => {
                 let pyramid = input.once(|| pyramid.record(frame, gbuffer, &unified), || pyramid.made())?;
+                intermediates.push(pyramid.shown(extent));
                 self.turns(frame, input, &unified, |frame, stochastic| {
                     trace.record(frame, gbuffer, pyramid, beyond, (&unified, stochastic))
                 })?;

@@ -432,7 +432,8 @@ impl Method for UnifiedMethod {
 
         let reflection = canvas.reflection.map(Reflection);
         let ends = self.tells.then_some(&between.ends);
-        Ok(Traced { reflection, composite: canvas.composite, hits, ends, intermediates: Vec::new() })
+        let intermediates = self.screen.then(|| pyramid.shown(gbuffer.depth.extent())).into_iter().collect();
+        Ok(Traced { reflection, composite: canvas.composite, hits, ends, intermediates })
     }
 }
 

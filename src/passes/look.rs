@@ -141,6 +141,7 @@ fn shade(content: Content) -> i32 {
         Content::ReversedDepth => CONTENT_REVERSED_DEPTH,
         Content::StandardDepth => CONTENT_STANDARD_DEPTH,
         Content::Share | Content::Material | Content::Hits | Content::LinearDepth => CONTENT_PLAIN,
+        Content::Pyramid(_) | Content::Numbers => CONTENT_PLAIN,
         Content::Steps => CONTENT_HEAT,
     }
 }

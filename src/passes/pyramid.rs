@@ -5,7 +5,7 @@ use super::{GBuffer, Pyramid};
 use crate::error::Result;
 use crate::gpu::program::Program;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, programs};
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Pixels, Sampled, programs};
 use crate::math::constants::PYRAMID_TILE_SIDE;
 use crate::scene::ProjectionKind;
 use ash::vk;
@@ -49,6 +49,24 @@ pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let top = top_level(extent);
     let strips = (2 * width) >> strip;
     [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
+}
+
+/// The levels of a pyramid that was read back, finest first: front and back of each cell that has a pixel of the picture, whose
+/// width and height are `extent`.
+///
+/// # Panics
+/// If the image is smaller than [`size`] says for the picture.
+pub fn levels(image: &Pixels, extent: [u32; 2]) -> Vec<Pixels> {
+    let strip = strip(extent);
+    let strips = (2 * padded(extent)[0]) >> strip;
+    let level = |n: u32| {
+        let [width, height] = extent.map(|side| side.div_ceil(1 << n));
+        let row = strips - (strips >> n);
+        let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let cell = |(x, y): (u32, u32)| image.at((y << strip) | (x % (1 << strip)), (x >> strip) + row);
+        Pixels { width, height, channels: 2, values: cells.flat_map(cell).copied().collect() }
+    };
+    (0..=top_level(extent)).map(level).collect()
 }
 
 impl PyramidPass {
@@ -118,6 +136,31 @@ mod tests {
     fn levels_reach_one_cell_and_halve_exactly() {
         assert_eq!([[1, 1], [2, 1], [3, 5], [64, 64], [65, 1]].map(top_level), [0, 1, 3, 6, 6]);
         assert_eq!([[1, 1], [3, 5], [1920, 1080], [641, 479]].map(padded), [[1, 1], [8, 8], [1920, 1088], [704, 512]]);
+    }
+
+    #[test]
+    fn levels_are_cut_out_of_their_strips() {
+        let extent = [13, 6];
+        let ([width, height], strip) = (size(extent, strip(extent)), strip(extent));
+        let strips = (2 * padded(extent)[0]) >> strip;
+        let mut image = Pixels::zeros([width, height], 2);
+        // Every cell holds its level and its place.
+        for n in 0..=top_level(extent) {
+            let [columns, rows] = padded(extent).map(|side| side >> n);
+            for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
+                let row = (x >> strip) + strips - (strips >> n);
+                let at = 2 * (row * width + ((y << strip) | (x & ((1 << strip) - 1)))) as usize;
+                image.values[at..at + 2].copy_from_slice(&[n as f32, (100 * x + y) as f32]);
+            }
+        }
+        let found = levels(&image, extent);
+        let sizes: Vec<_> = found.iter().map(|level| [level.width, level.height]).collect();
+        assert_eq!(sizes, [[13, 6], [7, 3], [4, 2], [2, 1], [1, 1]]);
+        for (n, level) in found.iter().enumerate() {
+            for (x, y) in (0..level.height).flat_map(|y| (0..level.width).map(move |x| (x, y))) {
+                assert_eq!(level.at(x, y), [n as f32, (100 * x + y) as f32], "level {n}, cell {x}, {y}");
+            }
+        }
     }
 
     #[test]

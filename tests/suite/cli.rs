@@ -91,11 +91,12 @@ fn dump_writes_every_intermediate_as_png_and_exr() {
     let folder = folder();
     folder.succeed(&room("render", &["--size", "13x6", "--dump", "dump"]));
     let chain = |name: &str, levels: u32| (0..levels).map(|n| format!("{name}-{n}")).collect::<Vec<_>>();
-    let single = ["albedo", "normal", "depth", "material", "reflection", "composite", "hits"].map(str::to_owned);
+    let single = ["albedo", "normal", "depth", "material", "reflection", "composite", "hits", "fade", "verdict"];
+    let single = single.map(str::to_owned);
     // 13 → 6 → 3 → 1.
     let stems = [single.to_vec(), chain("color", 4), chain("hi-z", 4), chain("visibility", 4)].concat();
     let mut expected: Vec<_> = stems.iter().flat_map(|s| [format!("{s}.png"), format!("{s}.exr")]).collect();
-    expected.push("paths.png".into());
+    expected.extend(["paths.png", "paths-legend.svg", "verdict-legend.svg"].map(str::to_owned));
     expected.sort();
     assert_eq!(folder.list("dump"), expected);
     let size = |name: &str| folder.image(&format!("dump/{name}")).dimensions();

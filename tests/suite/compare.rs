@@ -193,6 +193,16 @@ fn images_have_the_errors_of_a_hand_computation() {
     assert!((values[0] - 3_f32.sqrt()).abs() < 1e-6 && values[31] == 0.0);
     let text = said(&folder, &["a.exr", "b.exr"]);
     assert!(text.contains("1.224745") && text.contains("1.565217"), "{text}");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("greatest RMSE of a pixel 1.732051 where that pixel is 0, 0"), "{text}");
+    assert!(close("greatest", 3.0_f64.sqrt()) && found["greatest_at"] == serde_json::json!([0, 0]), "{found}");
+    let scale = folder.text("out/error-scale.svg");
+    assert!(
+        scale.starts_with("<svg") && scale.contains("the greatest, 1.732051") && scale.contains("1 or more"),
+        "{scale}"
+    );
+    let same = said(&folder, &["a.exr", "a.exr"]);
+    assert_eq!((same.matches("identical").count(), same.contains("0.000000")), (4, false), "{same}");
 }
 
 #[test]

@@ -67,6 +67,15 @@ fn one_complaint_is_tried_on_a_method_from_a_folder_and_gone_on_with() {
     assert_eq!(records.len(), 1, "{records:?}");
     assert_eq!(records[0]["case"], "gap of sky");
     folder.succeed(&[&args[..], &["--resume"]].concat());
+    let said = folder.succeed(&[&args[..7], &["--resume", "-o", "."]].concat());
+    let (_, explained) = said.split_once("What is complained of, and what the numbers say").expect(&said);
+    assert!(explained.lines().all(|line| line.chars().count() <= 100), "{explained}");
+    let words = explained.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("A star marks a number that is good")
+            && words.contains("gap of sky what users say A reflection vanishes"),
+        "{words}"
+    );
     let measured = folder.text("journal.jsonl").lines().filter(|line| line.contains("gap of sky")).count();
     assert_eq!(measured, 1, "nothing is measured twice");
 }

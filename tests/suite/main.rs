@@ -57,6 +57,7 @@ mod oracle_rooms;
 mod orthographic;
 mod own_rays;
 mod page;
+mod pixel;
 mod plain_words;
 mod planar;
 mod precision;

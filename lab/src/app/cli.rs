@@ -153,9 +153,18 @@ pub struct RenderOptions {
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
     /// Image to write: .png (display) or .exr (linear)
-    #[arg(short, long, value_name = "FILE", required_unless_present = "dump")]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["dump", "pixel"])]
     pub output: Option<PathBuf>,
-    /// Write every intermediate into a folder, as PNG and EXR.
+    /// Say why a pixel is as it is: X,Y from the top left
+    ///
+    /// It says where the pixel's ray ends by the method, by the oracle and in the world, what hid that place from the screen, what the
+    /// fade leaves, which colours were mixed, and at which cell of which level the walk looked last (docs/dump.md). With --json the
+    /// record has it as `pixel`.
+    #[arg(long, value_name = "X,Y", value_parser = super::pixel::parse, conflicts_with = "figure")]
+    pub pixel: Option<[u32; 2]>,
+    /// Folder for every image on the way, as PNG and EXR
+    ///
+    /// It gets what --explain says was recorded (docs/dump.md).
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Write a figure of the thesis or the poster instead
@@ -188,7 +197,9 @@ pub struct RenderOptions {
     #[arg(long, value_name = "I/N", requires_all = ["output", "cache"], conflicts_with = "standard_error")]
     pub shard: Option<Shard>,
     /// Print which passes ran, and why others did not
-    #[arg(long, conflicts_with = "json")]
+    ///
+    /// With --json the record says it, as `recorded`, `skipped` and `prepared`.
+    #[arg(long)]
     pub explain: bool,
     /// Print what was drawn, recorded and skipped, as JSON
     #[arg(long)]

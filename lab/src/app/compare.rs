@@ -34,7 +34,7 @@ pub struct CompareOptions {
     fail_on_slower: bool,
     /// Folder for records, and error images
     ///
-    /// Its files are compare.json and compare.txt, and for images also error.exr, error.png and flip.png.
+    /// Its files are compare.json and compare.txt, and for images also error.exr, error.png with error-scale.svg, and flip.png.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Print the records as JSON, and nothing else

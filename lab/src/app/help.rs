@@ -98,6 +98,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
         &[
             "output",
             "json",
+            "pixel",
             "explain",
             "figure",
             "dump",
@@ -114,7 +115,7 @@ const HEADINGS: [(&str, &[&str]); 6] = [
 
 /// The options that the short help of a command with many options shows, in their order: what most people look for, then
 /// what commands are about. Options that must be given are shown in any case, behind these.
-const SHORT: [&str; 23] = [
+const SHORT: [&str; 26] = [
     "scene",
     "view",
     "method",
@@ -138,6 +139,9 @@ const SHORT: [&str; 23] = [
     "table",
     "figure",
     "explain",
+    "pixel",
+    "dump",
+    "a_a",
 ];
 
 /// The options that every short help shows last.

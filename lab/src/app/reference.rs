@@ -25,10 +25,10 @@ const RAYS_AT_ONCE: u32 = 4;
 /// Samples until the standard error is met; what was sampled before, for the same image, is kept.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let common = &options.common;
-    let Some(output) = options.output.as_ref().filter(|_| options.dump.is_none() && options.figure.is_none()) else {
-        return Err(
-            Error::Usage("the reference has no intermediates: give -o, without --dump or --figure".into()).into()
-        );
+    let looks_inside = options.dump.is_some() || options.figure.is_some() || options.pixel.is_some();
+    let Some(output) = options.output.as_ref().filter(|_| !looks_inside) else {
+        let message = "the reference has no intermediates: give -o, without --dump, --figure or --pixel";
+        return Err(Error::Usage(message.into()).into());
     };
     if !(options.standard_error.is_finite() && options.standard_error > 0.0) {
         return Err(Error::Usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());

@@ -1,12 +1,15 @@
 //! `ssct render`.
 
 use super::cli::RenderOptions;
+use super::pixel::{self, Judge};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
 use crate::inside::Inside;
 use crate::methods::{self, Prepared, Setup, Wants};
+use crate::report::dump::Dump;
 use crate::report::figures::Figure;
+use crate::report::pixel::text;
 use crate::report::{figures, images};
 use crate::stage::{Shot, Stage, image};
 use crate::study::record::{DEFINITIONS, recorded};
@@ -26,6 +29,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let message = "--diffuse-bounces is for --method reference: no other method has light that surfaces pass on";
         return Err(Error::Usage(message.into()).into());
     }
+    if let Some(pixel) = options.pixel {
+        pixel::check(pixel, options.size)?;
+    }
     let common = &options.common;
     let method = methods::find(method)?;
     let globals = resolve::one_globals(&common.place, "render makes one image")?;
@@ -43,15 +49,21 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let inside = options.dump.is_some() || options.figure.is_some();
     let setup = setup(options);
     methods::check_read(&[method], &setup)?;
-    let wants = if inside { Wants::HITS } else { Wants::REFLECTION };
+    let wants = if inside || options.pixel.is_some() { Wants::HITS } else { Wants::REFLECTION };
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = view.camera(&scene, options.size);
-    let shot = Shot::new(&mut stage, method, &setup, wants, camera, globals.materials(&scene, &view))?;
+    let materials = globals.materials(&scene, &view);
+    let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone())?;
     let rendered = image::render(&mut stage, &shot, inside)?;
+    let seen = pixel::Seen { method, setup: &setup, scene: &scene, materials: &materials };
+    let looks_inside = options.dump.is_some() || options.pixel.is_some();
+    let judge = looks_inside.then(|| Judge::new(&mut stage, &shot, &rendered, seen)).transpose()?;
+    let explained = judge.as_ref().zip(options.pixel).map(|(judge, at)| judge.explained(at)).transpose()?;
 
     let intermediates = rendered.intermediates.as_ref();
-    if let (Some(folder), Some(all)) = (&options.dump, intermediates) {
-        images::write_intermediates(&Inside::folder(folder), all, &camera.lens)?;
+    if let (Some(folder), Some(all), Some(judge)) = (&options.dump, intermediates, &judge) {
+        let (lens, reflection, verdicts) = (&camera.lens, &rendered.reflection, &judge.verdicts());
+        Dump { intermediates: all, lens, reflection, verdicts }.write(&Inside::folder(folder))?;
     }
     if let Some(path) = &options.output {
         match (options.figure, intermediates) {
@@ -66,12 +78,14 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
             "setup": recorded(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
+            "prepared": shot.prepared(), "pixel": explained,
             "validation": common.device.validation.then(|| gpu.violations().len()),
         });
         printed::json(&serde_json::json!([summary]))?;
-    }
-    if options.explain {
-        printed::out().write_all(explain(&rendered, shot.prepared()).as_bytes())?;
+    } else {
+        let passes = options.explain.then(|| explain(&rendered, shot.prepared()));
+        let all = passes.into_iter().chain(explained.as_ref().map(text)).collect::<Vec<_>>().join("\n");
+        printed::out().write_all(all.as_bytes())?;
     }
     drop((shot, stage));
     gpu.check_validation()?;

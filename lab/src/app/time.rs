@@ -63,8 +63,9 @@ pub struct TimeOptions {
     /// Frames that are drawn before the first that is timed.
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub warmup: usize,
-    /// Time each method against itself, too: how far it strays is its noise floor, within which `ssct compare` calls
-    /// nothing faster or slower.
+    /// Time each method against itself, too: its noise floor
+    ///
+    /// The noise floor is how far a method strays from itself. Within it `ssct compare` calls nothing faster or slower.
     #[arg(long)]
     pub a_a: bool,
     /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.

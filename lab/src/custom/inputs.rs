@@ -18,18 +18,20 @@ use crate::math::constants::{
     CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_VIEW_PLACE,
     CONVERT_WORLD_NORMAL, CONVERT_WORLD_PLACE,
 };
-use crate::methods::{Input, unified};
+use crate::methods::{Input, Intermediate, unified};
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::pyramid::PyramidPass;
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
+use crate::passes::{Content, GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
 use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
 /// What makes the sources that a method reads.
 pub struct Inputs {
     made: Vec<(ImageSource, Made)>,
+    /// Names of the images that are made, in their order, for whoever looks inside.
+    names: Vec<&'static str>,
     projection: ProjectionKind,
 }
 
@@ -70,10 +72,11 @@ impl Inputs {
         sources: &[ImageSource],
         conventions: Conventions,
     ) -> Result<Self> {
-        let mut inputs = Self { made: Vec::new(), projection };
+        let mut inputs = Self { made: Vec::new(), names: Vec::new(), projection };
         for source in sources {
             inputs.add(gpu, extent, source, conventions)?;
         }
+        inputs.names = inputs.made.iter().map(|(source, _)| stem(source)).collect();
         Ok(inputs)
     }
 
@@ -226,6 +229,22 @@ impl Inputs {
         Ok(())
     }
 
+    /// The images that were made of the G-buffer in this frame. The chain of the lit colour stands in the G-buffer itself, and
+    /// what is kept of the frame before is an image of that frame.
+    pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
+        self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
+            let (content, image) = match made {
+                Made::There | Made::Chain(_) | Made::Noise(_) | Made::Kept { .. } => return None,
+                Made::Thesis(pass) => (Content::StandardDepth, pass.made().0),
+                Made::Visibility(pass) => (Content::Share, pass.made().0),
+                Made::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
+                Made::Converted { image, .. } => (content(source), image),
+                Made::Reduced { chain, of, .. } => (content(of), chain),
+            };
+            Some(Intermediate { name, content, image })
+        })
+    }
+
     /// Keeps what the next frame reads of this one.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
         for (source, made) in &self.made {
@@ -284,6 +303,26 @@ impl Inputs {
         let image = self.image(source, input, turn)?;
         let alone = matches!(source, ImageSource::LitColour);
         Ok(if alone { image.level(0) } else { image.all() })
+    }
+}
+
+/// What the numbers of a source are.
+fn content(source: &ImageSource) -> Content {
+    match source {
+        ImageSource::Depth(Depth::Reversed) => Content::ReversedDepth,
+        ImageSource::Depth(Depth::Standard) => Content::StandardDepth,
+        ImageSource::Depth(Depth::Linear) => Content::LinearDepth,
+        ImageSource::Normal(Normal { encoding: NormalEncoding::Float, .. }) => Content::Normal,
+        _ => Content::Numbers,
+    }
+}
+
+/// The name of a source's file, which the methods of the table use for the same images. It stays as long as the program runs.
+fn stem(source: &ImageSource) -> &'static str {
+    match source {
+        ImageSource::ThesisHiZ => "hi-z",
+        ImageSource::Depth(Depth::Standard) => "standard-depth",
+        _ => source.to_string().replace(':', "-").leak(),
     }
 }
 

@@ -318,7 +318,10 @@ impl Running {
             let image = &image.images[turn % image.images.len()];
             is_float(image.format()).then_some(Intermediate { name, content: Content::Color, image })
         };
-        let intermediates = self.names.iter().zip(self.images.values()).filter_map(shown).collect();
+        let own = self.names.iter().zip(self.images.values()).filter_map(shown);
+        // An image of the method's own that has the name of one that it reads is the one that its author looks for.
+        let read = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
+        let intermediates = read.chain(own).collect();
         Ok(Traced { hits: hits.map(Hits), intermediates, ..Traced::new(Reflection(reflection)) })
     }
 

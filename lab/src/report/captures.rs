@@ -1,7 +1,8 @@
 //! Where captures stand and what they see, as records, as a table and as a map; and pictures of them.
 
-use super::diagrams::{COLORS, Svg};
+use super::diagrams::COLORS;
 use super::images::{Rgb, display, picture};
+use super::svg::Svg;
 use super::tables;
 use crate::gpu::Pixels;
 use crate::passes::Content;

@@ -1,6 +1,7 @@
 //! Comparisons as text and files.
 
 use super::images::{Rgb, write_exr};
+use super::legend::scale;
 use super::{files, tables};
 use crate::error::Result;
 use crate::gpu::Pixels;
@@ -25,7 +26,7 @@ pub fn write_times(folder: &Inside, records: &[TimeComparison]) -> Result<()> {
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
-/// or more, sRGB-encoded; magenta is no number), and FLIP's map as flip.png.
+/// or more, sRGB-encoded; magenta is no number) with its scale as error-scale.svg, and FLIP's map as flip.png.
 pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
     write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
     let (width, height) = (found.width, found.height);
@@ -33,6 +34,9 @@ pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
     write_exr(folder.join("error.exr"), &map, &["rmse"])?;
     let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
     Rgb::from_pixels(&map, shade).write_png(folder.join("error.png"))?;
+    let greatest = (found.greatest, &*number(f64::from(found.greatest)));
+    let scale = scale("error.png", "root mean square error of a pixel, linear", greatest);
+    folder.join("error-scale.svg").write(scale.as_bytes())?;
     Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
 
@@ -131,15 +135,28 @@ fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
     rows
 }
 
+/// A difference with six digits behind the point; one of 0 is named, and a lesser one is not shown as 0.
+fn number(value: f64) -> String {
+    match value {
+        0.0 => "identical".to_owned(),
+        v if v.abs() < 1e-6 => format!("{v:.1e}"),
+        v => format!("{v:.6}"),
+    }
+}
+
 /// The figures of two images.
 pub fn images(found: &ImageComparison) -> String {
-    let number = |v: f64| format!("{v:.6}");
-    let rows = [
-        ("RMSE, linear".to_owned(), number(found.rmse)),
-        ("relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)),
-        ("FLIP mean, display".to_owned(), number(found.flip)),
+    let [x, y] = found.greatest_at;
+    let mut rows = vec![
+        ["RMSE, linear".to_owned(), number(found.rmse)],
+        ["greatest RMSE of a pixel".to_owned(), number(f64::from(found.greatest))],
+        ["relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)],
+        ["FLIP mean, display".to_owned(), number(found.flip)],
     ];
+    if found.greatest > 0.0 {
+        rows.insert(2, ["where that pixel is".to_owned(), format!("{x}, {y}")]);
+    }
+    let rows: Vec<_> = rows.into_iter().map(Vec::from).collect();
     let size = format!("{}x{}", found.width, found.height);
-    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b)
-        + &tables::aligned(&rows.map(|(what, value)| vec![what, value]))
+    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b) + &tables::aligned(&rows)
 }

@@ -10,7 +10,6 @@ use crate::scene::Lens;
 use crate::scene::bounded;
 use crate::scene::gbuffer_file::{MAX_BYTES, check_claims};
 use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
-use crate::stage::Intermediates;
 use crate::study::compare::LinearImage;
 use std::io::Cursor;
 use std::path::Path;
@@ -194,29 +193,6 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
     Ok(Pixels { width, height, channels: 4, values: layer.channel_data.pixels.1 })
 }
 
-/// Writes intermediates, each as PNG and EXR.
-pub fn write_intermediates(folder: &Inside, all: &Intermediates, lens: &Lens) -> Result<()> {
-    for (stem, kind, pixels) in all {
-        picture(*kind, pixels, lens).write_png(folder.join(format!("{stem}.png")))?;
-        let names: &[&str] = match kind {
-            Content::Color => &["R", "G", "B", "A"],
-            Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
-            Content::ReversedDepth => &["depth"],
-            Content::StandardDepth => &["min", "max"],
-            Content::LinearDepth => &["z"],
-            Content::Share => &["share"],
-            Content::Material => &["reflectivity", "roughness"],
-            Content::Hits => &["u", "v", "depth", "path"],
-            Content::Steps => &["steps"],
-        };
-        write_exr(folder.join(format!("{stem}.exr")), pixels, names)?;
-        if *kind == Content::Hits {
-            paths(pixels).write_png(folder.join("paths.png"))?;
-        }
-    }
-    Ok(())
-}
-
 /// An intermediate as a picture.
 pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -233,6 +209,11 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
+        // Fronts and backs of the cells with geometry; a cell without any has a front below every depth.
+        Content::Pyramid(_) => Rgb::from_pixels(pixels, |c| {
+            if c[0] < 0.0 { [0; 3] } else { [depth_shade(c[0], lens), depth_shade(c[1], lens), 0] }
+        }),
+        Content::Numbers => Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| c.get(i).map_or(0, |v| unit(*v)))),
         Content::Steps => {
             let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
             Rgb::from_pixels(pixels, |c| [unit(c[0] / most); 3])
@@ -248,23 +229,33 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     }
 }
 
-/// The figure 4.5 colouring of which path each ray took: Hi-Z green, linear march red; misses and
-/// rays out of iterations darker; what does not reflect black. With captures: hits in them blue, the sky light blue,
-/// and what no image sees violet.
+/// The colours of path codes, with what they mean. Hi-Z is green and the linear march red, as in figure 4.5.
+pub const PATH_COLORS: &[(Color, &[PathCode], &str)] = &[
+    ([0; 3], &[PathCode::None], "does not reflect"),
+    ([0, 200, 0], &[PathCode::HiZ], "hit by the Hi-Z traversal"),
+    (
+        [0, 90, 0],
+        &[PathCode::Miss, PathCode::MissScreen, PathCode::MissNear, PathCode::MissSky],
+        "left the picture in the Hi-Z traversal",
+    ),
+    ([0, 60, 60], &[PathCode::MissBehind], "passed behind a surface"),
+    ([160, 160, 0], &[PathCode::Exhausted, PathCode::Unfinished], "ran out of steps in the Hi-Z traversal"),
+    ([220, 0, 0], &[PathCode::Linear], "hit by a linear march"),
+    ([100, 0, 0], &[PathCode::LinearMiss, PathCode::Untraced], "found nothing in a march, or was not traced"),
+    ([110, 80, 0], &[PathCode::LinearExhausted], "ran out of steps in a linear march"),
+    ([0, 110, 200], &[PathCode::Capture, PathCode::Triangle], "hit in a capture, or a triangle"),
+    ([120, 180, 255], &[PathCode::Sky], "ended in the sky"),
+    ([120, 0, 120], &[PathCode::Unknown], "went where no capture sees it"),
+];
+
+/// Red, green and blue of a display image.
+pub type Color = [u8; 3];
+
+/// Which path each ray took, by [`PATH_COLORS`].
 pub fn paths(hits: &Pixels) -> Rgb {
-    Rgb::from_pixels(hits, |c| match PathCode::from_channel(c[3]) {
-        Some(PathCode::HiZ) => [0, 200, 0],
-        Some(PathCode::Miss | PathCode::MissScreen | PathCode::MissNear | PathCode::MissSky) => [0, 90, 0],
-        Some(PathCode::MissBehind) => [0, 60, 60],
-        Some(PathCode::Exhausted | PathCode::Unfinished) => [160, 160, 0],
-        Some(PathCode::LinearExhausted) => [110, 80, 0],
-        Some(PathCode::Linear) => [220, 0, 0],
-        Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
-        Some(PathCode::Sky) => [120, 180, 255],
-        Some(PathCode::Capture | PathCode::Triangle) => [0, 110, 200],
-        Some(PathCode::Unknown) => [120, 0, 120],
-        Some(PathCode::None) | None => [0; 3],
-    })
+    let color =
+        |code: PathCode| PATH_COLORS.iter().find(|(_, codes, _)| codes.contains(&code)).map(|(color, ..)| *color);
+    Rgb::from_pixels(hits, |c| PathCode::from_channel(c[3]).and_then(color).unwrap_or_default())
 }
 
 /// Brightness of a reversed depth; the sky is black.

@@ -23,11 +23,47 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// Columns of a terminal that has room for tables.
+pub const COLUMNS: usize = 100;
+
+/// A name and what is said of it, in lines of at most [`COLUMNS`], from a column on. Without a name the text begins there.
+pub fn wrapped(name: &str, column: usize, said: &str) -> String {
+    let mut text = format!("{name:<column$}");
+    let mut end = column;
+    for (n, word) in one_line(said).split(' ').enumerate() {
+        let width = word.chars().count();
+        if n > 0 && end + 1 + width > COLUMNS {
+            text.push_str(&format!("\n{:column$}", ""));
+            end = column;
+        } else if n > 0 {
+            text.push(' ');
+            end += 1;
+        }
+        text.push_str(word);
+        end += width;
+    }
+    text + "\n"
+}
+
+/// Rows of sentences: what the table says, then a paragraph for each row under its first cell, with the header's names.
+fn paragraphs(table: &Table) -> String {
+    const INDENT: usize = 2;
+    let Some((header, rows)) = table.cells.split_first() else { return String::new() };
+    let longest = header.iter().skip(1).map(|name| name.chars().count()).max().unwrap_or(0);
+    let mut text = if table.about.is_empty() { String::new() } else { wrapped("", 0, &table.about) };
+    for row in rows {
+        text += &row.first().map_or_else(String::new, |first| wrapped("", 0, first));
+        let cells = header.iter().zip(row).skip(1);
+        text.extend(cells.map(|(name, cell)| wrapped(&format!("  {name}"), longest + 2 * INDENT, cell)));
+    }
+    text
+}
+
 /// Tables for a terminal, each under its title; those that are too large for one are left out.
 pub fn text(tables: &[Table]) -> String {
     let of = |table: &Table| {
         let title = if table.title.is_empty() { String::new() } else { format!("{}\n", one_line(&table.title)) };
-        title + &aligned(&table.cells)
+        title + &if table.is_prose { paragraphs(table) } else { aligned(&table.cells) }
     };
     for_terminal(tables).map(of).collect::<Vec<_>>().join("\n")
 }
@@ -56,6 +92,22 @@ pub fn markdown(tables: &[Table]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sentences_are_wrapped_and_names_have_a_column_of_their_own() {
+        assert_eq!(wrapped("walk", 6, "3 steps"), "walk  3 steps\n");
+        assert_eq!(wrapped("", 0, "It is."), "It is.\n");
+        assert_eq!(wrapped("", 0, "two\nlines").lines().count(), 1, "a name with a line feed breaks no line");
+        let cells =
+            [["case", "said", "number"], ["poles", &"word ".repeat(60), "%"]].map(|r| r.map(str::to_owned).to_vec());
+        let table = Table::of_sentences("t", "T", &"about ".repeat(40), cells.to_vec());
+        let text = text(std::slice::from_ref(&table));
+        assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
+        let from = text.lines().position(|line| line == "poles").expect("the row's name");
+        let said: Vec<_> = text.lines().skip(from + 1).collect();
+        assert!(said[0].starts_with("  said    word") && said[1].starts_with("          word"), "{text}");
+        assert_eq!(said.last(), Some(&"  number  %"), "{text}");
+    }
 
     #[test]
     fn columns_line_up() {

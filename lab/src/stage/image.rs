@@ -3,10 +3,11 @@
 use super::gbuffer;
 use super::{Shot, Stage};
 use crate::error::Result;
-use crate::gpu::{FrameReport, Pixels};
+use crate::gpu::{FrameReport, ImageSlice, Pixels};
 use crate::methods::{Intermediate, Output};
 use crate::passes::Content;
 use crate::passes::gbuffer::Drawn;
+use crate::passes::pyramid;
 
 /// A finished image and how it was made.
 pub struct RenderedImage {
@@ -18,6 +19,8 @@ pub struct RenderedImage {
     pub drawn: Drawn,
     /// Passes recorded.
     pub report: FrameReport,
+    /// Where each ray ended, if the shot was made with hits and the method tells.
+    pub hits: Option<Pixels>,
     /// The intermediates, if asked for.
     pub intermediates: Option<Intermediates>,
 }
@@ -47,6 +50,7 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
     let (report, drawn, output) = stage.output_at_rest(shot)?;
     let composite = stage.context.read(output.composite.level(0))?;
     let reflection = gbuffer::reflection(&mut stage.context, &output)?;
+    let hits = output.traced.hits.map(|hits| stage.context.read(hits.0.all())).transpose()?;
     let mut intermediates = None;
     if dump {
         let mut read = vec![
@@ -55,12 +59,22 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
         ];
         for Intermediate { name, content, image } in inside(shot, &output) {
             let parts = image.parts();
-            for (n, part) in parts.iter().enumerate() {
-                let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.to_owned() };
-                read.push((stem, content, stage.context.read(*part)?));
+            let is_chain = parts.len() > 1 || matches!(content, Content::Pyramid(_));
+            let stem = |n: usize| if is_chain { format!("{name}-{n}") } else { name.to_owned() };
+            // Levels that no pass of the frame needed hold nothing. Reading one makes it look written.
+            let written: Vec<_> = parts.iter().map(ImageSlice::is_written).collect();
+            for (n, part) in parts.iter().enumerate().filter(|(n, _)| written[*n]) {
+                let pixels = stage.context.read(*part)?;
+                match content {
+                    Content::Pyramid(extent) => {
+                        let levels = pyramid::levels(&pixels, extent).into_iter().enumerate();
+                        read.extend(levels.map(|(n, level)| (stem(n), content, level)));
+                    }
+                    _ => read.push((stem(n), content, pixels)),
+                }
             }
         }
         intermediates = Some(read);
     }
-    Ok(RenderedImage { composite, reflection, drawn, report, intermediates })
+    Ok(RenderedImage { composite, reflection, drawn, report, hits, intermediates })
 }

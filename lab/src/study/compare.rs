@@ -382,6 +382,10 @@ pub struct ImageComparison {
     pub rel_mse: Option<f64>,
     /// Mean FLIP of the display images, 0…1.
     pub flip: f64,
+    /// The greatest RMSE of a pixel, of those that are numbers.
+    pub greatest: f32,
+    /// Column and row of that pixel, from the top left.
+    pub greatest_at: [u32; 2],
     /// RMSE of each pixel.
     #[serde(skip)]
     pub rmse_map: Vec<f32>,
@@ -399,6 +403,10 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
     }
     let all = vec![true; a.rgb.len()];
     let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
+    let rmse_map = error_map(&a.rgb, &b.rgb, &all);
+    let greater =
+        |(n, most): (usize, f32), (i, error): (usize, &f32)| if *error > most { (i, *error) } else { (n, most) };
+    let (at, greatest) = rmse_map.iter().enumerate().fold((0, 0.0), greater);
     Some(ImageComparison {
         head: CompareHead::new("compare-images", a_name, b_name),
         width,
@@ -406,7 +414,9 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
         rmse: masked_rmse(&a.rgb, &b.rgb, &all),
         rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &all),
         flip: flip.mean(),
-        rmse_map: error_map(&a.rgb, &b.rgb, &all),
+        greatest,
+        greatest_at: [at as u32 % width, at as u32 / width],
+        rmse_map,
         flip_picture: flip.picture(),
     })
 }

@@ -17,12 +17,19 @@ pub struct Table {
     pub cells: Vec<Vec<String>>,
     /// Whether it is too large for a terminal, and stands on the page alone.
     pub is_large: bool,
+    /// Whether its cells are sentences: a terminal shows a paragraph for each row, and what the table says above them.
+    pub is_prose: bool,
 }
 
 impl Table {
     /// A table that fits a terminal.
     pub fn new(id: &'static str, title: &str, about: &str, cells: Vec<Vec<String>>) -> Self {
-        Self { id, title: title.to_owned(), about: about.to_owned(), cells, is_large: false }
+        Self { id, title: title.to_owned(), about: about.to_owned(), cells, ..Self::default() }
+    }
+
+    /// A table whose cells are sentences.
+    pub fn of_sentences(id: &'static str, title: &str, about: &str, cells: Vec<Vec<String>>) -> Self {
+        Self { is_prose: true, ..Self::new(id, title, about, cells) }
     }
 
     /// A row for each row, with the columns that have a header.

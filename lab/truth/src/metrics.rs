@@ -8,6 +8,7 @@ pub mod hits;
 pub mod image;
 pub mod pareto;
 pub mod place;
+pub mod verdict;
 pub mod video;
 pub mod world;
 

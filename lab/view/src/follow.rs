@@ -11,6 +11,8 @@ use crate::error::Result;
 use crate::methods::Setup;
 use crate::passes::Content;
 use crate::passes::look::Look;
+use crate::reference::surface::World;
+use crate::study::pixel::{self, Made, PixelMethod, PixelReport};
 use ssct_lab::app::cli::SceneOptions;
 use ssct_lab::app::resolve;
 use std::path::PathBuf;
@@ -31,7 +33,7 @@ impl Viewer {
         if self.pictures.is_other(&wanted) {
             self.pictures.render(&wanted)?;
             self.frames += 1;
-            (self.analysis, self.ray) = (None, None);
+            (self.analysis, self.ray, self.pixel) = (None, None, None);
             self.reference_error.forget();
         } else if self.needs_analysis() {
             let analysis = self.pictures.analyse()?;
@@ -78,7 +80,19 @@ impl Viewer {
             return false;
         }
         self.ray = inspection.pick(pixel);
+        self.pixel = self.explain(pixel);
         self.ray.is_some()
+    }
+
+    /// Explains a pixel of the first method's frame at rest.
+    fn explain(&self, pixel: [u32; 2]) -> Option<PixelReport> {
+        let analysis = self.analysis.as_ref()?;
+        let (inspection, [reflection, composite]) = (analysis.inspection.as_ref()?, analysis.made.as_ref()?);
+        let side = &self.state.sides[0];
+        let materials = self.state.globals.materials(&self.scene, &self.state.view);
+        let world = World::new(&self.scene, &materials);
+        let method = PixelMethod { name: side.method.name, bounces: side.setup.effect().bounces };
+        pixel::explain(inspection, Made { reflection, composite }, &world, method, pixel)
     }
 
     fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {
@@ -127,7 +141,7 @@ impl Viewer {
         self.state.show_view(&first);
         self.state.picked = None;
         self.captures = CaptureEditor::new(&place.scene, place.scale);
-        (self.analysis, self.ray) = (None, None);
+        (self.analysis, self.ray, self.pixel) = (None, None, None);
         self.scene = Arc::new(scene);
         self.place = place;
         Ok(())

@@ -11,7 +11,6 @@ mod fly_camera;
 mod follow;
 mod history;
 mod input;
-mod inspect;
 mod options;
 mod panel;
 mod path;
@@ -27,7 +26,7 @@ mod tests;
 mod viewer;
 mod window;
 
-use ssct::{error, gpu, math, methods, parameter, passes};
+use ssct::{error, gpu, methods, parameter, passes};
 use ssct_lab::app::{self, resolve};
 use ssct_lab::{custom, metrics, reference, report, scene, stage, study};
 

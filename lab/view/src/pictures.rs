@@ -2,7 +2,6 @@
 
 use super::cubes::CubeImage;
 use super::history::History;
-use super::inspect::Inspection;
 use super::state::{Inside, STEPS, Side, State};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
@@ -15,6 +14,7 @@ use crate::passes::look::KeepPass;
 use crate::scene::capture::face_camera;
 use crate::scene::{Camera, Capture, Lens, Material, Scene};
 use crate::stage::{Shot, Stage, gbuffer, image};
+use crate::study::inspect::Inspection;
 use glam::Vec3;
 use std::time::Instant;
 
@@ -72,6 +72,8 @@ pub struct FrameAnalysis {
     pub reflections: Vec<Vec<[f32; 3]>>,
     /// The first method's frame, on the host.
     pub inspection: Option<Inspection>,
+    /// Reflection with its fade, and finished image, of the first method.
+    pub made: Option<[Pixels; 2]>,
     /// Steps of each pixel's ray, for methods that traverse a Hi-Z chain.
     pub steps: Option<Vec<u32>>,
 }
@@ -211,6 +213,8 @@ impl Pictures {
             if i == 0 {
                 analysis.work = works(&report);
                 recorded.clone_from(&report.recorded);
+                let composite = self.stage.context.read(output.composite.level(0))?;
+                analysis.made = Some([reflection, composite]);
                 hits = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
             }
         }
@@ -220,7 +224,7 @@ impl Pictures {
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
         let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
-        let inspection = Inspection::new(gbuffer, hits, &first.side, &recorded);
+        let inspection = Inspection::new(gbuffer, hits, (first.side.method, &first.side.setup), &recorded);
         analysis.steps = inspection.steps();
         analysis.inspection = Some(inspection);
         if let (Some(steps), true) = (&analysis.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
@@ -271,6 +275,8 @@ impl ShownMethod {
             content: Content::Color,
             image: r.0,
         }));
+        // The levels of a pyramid lie in strips, which show nothing as a picture.
+        images.retain(|i| !matches!(i.content, Content::Pyramid(_)));
         images.retain(|i| i.image.layers() == 1);
         let asked = wanted.inside.as_ref().and_then(|inside| {
             let image = images.iter().find(|i| i.name == inside.name)?;

@@ -5,7 +5,6 @@ mod act;
 
 use super::captures::CaptureEditor;
 use super::fly_camera::{FlyCamera, FlyMotion};
-use super::inspect::PickedRay;
 use super::panel::{self, PanelActions, PanelData};
 use super::path::PathEditor;
 use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
@@ -17,6 +16,8 @@ use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Pixels};
 use crate::passes::look::{Compare, Look, LookPass};
 use crate::presentation::Overlay;
 use crate::scene::{Capture, Scene, View, library};
+use crate::study::inspect::PickedRay;
+use crate::study::pixel::PixelReport;
 use ash::vk;
 use egui::{Context, FullOutput, RawInput};
 use ssct_lab::app::cli::SceneOptions;
@@ -64,6 +65,8 @@ pub struct Viewer {
     shaders: Option<Shaders>,
     pub(super) analysis: Option<FrameAnalysis>,
     pub(super) ray: Option<PickedRay>,
+    /// The pixel of the ray, explained.
+    pub(super) pixel: Option<PixelReport>,
     pub(super) reference_error: ReferenceComparison,
     pub(super) wake: Wake,
     /// The triangles that the last call of [`Self::update`] prepared.
@@ -137,6 +140,7 @@ impl Viewer {
             shaders: None,
             analysis: None,
             ray: None,
+            pixel: None,
             reference_error: ReferenceComparison::default(),
             wake,
             triangles: Vec::new(),
@@ -272,9 +276,15 @@ impl Viewer {
         self.ray.as_ref()
     }
 
+    /// The picked pixel, explained.
+    #[cfg(test)]
+    pub fn pixel(&self) -> Option<&PixelReport> {
+        self.pixel.as_ref()
+    }
+
     /// The frame at rest on the host, if it was analysed.
     #[cfg(test)]
-    pub fn inspection(&self) -> Option<&super::inspect::Inspection> {
+    pub fn inspection(&self) -> Option<&crate::study::inspect::Inspection> {
         self.analysis.as_ref()?.inspection.as_ref()
     }
 
@@ -330,6 +340,7 @@ impl Viewer {
             images: pictures.shown(0).map_or(&[], |s| &s.images),
             analysis: self.analysis.as_ref(),
             ray: self.ray.as_ref(),
+            pixel: self.pixel.as_ref(),
             reference_error: &self.reference_error,
             reference_command: &command,
             extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),

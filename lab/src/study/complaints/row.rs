@@ -45,6 +45,11 @@ const ABOUT: &str = "A row for each complaint of engines' users, with one number
     of there is. 0 is the truth, which is the world reference, and numbers that are good are marked with a star. A dash stands \
     where a method shows less than half of the light that it should: nothing never flickers.";
 
+const SCALE: &str = "Every number is a percentage, and 0 is the truth. A star marks a number that is good: one that is at most what the \
+    column \"good\" says. Where wrong pixels are counted, 100 means that all of them are wrong, each by more than a tenth of white. \
+    Where an error is measured, 100 means an error as large as the truth itself, as of a method that shows nothing, and numbers may \
+    be greater. A dash means that the method shows less than half of the light, so that it cannot be judged.";
+
 impl Row for ComplaintRow {
     const KIND: &'static str = "complaints";
     const TITLE: &'static str = "Complaints";
@@ -57,7 +62,7 @@ impl Row for ComplaintRow {
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         vec![
             Table::new("complaints", "Complaints and methods", ABOUT, numbers(rows)),
-            Table::new("meanings", "What is complained of, and what the numbers say", "", meanings(rows)),
+            Table::of_sentences("meanings", "What is complained of, and what the numbers say", SCALE, meanings(rows)),
         ]
     }
 

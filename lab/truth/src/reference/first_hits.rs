@@ -186,7 +186,23 @@ impl FirstHits {
     /// at a grazing angle, and rays from there would meet the surface itself. Where the world has nothing near a depth, its
     /// point stays.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
-        let mut all = Self::from_gbuffer(gbuffer);
+        Self::from_gbuffer(gbuffer).onto(world, gbuffer)
+    }
+
+    /// Takes one pixel alone as [`Self::shown`] takes all: the others have no receivers.
+    pub fn shown_at(world: &World, gbuffer: &GBufferData, index: usize) -> Self {
+        let mut alone = Self::from_gbuffer(gbuffer);
+        let receiver = alone.receivers.get(index).copied().flatten();
+        alone.receivers.fill(None);
+        if let Some(place) = alone.receivers.get_mut(index) {
+            *place = receiver;
+        }
+        alone.onto(world, gbuffer)
+    }
+
+    /// Moves receivers from where the depths of a G-buffer put them to where the camera's rays meet a world.
+    fn onto(self, world: &World, gbuffer: &GBufferData) -> Self {
+        let mut all = self;
         let (kind, reach) = (gbuffer.camera.kind(), gbuffer.camera.reach_m(1.0));
         let eye = gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         all.receivers.par_iter_mut().flatten().for_each(|receiver| {

@@ -1,13 +1,13 @@
 //! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. docs/definitions.md,
 //! "World agreement", judges a method's hits by this.
 
-use super::first_hits::FirstHits;
+use super::first_hits::{FirstHits, Receiver};
 use super::surface::World;
 use super::surface_color::SurfaceColors;
 use super::world::RAY_START_M;
 pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
-use crate::scene::bvh::WorldRay;
+use crate::scene::bvh::{TriangleHit, WorldRay};
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -47,23 +47,11 @@ impl WorldHit {
 /// normal; rows from the top.
 pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) -> Vec<WorldHit> {
     let screen = ShownPlaces::new(gbuffer, first_hits);
-    first_hits
-        .receivers
-        .par_iter()
-        .map(|receiver| {
-            let Some(receiver) = receiver else { return WorldHit::NotReflecting };
-            let direction = receiver.mirror();
-            let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
-            match world.closest(&ray) {
-                Some(hit) => {
-                    let position = ray.at(hit.t);
-                    let (pixel, view_z_m, visible) = screen.judge(position);
-                    WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }
-                }
-                None => WorldHit::Escaped,
-            }
-        })
-        .collect()
+    let end = |receiver: &Option<Receiver>| match receiver {
+        Some(receiver) => screen.end(world, receiver).0,
+        None => WorldHit::NotReflecting,
+    };
+    first_hits.receivers.par_iter().map(end).collect()
 }
 
 /// Which places of the world a screen shows.
@@ -84,6 +72,16 @@ impl<'a> ShownPlaces<'a> {
         Self { gbuffer, colors, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
+    /// Where a mirror ray ends, and the triangle that it meets there, if it meets any.
+    pub(super) fn end(&self, world: &World, receiver: &Receiver) -> (WorldHit, Option<TriangleHit>) {
+        let direction = receiver.mirror();
+        let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+        let Some(hit) = world.closest(&ray) else { return (WorldHit::Escaped, None) };
+        let position = ray.at(hit.t);
+        let (pixel, view_z_m, visible) = self.judge(position);
+        (WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }, Some(hit))
+    }
+
     /// Where a place projects to (`None` behind the eye of a perspective), its view-space z in metres, and whether the pixel there shows
     /// it.
     pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
@@ -102,7 +100,7 @@ impl<'a> ShownPlaces<'a> {
     }
 
     /// The index of the pixel at continuous coordinates; `None` off screen.
-    fn index(&self, p: DVec2) -> Option<usize> {
+    pub(super) fn index(&self, p: DVec2) -> Option<usize> {
         let size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height));
         let inside = p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all();
         inside.then(|| self.gbuffer.index(p.x as u32, p.y as u32))

@@ -2,10 +2,10 @@
 
 use super::shared::{PanelData, heading};
 use crate::history::{History, StageTime};
-use crate::inspect::Inspection;
 use crate::passes::tiles::TILE;
 use crate::reference_error::ComparisonOutcome;
 use crate::state::State;
+use crate::study::inspect::Inspection;
 use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 /// Height of the bars, in points.

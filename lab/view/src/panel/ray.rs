@@ -3,11 +3,13 @@
 
 use super::shared::{PanelData, heading};
 use crate::cubes::Cross;
-use crate::inspect::{PickedRay, RayInWorld, WalkEnd};
 use crate::passes::PathCode;
 use crate::reference::Outcome;
+use crate::report::pixel::lines;
 use crate::scene::Capture;
 use crate::state::State;
+use crate::study::inspect::{PickedRay, RayInWorld, WalkEnd};
+use crate::study::pixel::PixelReport;
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
 use glam::Vec2;
 
@@ -39,6 +41,9 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
         }
         return;
     };
+    if let Some(report) = data.pixel {
+        explained(ui, report);
+    }
     ends(ui, state, ray);
     if let Some(walk) = &ray.walk {
         heading(ui, format!("{} steps through the Hi-Z", walk.cells.len()));
@@ -59,6 +64,21 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
         });
         ui.label(RichText::new("⬇ met what the cell holds, ⬆ left the cell").weak().small());
         ui.label(RichText::new(walk.depth).weak().small());
+    }
+}
+
+/// Says why the pixel is as it is, and what is known of it, as `ssct render --pixel` does.
+fn explained(ui: &mut Ui, report: &PixelReport) {
+    heading(ui, report.verdict.name());
+    for sentence in &report.why {
+        ui.label(sentence);
+    }
+    heading(ui, "What is known of it");
+    for (name, said) in lines(report) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(name).weak());
+            ui.label(said);
+        });
     }
 }
 

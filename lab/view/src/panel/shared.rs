@@ -2,11 +2,12 @@
 
 use crate::history::History;
 use crate::input::Action;
-use crate::inspect::PickedRay;
 use crate::pictures::{FrameAnalysis, ImageInfo};
 use crate::reference_error::ReferenceComparison;
 use crate::reload::ShaderStatus;
 use crate::scene::{Capture, View};
+use crate::study::inspect::PickedRay;
+use crate::study::pixel::PixelReport;
 use egui::{Color32, Rect, RichText, Sense, Ui};
 
 /// The data that the panel displays.
@@ -25,6 +26,8 @@ pub struct PanelData<'a> {
     pub analysis: Option<&'a FrameAnalysis>,
     /// The picked ray.
     pub ray: Option<&'a PickedRay>,
+    /// The pixel of the ray, explained.
+    pub pixel: Option<&'a PixelReport>,
     /// The error against a cached reference.
     pub reference_error: &'a ReferenceComparison,
     /// The command that would make the missing reference.

@@ -2,7 +2,6 @@
 
 use super::super::cubes::Cross;
 use super::super::input::Action;
-use super::super::inspect::WalkEnd;
 use super::super::reload::ShaderWatch;
 use super::super::state::{Inside, Side, Tab};
 use super::super::viewer::Shaders;
@@ -11,6 +10,7 @@ use crate::methods::{METHODS, MethodInfo, parameters};
 use crate::passes::PathCode;
 use crate::passes::look::Compare;
 use crate::scene::path;
+use crate::study::inspect::WalkEnd;
 use egui::{Event, Modifiers, vec2};
 use glam::Vec2;
 use std::path::Path;
@@ -232,6 +232,15 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
     assert_eq!(bench.viewer.state.picked, Some([60, 180]));
     assert_eq!(bench.viewer.ray().map(|r| r.pixel), Some([60, 180]));
     assert!(!bench.viewer.state.moved, "a click does not turn");
+    let report = bench.viewer.pixel().unwrap().clone();
+    assert_eq!((report.pixel, &report.method[..]), ([60, 180], "ssct"));
+    assert!(!report.why.is_empty() && report.surface.mesh.is_some(), "{report:?}");
+    bench.click(100.0, 40.0);
+    bench.settle();
+    assert_eq!(bench.viewer.pixel().unwrap().pixel, [100, 40], "another pixel is explained");
+    bench.viewer.act(Action::Roughness(1.0));
+    bench.round(Vec::new());
+    assert!(bench.viewer.pixel().is_none(), "nothing is said of a frame that changed");
     bench.is_valid("the ray");
 }
 

@@ -1,22 +1,26 @@
 //! Analyses a frame at rest: where its rays ended, what the picked ray did, and what the oracle finds for the
 //! same ray. Everything is computed on the CPU from one readback of the G-buffer.
 
-use super::state::Side;
+mod walk;
+
+pub use walk::{VisitedCell, Walk, WalkEnd};
+
+use super::twin::hi_z_constants;
 use crate::gpu::Pixels;
 use crate::math::OracleVersion;
 use crate::methods::setup::BeyondScreen;
 use crate::methods::thesis::{self, HiZParams};
+use crate::methods::{MethodInfo, Setup};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
 use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
 use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
-use crate::reference::unified::{Code, CubeWalk, Seen, Traversal};
+use crate::reference::unified::{CubeWalk, Seen, Traversal};
 use crate::reference::{Level, Oracle, Trace};
 use crate::scene::GBufferData;
-use crate::study::twin::hi_z_constants;
-use glam::{Vec2, Vec3, Vec3Swizzles};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// The G-buffer and the hits of a frame, on the host.
@@ -94,111 +98,6 @@ impl RayInWorld {
     }
 }
 
-/// A ray's path through the cells of a Hi-Z chain, for any method.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Walk {
-    /// Every visited cell, in order.
-    pub cells: Vec<VisitedCell>,
-    /// The ray's position in pixels: at its start, then after each step.
-    pub way: Vec<Vec2>,
-    /// How the path ended.
-    pub end: WalkEnd,
-    /// The convention of the cells' depths.
-    pub depth: &'static str,
-}
-
-/// A cell that a ray visited.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VisitedCell {
-    /// Level of the Hi-Z chain; 0 is the pixels.
-    pub level: u32,
-    /// Column and row of the cell in its level.
-    pub place: Vec2,
-    /// Its top left and bottom right corners, in pixels.
-    pub corners: [Vec2; 2],
-    /// The nearest depth in the cell.
-    pub nearest: f32,
-    /// The ray's depth after the step.
-    pub ray: f32,
-    /// Whether the ray went on to the next cell. Otherwise it met the content of this one, and the level went
-    /// down.
-    pub crossed: bool,
-}
-
-/// How a ray's path ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WalkEnd {
-    /// It hit a cell of level 0.
-    Hit,
-    /// It left the visible volume.
-    Left,
-    /// It met a block from behind.
-    Behind,
-    /// It ran out of iterations.
-    Exhausted,
-}
-
-impl Walk {
-    /// The last position, in pixels.
-    pub fn last(&self) -> Vec2 {
-        self.way.last().copied().unwrap_or_default()
-    }
-
-    /// The path of the thesis's traversal in an image of `size` pixels.
-    fn of_thesis(trace: &HiZTrace, size: Vec2) -> Self {
-        let cells = trace.steps.iter().map(|s| VisitedCell {
-            level: s.level,
-            place: s.cell,
-            corners: [s.cell, s.cell + 1.0].map(|corner| corner / s.cell_count * size),
-            nearest: s.minimum_plane,
-            ray: s.ray.z,
-            crossed: s.crossed,
-        });
-        let way = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
-        Self {
-            cells: cells.collect(),
-            way: way.map(|at| at.xy() * size).collect(),
-            end: match trace.end {
-                hi_z_ray_trace::End::Hit => WalkEnd::Hit,
-                hi_z_ray_trace::End::LeftScreen => WalkEnd::Left,
-                hi_z_ray_trace::End::Exhausted => WalkEnd::Exhausted,
-            },
-            depth: "standard depth, near is 0",
-        }
-    }
-
-    /// The path of the traversal of `unified`; `None` if the pixel has no ray.
-    fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
-        let (ray, _) = traversal.mirror_ray(x, y)?;
-        let (mut cells, mut way) = (Vec::new(), vec![ray.at(0.0).xy()]);
-        let hit = traversal.walk(&ray, |visit| {
-            let side = (1 << visit.level) as f32;
-            let place = visit.cell.as_vec2();
-            // If the ray meets a cell, the next cell to be visited is inside it.
-            let stands = ray.at(visit.span[usize::from(!visit.meets)]);
-            way.push(stands.xy());
-            cells.push(VisitedCell {
-                level: visit.level,
-                place,
-                corners: [place * side, (place + 1.0) * side],
-                nearest: visit.block.front,
-                ray: stands.z,
-                crossed: !visit.meets,
-            });
-        });
-        let end = match hit.code {
-            Code::Surface => WalkEnd::Hit,
-            Code::Nothing => WalkEnd::Left,
-            Code::Behind => WalkEnd::Behind,
-            Code::Unfinished => WalkEnd::Exhausted,
-        };
-        if end == WalkEnd::Hit {
-            way.push(hit.position);
-        }
-        Some(Self { cells, way, end, depth: "reversed depth, near is 1" })
-    }
-}
-
 /// The reflecting pixels by how `unified` treats them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PixelClasses {
@@ -234,11 +133,16 @@ pub struct TileClasses {
 
 impl Inspection {
     /// Prepares the analysis of a method's frame, of which the recorded passes say whether its rays walk over the screen.
-    pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side, recorded: &[String]) -> Self {
+    pub fn new(
+        gbuffer: GBufferData,
+        hits: Option<Pixels>,
+        (method, setup): (&MethodInfo, &Setup),
+        recorded: &[String],
+    ) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
         let hi_z = || {
             let levels = crate::gpu::image::full_chain(extent);
-            let numbers: HiZParams = side.setup.of();
+            let numbers: HiZParams = setup.of();
             let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {
                 width: gbuffer.width,
@@ -253,17 +157,17 @@ impl Inspection {
             }
         };
         // At a lower resolution the rays are those of other pixels.
-        let effect = side.setup.effect();
-        let twin = match side.method {
-            _ if effect.divisor() != 1 => None,
-            method if method.traces_hi_z => Some(hi_z()),
-            method if method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid") => Some(Twin::Unified),
+        let effect = setup.effect();
+        let walks_pyramid = method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid");
+        let twin = match effect.divisor() {
+            1 if method.traces_hi_z => Some(hi_z()),
+            1 if walks_pyramid => Some(Twin::Unified),
             _ => None,
         };
         let is_followed =
-            side.method.takes_captures && side.method.is_screen_space() && effect.beyond(true) != BeyondScreen::None;
+            method.takes_captures && method.is_screen_space() && effect.beyond(true) != BeyondScreen::None;
         let oracle = if is_followed { OracleVersion::V2 } else { effect.oracle };
-        Self { gbuffer, hits, twin, oracle, is_followed, is_unified: side.method.follows_oracle }
+        Self { gbuffer, hits, twin, oracle, is_followed, is_unified: method.follows_oracle }
     }
 
     /// The number of rays for each way of ending.
@@ -331,6 +235,16 @@ impl Inspection {
             }
         }
         classes
+    }
+
+    /// The version of the oracle that the method is held against.
+    pub fn oracle(&self) -> OracleVersion {
+        self.oracle
+    }
+
+    /// Whether the method's own rays of a rough pixel are drawn from its lobe, so that they are not mirror rays.
+    pub fn traces_lobes(&self) -> bool {
+        self.is_unified
     }
 
     /// Whether the frame was rendered by `unified`.

@@ -1,0 +1,111 @@
+//! `ssct render --pixel`: one pixel explained.
+
+use crate::error::{Error, Result};
+use crate::methods::{MethodInfo, Setup};
+use crate::metrics::verdict::PixelVerdict;
+use crate::reference::surface::World;
+use crate::scene::{GBufferData, Material, Scene};
+use crate::stage::{RenderedImage, Shot, Stage, gbuffer};
+use crate::study::inspect::Inspection;
+use crate::study::pixel::{Made, PixelMethod, PixelReport, explain, verdicts};
+
+/// What a frame was of.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The method.
+    pub method: &'a MethodInfo,
+    /// How it is set up.
+    pub setup: &'a Setup,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The materials of the view with the global factors.
+    pub materials: &'a [Material],
+}
+
+/// `480,270`.
+pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
+    let parts: Vec<_> = text.split(',').map(|part| part.trim().parse::<u32>()).collect();
+    match parts[..] {
+        [Ok(x), Ok(y)] => Ok([x, y]),
+        _ => Err(format!("{text:?} is no pixel; write it as 480,270, counted from 0 at the top left")),
+    }
+}
+
+/// Refuses a pixel outside of a picture.
+///
+/// # Errors
+/// [`Error::Usage`] with the last column and row that there are.
+pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
+    if x < width && y < height {
+        return Ok(());
+    }
+    Err(outside([x, y], [width, height]))
+}
+
+fn outside([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Error {
+    let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
+    Error::Usage(format!(
+        "--pixel {x},{y}: the picture has {width}x{height} pixels, from 0,0 at the top left to {right},{bottom}"
+    ))
+}
+
+/// A frame on the host, and the world that it shows.
+pub struct Judge<'a> {
+    inspection: Inspection,
+    made: Made<'a>,
+    world: World<'a>,
+    method: PixelMethod<'a>,
+}
+
+impl<'a> Judge<'a> {
+    /// Reads back what a shot saw, which was made with its hits, and prepares its scene for rays.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn new(
+        stage: &mut Stage,
+        shot: &Shot,
+        rendered: &'a RenderedImage,
+        Seen { method, setup, scene, materials }: Seen<'a>,
+    ) -> Result<Self> {
+        let data = gbuffer::read(&mut stage.context, shot)?;
+        let hits = rendered.hits.clone();
+        Ok(Self {
+            inspection: Inspection::new(data, hits, (method, setup), &rendered.report.recorded),
+            made: Made { reflection: &rendered.reflection, composite: &rendered.composite },
+            world: World::new(scene, materials),
+            method: PixelMethod { name: method.name, bounces: setup.effect().bounces },
+        })
+    }
+
+    /// Explains a pixel.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a pixel outside of the picture.
+    pub fn explained(&self, pixel: [u32; 2]) -> Result<PixelReport> {
+        let GBufferData { width, height, .. } = self.inspection.gbuffer;
+        explain(&self.inspection, self.made, &self.world, self.method, pixel)
+            .ok_or_else(|| outside(pixel, [width, height]))
+    }
+
+    /// The verdict of each pixel, rows from the top.
+    pub fn verdicts(&self) -> Vec<PixelVerdict> {
+        verdicts(&self.inspection, self.made, &self.world, self.method.bounces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_two_whole_numbers_within_the_picture() {
+        assert_eq!(parse(" 3, 14"), Ok([3, 14]));
+        for wrong in ["3", "3,4,5", "-1,4", "a,b", "1.5,2"] {
+            assert!(parse(wrong).unwrap_err().contains(wrong), "{wrong}");
+        }
+        assert!(check([63, 35], [64, 36]).is_ok());
+        let said = check([64, 3], [64, 36]).unwrap_err().to_string();
+        assert!(said.contains("64,3") && said.contains("64x36") && said.contains("63,35"), "{said}");
+    }
+}

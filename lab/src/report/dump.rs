@@ -1,0 +1,131 @@
+//! What `ssct render --dump` writes: every image on the way to a frame, what the fade left, and whether each pixel is right
+//! (docs/dump.md has a row for every file).
+
+use super::files;
+use super::images::{Color, PATH_COLORS, Rgb, paths, picture, write_exr};
+use super::legend::legend;
+use crate::error::Result;
+use crate::gpu::Pixels;
+use crate::inside::Inside;
+use crate::metrics::verdict::PixelVerdict;
+use crate::passes::{Content, PathCode};
+use crate::scene::Lens;
+use crate::stage::Intermediates;
+
+/// The colours of verdicts.
+const VERDICT_COLORS: [(PixelVerdict, Color, &str); 4] = [
+    (PixelVerdict::NotReflecting, [0; 3], "does not reflect"),
+    (PixelVerdict::Right, [0, 170, 0], "right: what the world shows"),
+    (PixelVerdict::WrongByScreen, [230, 60, 0], "wrong by the screen, which has what belongs there"),
+    (PixelVerdict::WrongByWorld, [60, 90, 230], "wrong by the world: the screen does not have it"),
+];
+
+/// What is known of a frame.
+pub struct Dump<'a> {
+    /// Every image on the way, with its stem.
+    pub intermediates: &'a Intermediates,
+    /// The lens of the camera, by which depths are shaded.
+    pub lens: &'a Lens,
+    /// Reflection colour, and the fade in the fourth channel.
+    pub reflection: &'a Pixels,
+    /// The verdict of each pixel, rows from the top.
+    pub verdicts: &'a [PixelVerdict],
+}
+
+impl Dump<'_> {
+    /// Writes every image as PNG and EXR, with legends beside the pictures whose colours mean something.
+    ///
+    /// # Errors
+    /// Errors of writing.
+    pub fn write(&self, folder: &Inside) -> Result<()> {
+        for (stem, content, pixels) in self.intermediates {
+            picture(*content, pixels, self.lens).write_png(folder.join(format!("{stem}.png")))?;
+            write_exr(folder.join(format!("{stem}.exr")), pixels, channels(*content))?;
+            if *content == Content::Hits {
+                paths(pixels).write_png(folder.join("paths.png"))?;
+                files::write(folder.join("paths-legend.svg"), path_legend(pixels).as_bytes())?;
+            }
+        }
+        self.write_fade(folder)?;
+        self.write_verdicts(folder)
+    }
+
+    fn write_fade(&self, folder: &Inside) -> Result<()> {
+        let Pixels { width, height, .. } = *self.reflection;
+        let values = self.reflection.texels().map(|texel| texel[3]).collect();
+        let fade = Pixels { width, height, channels: 1, values };
+        picture(Content::Share, &fade, self.lens).write_png(folder.join("fade.png"))?;
+        write_exr(folder.join("fade.exr"), &fade, &["fade"])
+    }
+
+    fn write_verdicts(&self, folder: &Inside) -> Result<()> {
+        let Pixels { width, height, .. } = *self.reflection;
+        let row = |verdict: &PixelVerdict| VERDICT_COLORS.iter().position(|(known, ..)| known == verdict).unwrap_or(0);
+        let rows: Vec<usize> = self.verdicts.iter().map(row).collect();
+        let bytes = rows.iter().flat_map(|row| VERDICT_COLORS[*row].1).collect();
+        Rgb { width, height, bytes }.write_png(folder.join("verdict.png"))?;
+        let values = rows.iter().map(|row| *row as f32).collect();
+        write_exr(folder.join("verdict.exr"), &Pixels { width, height, channels: 1, values }, &["verdict"])?;
+        let count = |n: usize| rows.iter().filter(|row| **row == n).count();
+        let entries: Vec<_> =
+            VERDICT_COLORS.iter().enumerate().map(|(n, (_, color, said))| (*color, *said, count(n))).collect();
+        files::write(folder.join("verdict-legend.svg"), legend("verdict.png", &entries).as_bytes())
+    }
+}
+
+/// The names of an image's channels in OpenEXR.
+fn channels(content: Content) -> &'static [&'static str] {
+    match content {
+        Content::Color => &["R", "G", "B", "A"],
+        Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
+        Content::ReversedDepth => &["depth"],
+        Content::StandardDepth => &["min", "max"],
+        Content::LinearDepth => &["z"],
+        Content::Pyramid(_) => &["front", "back"],
+        Content::Numbers => &["X", "Y", "Z", "W"],
+        Content::Share => &["share"],
+        Content::Material => &["reflectivity", "roughness"],
+        Content::Hits => &["u", "v", "depth", "path"],
+        Content::Steps => &["steps"],
+    }
+}
+
+/// The legend of paths.png: the colours that occur, with how many pixels have them.
+fn path_legend(hits: &Pixels) -> String {
+    let codes: Vec<_> = hits.texels().filter_map(|texel| PathCode::from_channel(texel[3])).collect();
+    let count = |of: &[PathCode]| codes.iter().filter(|code| of.contains(code)).count();
+    let entries: Vec<_> = PATH_COLORS
+        .iter()
+        .map(|(color, of, said)| (*color, *said, count(of)))
+        .filter(|(.., count)| *count > 0)
+        .collect();
+    legend("paths.png", &entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_path_code_has_one_colour() {
+        let codes = [PathCode::None, PathCode::HiZ, PathCode::Linear, PathCode::Miss, PathCode::LinearMiss];
+        let more = [PathCode::Exhausted, PathCode::Untraced, PathCode::Unfinished, PathCode::MissScreen];
+        let rest = [PathCode::MissNear, PathCode::MissSky, PathCode::MissBehind, PathCode::Sky, PathCode::Unknown];
+        let last = [PathCode::LinearExhausted, PathCode::Triangle, PathCode::Capture];
+        for code in codes.into_iter().chain(more).chain(rest).chain(last) {
+            let rows = PATH_COLORS.iter().filter(|(_, codes, _)| codes.contains(&code)).count();
+            assert_eq!(rows, 1, "{code:?}");
+        }
+        let colors: std::collections::BTreeSet<_> = PATH_COLORS.iter().map(|(color, ..)| color).collect();
+        assert_eq!(colors.len(), PATH_COLORS.len(), "colours tell codes apart");
+    }
+
+    #[test]
+    fn a_legend_counts_the_colours_that_occur() {
+        let texel = |code: PathCode| [0.0, 0.0, 0.0, f32::from(code as u8)];
+        let values = [PathCode::HiZ, PathCode::HiZ, PathCode::None, PathCode::Linear].map(texel).concat();
+        let text = path_legend(&Pixels { width: 4, height: 1, channels: 4, values });
+        assert!(text.contains("hit by the Hi-Z traversal, 2 pixels, 50.0 %"), "{text}");
+        assert!(text.contains("1 pixel, 25.0 %") && !text.contains("capture"), "{text}");
+    }
+}

@@ -1,0 +1,64 @@
+//! Legends and scales that stand beside pictures as SVG.
+
+use super::images::Color;
+use super::svg::Svg;
+use crate::math::display_byte;
+use glam::Vec2;
+
+const ROW: f32 = 22.0;
+const MARGIN: f32 = 12.0;
+const TEXT: f32 = 13.0;
+/// Pixels of a text's width for each of its characters: more than any font takes.
+const CHARACTER: f32 = 7.5;
+const EDGE: &str = r##"stroke="#888""##;
+
+/// The legend of a picture: for each colour what it means, and how many pixels have it.
+pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
+    let all: usize = entries.iter().map(|(.., count)| count).sum();
+    let line = |(_, said, count): &(Color, &str, usize)| {
+        let share = if all == 0 { 0.0 } else { 100.0 * *count as f64 / all as f64 };
+        format!("{said}, {count} pixel{}, {share:.1} %", if *count == 1 { "" } else { "s" })
+    };
+    let lines: Vec<String> = entries.iter().map(line).collect();
+    let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0).max(picture.len());
+    let width = 2.0 * MARGIN + ROW + CHARACTER * longest as f32;
+    let mut svg = Svg::new(Vec2::new(width, 2.0 * MARGIN + ROW * (lines.len() + 1) as f32));
+    svg.text(Vec2::new(MARGIN, MARGIN + TEXT), TEXT, r#"font-weight="bold""#, picture);
+    for (n, ((color, ..), line)) in entries.iter().zip(&lines).enumerate() {
+        let top = MARGIN + ROW * (n + 1) as f32;
+        svg.rect(Vec2::new(MARGIN, top), Vec2::splat(TEXT), &format!(r#"fill="{}" {EDGE}"#, hex(*color)));
+        svg.text(Vec2::new(MARGIN + ROW, top + TEXT - 2.0), TEXT, "", line);
+    }
+    svg.finish()
+}
+
+/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB, with a mark at the greatest number of the
+/// picture, which stands there as a text as well.
+pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> String {
+    const STEPS: u16 = 100;
+    const STEP: f32 = 4.0;
+    let left = 2.0 * MARGIN;
+    // The last label reaches beyond the greys.
+    let mut svg = Svg::new(Vec2::new(3.0 * left + STEP * f32::from(STEPS), 5.0 * ROW + MARGIN));
+    svg.text(Vec2::new(left, MARGIN + TEXT), TEXT, r#"font-weight="bold""#, &format!("{picture}: {what}"));
+    let top = 2.0 * ROW;
+    for step in 0..STEPS {
+        let grey = [display_byte((f32::from(step) + 0.5) / f32::from(STEPS)); 3];
+        let at = Vec2::new(left + STEP * f32::from(step), top);
+        svg.rect(at, Vec2::new(STEP, ROW), &format!(r#"fill="{}""#, hex(grey)));
+    }
+    for tick in [0.0, 0.1, 0.25, 0.5, 0.75, 1.0] {
+        let label = if tick < 1.0 { tick.to_string() } else { "1 or more".to_owned() };
+        let at = Vec2::new(left + STEP * f32::from(STEPS) * tick, top + ROW + TEXT + 2.0);
+        svg.text(at, TEXT, r#"text-anchor="middle""#, &label);
+    }
+    let mark = left + STEP * f32::from(STEPS) * greatest.clamp(0.0, 1.0);
+    svg.line(Vec2::new(mark, top - 4.0), Vec2::new(mark, top + ROW), r##"stroke="#e33" stroke-width="2""##);
+    let line = format!("red: the greatest, {shown}");
+    svg.text(Vec2::new(left, top + 2.0 * ROW + TEXT), TEXT, r##"fill="#c00""##, &line);
+    svg.finish()
+}
+
+fn hex([r, g, b]: Color) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}

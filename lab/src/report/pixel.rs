@@ -1,0 +1,117 @@
+//! One pixel explained, as text that fits a screen.
+
+use super::tables::wrapped;
+use crate::study::pixel::{LastCell, PixelReport, WalkReport, WorldEnd};
+
+/// Columns before a line's text.
+const INDENT: usize = 12;
+
+/// The report of a pixel: why it is as it is, then line by line what is known of it.
+pub fn text(report: &PixelReport) -> String {
+    let [x, y] = report.pixel;
+    let mut text = format!("pixel {x}, {y} of {}: {}\n", report.method, report.verdict.name());
+    text.extend(report.why.iter().map(|sentence| wrapped("", 0, sentence)));
+    text.push('\n');
+    text.extend(lines(report).iter().map(|(name, said)| wrapped(name, INDENT, said)));
+    text
+}
+
+/// What is known of a pixel, a line for each part, with its name.
+pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
+    let mut lines = vec![("surface", surface(report)), ("lit", color(&report.colors.lit))];
+    if report.surface.reflects {
+        lines.extend(reflection(report));
+    }
+    lines.push(("image", image(report)));
+    if let Some(end) = &report.method_end {
+        let at = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
+        let capture = end.capture.map(|k| format!(", number {k}")).unwrap_or_default();
+        let place = end.place_m.map(|p| format!(", {} m in the world", point(p.map(f64::from)))).unwrap_or_default();
+        lines.push(("method", format!("{}{capture}{at}{place} (path {})", end.end, end.path)));
+    } else if report.surface.reflects {
+        lines.push(("method", "does not tell where its rays end".to_owned()));
+    }
+    if let Some(end) = &report.oracle_end {
+        let at = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
+        let looked = counted(end.pixels as usize, "pixel");
+        lines.push(("oracle", format!("{}{at}, after {looked} (version {})", end.end, end.version)));
+    }
+    lines.extend(report.world_end.as_ref().map(|end| ("world", world(end))));
+    match &report.walk {
+        Some(walk) => lines.extend([
+            ("walk", walked(walk)),
+            ("last cell", walk.last.as_ref().map_or_else(|| "none".to_owned(), cell)),
+        ]),
+        None if report.surface.reflects => {
+            lines.push(("walk", "no walk over the Hi-Z that a twin could follow".to_owned()))
+        }
+        None => {}
+    }
+    lines
+}
+
+fn surface(report: &PixelReport) -> String {
+    let surface = &report.surface;
+    let (Some(mesh), Some(z)) = (&surface.mesh, surface.view_z_m) else { return "sky".to_owned() };
+    let (reflectivity, roughness) = (surface.reflectivity, surface.roughness);
+    format!("{mesh}, {z:.2} m of view depth, reflectivity {reflectivity:.3}, roughness {roughness:.3}")
+}
+
+/// The reflection of the method and of the references.
+fn reflection(report: &PixelReport) -> Vec<(&'static str, String)> {
+    let colors = &report.colors;
+    let mut lines = vec![("reflection", format!("{}, fade {:.3}", color(&colors.reflection), colors.fade))];
+    for (name, reference) in [("by screen", &colors.screen), ("by world", &colors.world)] {
+        lines.extend(reference.as_ref().map(|found| {
+            let error = found.standard_error.into_iter().fold(0.0, f32::max);
+            let off = 100.0 * found.difference;
+            (name, format!("{}, within {error:.4} ({} rays); {off:.0} % of white off", color(&found.color), found.rays))
+        }));
+    }
+    lines
+}
+
+/// How the image's colour was mixed.
+fn image(report: &PixelReport) -> String {
+    let colors = &report.colors;
+    let [r, g, b] = colors.display;
+    let mixed = if report.surface.reflects {
+        format!(" = lit + {:.3} · {:.3} · reflection", colors.reflectivity, colors.fade)
+    } else {
+        " = lit".to_owned()
+    };
+    format!("{}{mixed}; in a PNG {r} {g} {b}", color(&colors.image))
+}
+
+fn world(end: &WorldEnd) -> String {
+    let (Some(mesh), Some(place), Some(length)) = (&end.mesh, end.place_m, end.length_m) else {
+        return "the sky".into();
+    };
+    let shown = if end.shown { "shown" } else { "not shown" };
+    let at = end.pixel.map_or_else(|| "behind the eye".to_owned(), |[x, y]| format!("at {x:.1}, {y:.1}"));
+    format!("{mesh}, {length:.2} m away, {} m, {shown} {at}", point(place))
+}
+
+fn walked(walk: &WalkReport) -> String {
+    format!("{}; it {}", counted(walk.steps, "step"), walk.end)
+}
+
+fn cell(last: &LastCell) -> String {
+    let [column, row] = last.cell;
+    let met = if last.crossed { "left" } else { "met" };
+    let (level, nearest, ray) = (last.level, last.nearest, last.ray);
+    format!("level {level}, cell {column}, {row}: nearest {nearest:.6}, ray {ray:.6}; the ray {met} it")
+}
+
+fn color(color: &[f32; 3]) -> String {
+    color.map(|v| format!("{v:.4}")).join(" ")
+}
+
+fn point(place: [f64; 3]) -> String {
+    place.map(|v| format!("{v:.2}")).join(", ")
+}
+
+/// A number of things, whose name gets an s where there is not one of them.
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,0 +1,66 @@
+//! Drawings as SVG.
+
+use glam::Vec2;
+use std::fmt::{Display, Write};
+
+/// A drawing that grows by shapes; lengths are pixels.
+pub(super) struct Svg {
+    size: Vec2,
+    body: String,
+}
+
+impl Svg {
+    pub(super) fn new(size: Vec2) -> Self {
+        Self { size, body: String::new() }
+    }
+
+    /// Writing to a string can't fail.
+    pub(super) fn add(&mut self, shape: impl Display) {
+        let _ = writeln!(self.body, "{shape}");
+    }
+
+    /// A rectangle with attributes of its own.
+    pub(super) fn rect(&mut self, at: Vec2, size: Vec2, attributes: &str) {
+        self.add(format_args!(
+            r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="{:.2}" {attributes}/>"#,
+            at.x, at.y, size.x, size.y
+        ));
+    }
+
+    pub(super) fn line(&mut self, a: Vec2, b: Vec2, attributes: &str) {
+        self.add(format_args!(
+            r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" {attributes}/>"#,
+            a.x, a.y, b.x, b.y
+        ));
+    }
+
+    pub(super) fn circle(&mut self, at: Vec2, radius: Vec2, attributes: &str) {
+        self.add(format_args!(
+            r#"<ellipse cx="{:.2}" cy="{:.2}" rx="{:.2}" ry="{:.2}" {attributes}/>"#,
+            at.x, at.y, radius.x, radius.y
+        ));
+    }
+
+    pub(super) fn polyline(&mut self, points: impl Iterator<Item = Vec2>, attributes: &str) {
+        let points: Vec<String> = points.map(|p| format!("{:.2},{:.2}", p.x, p.y)).collect();
+        self.add(format_args!(r#"<polyline points="{}" {attributes}/>"#, points.join(" ")));
+    }
+
+    /// Text at the left of a point on its base line, unless an anchor says otherwise.
+    pub(super) fn text(&mut self, at: Vec2, size: f32, attributes: &str, text: &str) {
+        let text = text.replace('&', "&amp;").replace('<', "&lt;");
+        self.add(format_args!(
+            r#"<text x="{:.2}" y="{:.2}" font-size="{size}" {attributes}>{text}</text>"#,
+            at.x, at.y
+        ));
+    }
+
+    pub(super) fn finish(self) -> String {
+        let [w, h] = self.size.to_array();
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.0}\" height=\"{h:.0}\" viewBox=\"0 0 {w:.0} {h:.0}\" \
+             font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
+            self.body
+        )
+    }
+}

@@ -1,0 +1,385 @@
+//! One pixel explained: what a method made of it, where its ray ends by the method, by the oracle and in the world, what
+//! hid that place from the screen, and which colours were mixed (docs/dump.md, "One pixel").
+
+mod reasons;
+
+use super::inspect::{Inspection, PickedRay, Walk, WalkEnd};
+use crate::gpu::Pixels;
+use crate::math::display_byte;
+use crate::metrics::verdict::{PixelVerdict, difference};
+use crate::passes::PathCode;
+use crate::reference::Outcome;
+use crate::reference::pixel::{Estimated, PixelInWorld, PixelSampling, Unseen, all_references, references};
+use crate::reference::surface::World;
+use crate::reference::world_hits::WorldHit;
+use crate::scene::{Camera, GBufferData, Surface};
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+
+/// Rays of each reference of a pixel.
+pub const RAYS: u32 = 256;
+
+/// Rays of each reference of a pixel where all pixels of a picture are judged.
+pub const PICTURE_RAYS: u32 = 16;
+
+/// What a frame made, on the host: images of one size.
+#[derive(Clone, Copy)]
+pub struct Made<'a> {
+    /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
+    pub reflection: &'a Pixels,
+    /// The finished image, linear.
+    pub composite: &'a Pixels,
+}
+
+/// A method as far as its pixels depend on it.
+#[derive(Clone, Copy)]
+pub struct PixelMethod<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// How often light is reflected.
+    pub bounces: u32,
+}
+
+/// Everything that is known of a pixel. Colours are linear; places on the screen are continuous pixel coordinates from the
+/// top left; places in the world are in metres.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PixelReport {
+    /// Column and row, from the top left.
+    pub pixel: [u32; 2],
+    /// The method.
+    pub method: String,
+    /// Whether the reflection is right, and if not, whether the screen has what belongs there.
+    pub verdict: PixelVerdict,
+    /// Why the pixel is as it is, in sentences.
+    pub why: Vec<String>,
+    /// What the pixel shows.
+    pub surface: SurfaceReport,
+    /// What its colour was mixed of.
+    pub colors: ColorReport,
+    /// Where its ray ends by the method; null where the method does not tell, or there is no ray.
+    pub method_end: Option<MethodEnd>,
+    /// Where its mirror ray ends by the oracle, on the screen alone; null if there is no ray.
+    pub oracle_end: Option<OracleEnd>,
+    /// Where its mirror ray ends among the triangles of the scene; null if there is no ray.
+    pub world_end: Option<WorldEnd>,
+    /// How the mirror ray walks over the cells of the Hi-Z; null where the method does not walk, or has no twin.
+    pub walk: Option<WalkReport>,
+}
+
+/// The surface that a pixel shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceReport {
+    /// The name of its mesh; null for sky.
+    pub mesh: Option<String>,
+    /// View-space z in metres; null for sky.
+    pub view_z_m: Option<f64>,
+    /// Normal in view space; zero for sky.
+    pub normal: [f32; 3],
+    /// Reflectivity.
+    pub reflectivity: f32,
+    /// Roughness; 0 is a mirror.
+    pub roughness: f32,
+    /// Whether it reflects.
+    pub reflects: bool,
+}
+
+/// The colours of a pixel: image = lit + reflectivity · fade · reflection.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColorReport {
+    /// Lit colour.
+    pub lit: [f32; 3],
+    /// The method's reflection before fade and reflectivity.
+    pub reflection: [f32; 3],
+    /// Share of the reflection that the fade leaves, 0…1.
+    pub fade: f32,
+    /// Share of the reflection that the surface adds.
+    pub reflectivity: f32,
+    /// The finished image.
+    pub image: [f32; 3],
+    /// The finished image as a PNG has it.
+    pub display: [u8; 3],
+    /// The reflection that the screen reference has; null if the pixel does not reflect.
+    pub screen: Option<ReferenceColor>,
+    /// The reflection that the world reference has; null if the pixel does not reflect.
+    pub world: Option<ReferenceColor>,
+}
+
+/// A reflection of a reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReferenceColor {
+    /// Mean over its rays, before fade and reflectivity.
+    pub color: [f32; 3],
+    /// Standard error of the mean.
+    pub standard_error: [f32; 3],
+    /// Its rays.
+    pub rays: u32,
+    /// How far the reflection that the method shows, after the fade, differs from it on a display: a share of the way from black
+    /// to white.
+    pub difference: f32,
+}
+
+/// Where a method says that a ray ends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodEnd {
+    /// The path code, as docs/dump.md lists them.
+    pub path: u8,
+    /// How it ended, in words.
+    pub end: &'static str,
+    /// Whether the method takes it for a hit on the screen.
+    pub hits_screen: bool,
+    /// Where on the screen it ends, if it is a hit there.
+    pub pixel: Option<[f32; 2]>,
+    /// Where in the world it ends, if it ends at a surface.
+    pub place_m: Option<[f32; 3]>,
+    /// The capture in which it ends, counted from 0.
+    pub capture: Option<usize>,
+}
+
+/// Where the oracle says that a ray ends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OracleEnd {
+    /// The version of the oracle.
+    pub version: u32,
+    /// How it ended, in words.
+    pub end: &'static str,
+    /// Where on the screen it hits.
+    pub pixel: Option<[f64; 2]>,
+    /// Pixels that it looked at.
+    pub pixels: u32,
+}
+
+/// Where a ray ends in the world.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorldEnd {
+    /// The name of the mesh; null where the ray ends in the sky.
+    pub mesh: Option<String>,
+    /// Where it ends.
+    pub place_m: Option<[f64; 3]>,
+    /// Its length in metres.
+    pub length_m: Option<f64>,
+    /// View-space z of its end in metres.
+    pub view_z_m: Option<f64>,
+    /// Where its end lies on the screen, or beside it; null behind the eye.
+    pub pixel: Option<[f64; 2]>,
+    /// Whether the screen shows the place.
+    pub shown: bool,
+    /// What keeps the screen from showing it, in words.
+    pub hidden: Option<&'static str>,
+    /// The name of the mesh that stands before it.
+    pub hidden_by: Option<String>,
+    /// View-space z in metres of what the screen shows instead.
+    pub shown_view_z_m: Option<f64>,
+}
+
+/// The walk of a ray, and the cell at which it looked last.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WalkReport {
+    /// Cells that it looked at.
+    pub steps: usize,
+    /// How it ended, in words.
+    pub end: &'static str,
+    /// The convention of the depths.
+    pub depth: &'static str,
+    /// The cell at which it looked last; null if it looked at none.
+    pub last: Option<LastCell>,
+}
+
+/// A cell of the Hi-Z.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LastCell {
+    /// Its level; 0 is the pixels.
+    pub level: u32,
+    /// Its column and row in the level.
+    pub cell: [u32; 2],
+    /// Its top left and bottom right corner, in pixels.
+    pub corners: [[f32; 2]; 2],
+    /// The nearest depth in it.
+    pub nearest: f32,
+    /// The ray's depth after it.
+    pub ray: f32,
+    /// Whether the ray passed on to the next cell; else it met what the cell holds.
+    pub crossed: bool,
+}
+
+/// Explains a pixel of a frame; `None` off the picture.
+pub fn explain(
+    inspection: &Inspection,
+    made: Made,
+    world: &World,
+    method: PixelMethod,
+    pixel: [u32; 2],
+) -> Option<PixelReport> {
+    let ray = inspection.pick(pixel)?;
+    let gbuffer = &inspection.gbuffer;
+    let index = gbuffer.index(pixel[0], pixel[1]);
+    let in_world = PixelInWorld::new(world, gbuffer, index);
+    let reflects = gbuffer.reflects(index);
+    let sampling = PixelSampling { rays: RAYS, bounces: method.bounces, oracle: inspection.oracle() };
+    let references = reflects.then(|| references(world, gbuffer, index, sampling));
+    let colors = ColorReport::new(gbuffer, made, pixel, references);
+    let shown = colors.fade * Vec3::from(colors.reflection);
+    let verdict =
+        references.map_or(PixelVerdict::NotReflecting, |(screen, world)| PixelVerdict::of(shown, &screen, &world));
+    let mut report = PixelReport {
+        pixel,
+        method: method.name.to_owned(),
+        verdict,
+        why: Vec::new(),
+        surface: SurfaceReport::new(gbuffer, index, in_world.mesh.clone()),
+        colors,
+        method_end: MethodEnd::new(&ray),
+        oracle_end: reflects.then(|| OracleEnd::new(inspection, &ray)),
+        world_end: WorldEnd::new(&in_world, &gbuffer.camera),
+        walk: ray.walk.as_ref().map(WalkReport::new),
+    };
+    report.why = reasons::of(&report, gbuffer.surface[index] == Surface::Sky, inspection.traces_lobes());
+    Some(report)
+}
+
+/// Judges the reflection of every pixel of a frame, rows from the top.
+pub fn verdicts(inspection: &Inspection, made: Made, world: &World, bounces: u32) -> Vec<PixelVerdict> {
+    let gbuffer = &inspection.gbuffer;
+    let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle() };
+    let (screens, worlds) = all_references(world, gbuffer, sampling);
+    let judged = |(index, texel): (usize, &[f32])| match gbuffer.reflects(index) {
+        true => PixelVerdict::of(texel[3] * Vec3::from_slice(texel), &screens[index], &worlds[index]),
+        false => PixelVerdict::NotReflecting,
+    };
+    made.reflection.texels().enumerate().map(judged).collect()
+}
+
+impl SurfaceReport {
+    fn new(gbuffer: &GBufferData, index: usize, mesh: Option<String>) -> Self {
+        let is_sky = gbuffer.depth[index] <= 0.0;
+        let [x, y] = [index as u32 % gbuffer.width, index as u32 / gbuffer.width].map(|v| f64::from(v) + 0.5);
+        let depth = f64::from(gbuffer.depth[index]);
+        let point = gbuffer.unproject(x, y, depth, &gbuffer.view_to_clip().inverse());
+        Self {
+            mesh: mesh.filter(|_| !is_sky),
+            view_z_m: (!is_sky).then_some(point.z),
+            normal: gbuffer.normal[index].to_array(),
+            reflectivity: gbuffer.reflectivity[index],
+            roughness: gbuffer.roughness[index],
+            reflects: gbuffer.reflects(index),
+        }
+    }
+}
+
+impl ColorReport {
+    fn new(gbuffer: &GBufferData, made: Made, [x, y]: [u32; 2], of: Option<(Estimated, Estimated)>) -> Self {
+        let index = gbuffer.index(x, y);
+        let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.at(x, y)[c]);
+        let image = color(made.composite);
+        let fade = made.reflection.at(x, y)[3];
+        let shown = fade * Vec3::from(color(made.reflection));
+        let reference = |found: Estimated| ReferenceColor {
+            difference: difference(shown, found.color),
+            color: found.color.to_array(),
+            standard_error: found.standard_error.to_array(),
+            rays: RAYS,
+        };
+        Self {
+            lit: gbuffer.color[index].to_array(),
+            reflection: color(made.reflection),
+            fade,
+            reflectivity: gbuffer.reflectivity[index],
+            image,
+            display: image.map(display_byte),
+            screen: of.map(|(screen, _)| reference(screen)),
+            world: of.map(|(_, world)| reference(world)),
+        }
+    }
+}
+
+impl MethodEnd {
+    fn new(ray: &PickedRay) -> Option<Self> {
+        let (code, place) = ray.method.filter(|(code, _)| *code != PathCode::None)?;
+        let in_world = ray.in_world.filter(|way| !matches!(way.code, PathCode::Sky | PathCode::Unknown));
+        Some(Self {
+            path: code as u8,
+            end: code.words(),
+            hits_screen: code.is_hit(),
+            pixel: code.is_hit().then_some(place),
+            place_m: in_world.map(|way| way.end.to_array()),
+            capture: ray.in_world.and_then(|way| way.capture),
+        })
+    }
+}
+
+impl OracleEnd {
+    fn new(inspection: &Inspection, ray: &PickedRay) -> Self {
+        Self {
+            version: inspection.oracle().into(),
+            end: match ray.oracle.outcome {
+                Outcome::Hit { .. } => "hits a pixel",
+                Outcome::Miss { reason, behind } => reasons::miss(reason, behind),
+            },
+            pixel: ray.oracle.position_px(),
+            pixels: ray.oracle.steps,
+        }
+    }
+}
+
+impl WorldEnd {
+    fn new(found: &PixelInWorld, camera: &Camera) -> Option<Self> {
+        let nowhere = Self {
+            mesh: None,
+            place_m: None,
+            length_m: None,
+            view_z_m: None,
+            pixel: None,
+            shown: false,
+            hidden: None,
+            hidden_by: None,
+            shown_view_z_m: None,
+        };
+        let (position, pixel, view_z_m, length_m, visible) = match found.end {
+            WorldHit::NotReflecting => return None,
+            WorldHit::Escaped => return Some(nowhere),
+            WorldHit::Hit { position, pixel, view_z_m, length_m, visible } => {
+                (position, pixel, view_z_m, length_m, visible)
+            }
+        };
+        let (hidden_by, shown_view_z_m) = match &found.unseen {
+            Some(Unseen::Hidden { by, view_z_m }) => (by.clone(), Some(*view_z_m)),
+            Some(Unseen::NotDrawn { view_z_m }) => (None, Some(*view_z_m).filter(|z| z.is_finite())),
+            _ => (None, None),
+        };
+        let is_before_near = view_z_m < f64::from(camera.lens.near_m);
+        Some(Self {
+            mesh: found.end_mesh.clone(),
+            place_m: Some(DVec3::to_array(&position)),
+            length_m: Some(length_m),
+            view_z_m: Some(view_z_m),
+            pixel: pixel.map(|p| p.to_array()),
+            shown: visible,
+            hidden: found.unseen.as_ref().map(|unseen| reasons::unseen(unseen, is_before_near)),
+            hidden_by,
+            shown_view_z_m,
+        })
+    }
+}
+
+impl WalkReport {
+    fn new(walk: &Walk) -> Self {
+        let last = walk.cells.last().map(|cell| LastCell {
+            level: cell.level,
+            cell: cell.place.to_array().map(|v| v as u32),
+            corners: cell.corners.map(|corner| corner.to_array()),
+            nearest: cell.nearest,
+            ray: cell.ray,
+            crossed: cell.crossed,
+        });
+        Self {
+            steps: walk.cells.len(),
+            end: match walk.end {
+                WalkEnd::Hit => "met a pixel",
+                WalkEnd::Left => "left the picture",
+                WalkEnd::Behind => "met a surface from behind",
+                WalkEnd::Exhausted => "ran out of steps",
+            },
+            depth: walk.depth,
+            last,
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Why a pixel is as it is, in sentences.
+
+use super::{MethodEnd, OracleEnd, PixelReport, WorldEnd};
+use crate::metrics::hits::HitVerdict;
+use crate::metrics::verdict::{PixelVerdict, WRONG};
+use crate::metrics::world::is_same_place;
+use crate::reference::MissReason;
+use crate::reference::pixel::Unseen;
+
+/// The sentences of a pixel. `is_sky_surface` says that its mesh shows the environment; `traces_lobes`, that the method's own
+/// ray of a rough pixel is not the mirror ray.
+pub(super) fn of(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
+    if !report.surface.reflects {
+        return vec![not_reflecting(report, is_sky_surface)];
+    }
+    let is_rough = report.surface.roughness > 0.0;
+    let compares = !(is_rough && traces_lobes);
+    let mut all = vec![verdict(report)];
+    all.extend(report.world_end.as_ref().map(world));
+    if let (Some(own), Some(oracle), true) = (&report.method_end, &report.oracle_end, compares) {
+        all.extend(method(own, oracle, report.world_end.as_ref()));
+    }
+    all.extend(fade(report));
+    if is_rough {
+        let own = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
+        all.push(format!(
+            "The surface is rough: colours are means over a lobe, and ends are those of its mirror ray{own}."
+        ));
+    }
+    all
+}
+
+fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
+    let surface = &report.surface;
+    match &surface.mesh {
+        None => "The pixel does not reflect: it shows the sky.".to_owned(),
+        Some(mesh) if is_sky_surface => format!("The pixel does not reflect: {mesh} shows the environment."),
+        Some(mesh) => {
+            format!("The pixel does not reflect: the reflectivity of {mesh} is {} there.", surface.reflectivity)
+        }
+    }
+}
+
+fn verdict(report: &PixelReport) -> String {
+    let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
+    let by =
+        format!("it differs from the world's by {off:.0} % of white ({:.0} % beyond chance are wrong)", 100.0 * WRONG);
+    match report.verdict {
+        PixelVerdict::Right => format!("The reflection is right: {by}."),
+        PixelVerdict::WrongByScreen => {
+            format!("The reflection is wrong, though the screen has what belongs there: {by}.")
+        }
+        PixelVerdict::WrongByWorld => {
+            format!("The reflection is wrong, and the screen does not have what belongs there: {by}.")
+        }
+        PixelVerdict::NotReflecting => "The pixel does not reflect.".to_owned(),
+    }
+}
+
+/// Where the ray ends in the world, and what hides that place.
+fn world(end: &WorldEnd) -> String {
+    let Some(mesh) = &end.mesh else { return "In the world the ray meets nothing: it ends in the sky.".to_owned() };
+    let length = end.length_m.unwrap_or_default();
+    let met = format!("In the world the ray meets {mesh} after {length:.2} m, which");
+    let place = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
+    match (end.shown, end.hidden) {
+        (true, _) | (_, None) => format!("{met} the screen shows{place}."),
+        (false, Some(hidden)) => {
+            let by = match (&end.hidden_by, end.shown_view_z_m, end.view_z_m) {
+                (Some(by), Some(before), Some(z)) => {
+                    let by = if by == mesh { "another part of it" } else { by };
+                    format!(" {by}, at {before:.2} m of view depth against {z:.2} m")
+                }
+                (None, Some(shown), Some(z)) => format!(", at {shown:.2} m of view depth against {z:.2} m"),
+                _ => String::new(),
+            };
+            format!("{met} {hidden}{by}{place}.")
+        }
+    }
+}
+
+/// Why the screen does not show a place, as the end of a sentence about it.
+pub(super) fn unseen(unseen: &Unseen, is_before_near: bool) -> &'static str {
+    match unseen {
+        Unseen::BehindEye => "lies behind the eye",
+        Unseen::OffScreen => "lies beside the picture",
+        Unseen::Hidden { by: Some(_), .. } => "is hidden behind",
+        Unseen::Hidden { by: None, .. } => "is hidden behind what the picture shows",
+        Unseen::NotDrawn { .. } if is_before_near => "lies before the near plane",
+        Unseen::NotDrawn { .. } => "the picture does not draw",
+    }
+}
+
+/// How the method's end differs from the oracle's, and from the world's.
+fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
+    // Beyond the screen the oracle of the screen has nothing to say.
+    let went_on = own.place_m.is_some() && !own.hits_screen;
+    let place = own.pixel.map(|p| p.map(f64::from));
+    let say = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
+    Some(match HitVerdict::of(place, oracle.pixel) {
+        _ if went_on => return None,
+        HitVerdict::Agrees => {
+            let visible = world.filter(|end| end.shown).and_then(|end| end.pixel);
+            let as_world = match (place, visible) {
+                (Some(a), Some(b)) => is_same_place(a, b),
+                (a, b) => a.is_none() && b.is_none(),
+            };
+            let rest = if as_world { "" } else { ", which is not where it ends in the world" };
+            format!("On the screen the method's ray ends where the oracle's does{rest}.")
+        }
+        HitVerdict::False => {
+            let at = place.map(say).unwrap_or_default();
+            format!("The method takes the ray for a hit at {at}; by the oracle it {}.", oracle.end)
+        }
+        HitVerdict::Missed => {
+            let at = oracle.pixel.map(say).unwrap_or_default();
+            format!("By the oracle the ray hits {at}; the method's {}.", own.end)
+        }
+        HitVerdict::Displaced => {
+            let [own, other] = [place, oracle.pixel].map(|p| p.map(say).unwrap_or_default());
+            format!("The method's ray hits {own}, and the oracle's {other}.")
+        }
+    })
+}
+
+/// What the fade leaves.
+fn fade(report: &PixelReport) -> Option<String> {
+    let fade = report.colors.fade;
+    let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
+    // A fade is stored as a float of 16 bits, so that one of 1 may be a little less.
+    let is_partial = is_hit && (0.0..0.995).contains(&fade);
+    is_partial.then(|| format!("The fade leaves {:.0} % of the reflection.", 100.0 * fade))
+}
+
+/// How a ray ends that hits nothing on the screen.
+pub(super) fn miss(reason: MissReason, behind: bool) -> &'static str {
+    match (reason, behind) {
+        (MissReason::NoRay, _) => "has no ray",
+        (MissReason::LeftScreen, false) => "leaves the picture",
+        (MissReason::LeftScreen, true) => "leaves the picture behind a surface",
+        (MissReason::Near, false) => "passes the near plane",
+        (MissReason::Near, true) => "passes the near plane behind a surface",
+        (MissReason::Far, false) => "passes the far plane",
+        (MissReason::Far, true) => "passes the far plane behind a surface",
+    }
+}

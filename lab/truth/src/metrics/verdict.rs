@@ -1,0 +1,111 @@
+//! Whether the reflection of a pixel is right, and if it is not, whether the screen shows what belongs there
+//! (docs/dump.md, "Verdict").
+
+use crate::math::linear_to_srgb;
+use crate::reference::pixel::Estimated;
+use glam::Vec3;
+use serde::Serialize;
+
+/// The [`difference`] of two reflections above which one of them is wrong.
+pub const WRONG: f32 = 0.1;
+
+/// How many standard errors of a reference a difference may lie above [`WRONG`].
+const STANDARD_ERRORS: f32 = 3.0;
+
+/// How the reflection that a pixel shows compares with the references.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+pub enum PixelVerdict {
+    /// The pixel does not reflect.
+    #[serde(rename = "does not reflect")]
+    NotReflecting,
+    /// It shows what the world shows.
+    #[serde(rename = "right")]
+    Right,
+    /// It shows something else, though the screen has what belongs there.
+    #[serde(rename = "wrong by the screen")]
+    WrongByScreen,
+    /// It shows something else, and the screen does not have what belongs there.
+    #[serde(rename = "wrong by the world")]
+    WrongByWorld,
+}
+
+impl PixelVerdict {
+    /// Judges a reflection after the fade, by the references of the same pixel.
+    pub fn of(shown: Vec3, screen: &Estimated, world: &Estimated) -> Self {
+        let [own, best] = [Estimated { color: shown, ..Estimated::default() }, *screen].map(|one| differs(&one, world));
+        match (own, best) {
+            (false, _) => Self::Right,
+            (true, false) => Self::WrongByScreen,
+            (true, true) => Self::WrongByWorld,
+        }
+    }
+
+    /// Its name, as records have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NotReflecting => "does not reflect",
+            Self::Right => "right",
+            Self::WrongByScreen => "wrong by the screen",
+            Self::WrongByWorld => "wrong by the world",
+        }
+    }
+}
+
+/// The difference of two linear colours as a display shows them: root mean square over the channels, in shares of the way from
+/// black to white. Linear values would take a dark reflection that is missing for a small error.
+pub fn difference(a: Vec3, b: Vec3) -> f32 {
+    rms(display(a) - display(b))
+}
+
+/// What a display shows of a linear colour, 0…1 in each channel.
+fn display(color: Vec3) -> Vec3 {
+    color.map(|v| linear_to_srgb(if v.is_nan() { v } else { v.clamp(0.0, 1.0) }))
+}
+
+fn rms(v: Vec3) -> f32 {
+    (v.length_squared() / 3.0).sqrt()
+}
+
+/// Whether two colours differ by more than [`WRONG`] and what chance explains; a colour that is no number always does.
+fn differs(a: &Estimated, b: &Estimated) -> bool {
+    let reach = |one: &Estimated| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
+    let found = difference(a.color, b.color);
+    found.is_nan() || found > WRONG + reach(a).hypot(reach(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exact(grey: f32) -> Estimated {
+        Estimated { color: Vec3::splat(grey), standard_error: Vec3::ZERO }
+    }
+
+    #[test]
+    fn what_the_screen_has_decides_who_is_wrong() {
+        let judged =
+            |shown: f32, screen: f32, world: f32| PixelVerdict::of(Vec3::splat(shown), &exact(screen), &exact(world));
+        assert_eq!(judged(0.5, 0.0, 0.55), PixelVerdict::Right, "whatever the screen has");
+        assert_eq!(judged(0.0, 0.5, 0.5), PixelVerdict::WrongByScreen);
+        assert_eq!(judged(0.0, 0.0, 0.5), PixelVerdict::WrongByWorld);
+        assert_eq!(judged(f32::NAN, 0.5, 0.5), PixelVerdict::WrongByScreen);
+    }
+
+    #[test]
+    fn a_dark_reflection_that_is_missing_is_wrong() {
+        let dark = exact(0.09);
+        assert_eq!(PixelVerdict::of(Vec3::ZERO, &dark, &dark), PixelVerdict::WrongByScreen);
+        // Half as bright again is shown as 0.36 in place of 0.29: hardly seen.
+        assert!(difference(Vec3::splat(0.1), Vec3::splat(0.07)) < WRONG);
+        assert_eq!(difference(Vec3::splat(7.0), Vec3::ONE), 0.0, "a display shows nothing above white");
+    }
+
+    #[test]
+    fn a_difference_that_chance_explains_is_right() {
+        let judged = |error: f32| {
+            let world = Estimated { color: Vec3::splat(0.5), standard_error: Vec3::splat(error) };
+            PixelVerdict::of(Vec3::splat(0.8), &exact(0.5), &world)
+        };
+        assert_eq!([judged(0.0), judged(0.1)], [PixelVerdict::WrongByScreen, PixelVerdict::Right]);
+    }
+}

@@ -1,0 +1,251 @@
+//! What the world says of one pixel: what it shows, where its mirror ray ends, and what keeps the screen from showing that
+//! place (docs/definitions.md, "World agreement"); and the reflection as the references have it.
+
+use super::first_hits::{FirstHits, PrimaryRays};
+use super::screen::{Sampling, ScreenReference};
+use super::surface::World;
+use super::world::WorldReference;
+use super::world_hits::{ShownPlaces, WorldHit};
+use crate::math::OracleVersion;
+use crate::scene::GBufferData;
+use crate::scene::bvh::TriangleHit;
+use glam::Vec3;
+
+/// The seed of a pixel's screen reference, which is that of the study of run time against error.
+const SCREEN_SEED: u64 = 1;
+/// The seed of a pixel's world reference, as above.
+const WORLD_SEED: u64 = 2;
+
+/// A pixel of a G-buffer in the world that the G-buffer shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelInWorld {
+    /// The name of the mesh that the pixel shows; `None` for sky.
+    pub mesh: Option<String>,
+    /// Where its mirror ray ends.
+    pub end: WorldHit,
+    /// The name of the mesh that the ray meets there.
+    pub end_mesh: Option<String>,
+    /// Why the screen does not show the place; `None` where it does, and where the ray meets nothing.
+    pub unseen: Option<Unseen>,
+}
+
+/// Why a screen does not show a place.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unseen {
+    /// The place lies behind the eye.
+    BehindEye,
+    /// The place lies beside the picture.
+    OffScreen,
+    /// Something stands before the place.
+    Hidden {
+        /// The name of its mesh, if it is known.
+        by: Option<String>,
+        /// Its view-space z in metres.
+        view_z_m: f64,
+    },
+    /// The picture shows something farther away there, in metres of view-space z: it does not draw the place, which may lie
+    /// before the near plane or on the back of a surface with one side.
+    NotDrawn {
+        /// View-space z of what it shows, in metres; infinite for sky.
+        view_z_m: f64,
+    },
+}
+
+/// A reflection colour before fade and reflectivity, with the standard error of each channel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimated {
+    /// Linear colour.
+    pub color: Vec3,
+    /// Standard error of the mean.
+    pub standard_error: Vec3,
+}
+
+/// How references of a pixel are sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelSampling {
+    /// Rays of each reference.
+    pub rays: u32,
+    /// How often light is reflected, ≥ 1.
+    pub bounces: u32,
+    /// The version of the oracle for the screen.
+    pub oracle: OracleVersion,
+}
+
+impl PixelInWorld {
+    /// Looks up a pixel of a G-buffer, given by its index.
+    pub fn new(world: &World, gbuffer: &GBufferData, index: usize) -> Self {
+        let first_hits = FirstHits::shown_at(world, gbuffer, index);
+        let names = Names { world, rays: PrimaryRays::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]) };
+        let screen = ShownPlaces::new(gbuffer, &first_hits);
+        let (end, met) = match first_hits.receivers.get(index).copied().flatten() {
+            Some(receiver) => screen.end(world, &receiver),
+            None => (WorldHit::NotReflecting, None),
+        };
+        let unseen = match end {
+            WorldHit::Hit { pixel, view_z_m, visible: false, .. } => Some(match pixel {
+                None => Unseen::BehindEye,
+                Some(place) => match screen.index(place) {
+                    None => Unseen::OffScreen,
+                    Some(there) => names.before(there, first_hits.view_z_m[there], view_z_m),
+                },
+            }),
+            _ => None,
+        };
+        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|hit| names.of(&hit)), unseen }
+    }
+}
+
+/// What finds the names of meshes.
+struct Names<'a> {
+    world: &'a World<'a>,
+    rays: PrimaryRays,
+}
+
+impl Names<'_> {
+    fn of(&self, hit: &TriangleHit) -> String {
+        let mesh = self.world.triangle(hit).mesh as usize;
+        self.world.scene.meshes.get(mesh).map_or_else(String::new, |mesh| mesh.name.clone())
+    }
+
+    fn shown_at(&self, index: usize) -> Option<String> {
+        self.world.closest(&self.rays.ray(index).0).map(|hit| self.of(&hit))
+    }
+
+    /// Why a place is not seen in a pixel that shows something else, given both distances.
+    fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> Unseen {
+        if shown_z_m < place_z_m {
+            Unseen::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
+        } else {
+            Unseen::NotDrawn { view_z_m: shown_z_m }
+        }
+    }
+}
+
+/// The reflection of one pixel as the screen has it, and as the world has it; black if it does not reflect.
+pub fn references(
+    world: &World,
+    gbuffer: &GBufferData,
+    index: usize,
+    sampling: PixelSampling,
+) -> (Estimated, Estimated) {
+    let mut mask = vec![false; gbuffer.depth.len()];
+    mask[index] = gbuffer.reflects(index);
+    let (screen, world) = of_mask(world, gbuffer, &mask, &FirstHits::shown_at(world, gbuffer, index), sampling);
+    (screen[index], world[index])
+}
+
+/// The reflections of all pixels as the screen has them, and as the world has them; black where nothing reflects.
+pub fn all_references(
+    world: &World,
+    gbuffer: &GBufferData,
+    sampling: PixelSampling,
+) -> (Vec<Estimated>, Vec<Estimated>) {
+    of_mask(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
+}
+
+fn of_mask(
+    world: &World,
+    gbuffer: &GBufferData,
+    mask: &[bool],
+    first_hits: &FirstHits,
+    PixelSampling { rays, bounces, oracle }: PixelSampling,
+) -> (Vec<Estimated>, Vec<Estimated>) {
+    let estimates = |colors: &[Vec3], errors: &[Vec3]| {
+        let pairs = colors.iter().zip(errors);
+        pairs.map(|(color, error)| Estimated { color: *color, standard_error: *error }).collect()
+    };
+    let sampling = Sampling { samples: rays, seed: SCREEN_SEED, oracle, bounces };
+    let screen = ScreenReference::render(gbuffer, mask, sampling, &|| ());
+    let reference = WorldReference::new(world, first_hits, &gbuffer.camera, WORLD_SEED).with_bounces(bounces);
+    let mut state = reference.start();
+    reference.add(&mut state, rays);
+    let image = reference.image(&state);
+    (estimates(&screen.color, &screen.standard_error), estimates(&image.reflection, &image.standard_error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::surface::tests::rectangle;
+    use crate::reference::testing;
+    use crate::scene::{Camera, Lens, Material, Mesh, Opening, Scene};
+    use glam::DVec2;
+
+    fn named(name: &str, mesh: Mesh) -> Mesh {
+        Mesh { name: name.to_owned(), ..mesh }
+    }
+
+    /// A camera 1 m above a mirror floor, before a wall at z = 4 that does not reflect, and what else stands there.
+    fn room(more: Vec<Mesh>) -> (Scene, Camera) {
+        let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
+        let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
+        let scene = Scene {
+            meshes: [vec![named("floor", floor), named("wall", wall)], more].concat(),
+            materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
+            ..Scene::default()
+        };
+        let lens = Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() };
+        (scene, Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0))
+    }
+
+    fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
+        let (scene, camera) = room(more);
+        let world = World::new(&scene, &scene.materials);
+        let data = testing::traced(&world, &camera, [40, 40]);
+        PixelInWorld::new(&world, &data, data.index(pixel[0], pixel[1]))
+    }
+
+    #[test]
+    fn what_stands_where_the_ray_ends_and_what_hides_it_have_names() {
+        let open = seen(Vec::new(), [20, 38]);
+        assert_eq!((open.mesh.as_deref(), open.end_mesh.as_deref()), (Some("floor"), Some("wall")));
+        assert!(open.unseen.is_none() && open.end.visible_at().is_some(), "{open:?}");
+        // A plate at z = 2 that hangs above the ray and before the place where it ends.
+        let WorldHit::Hit { position, .. } = open.end else { panic!("{open:?}") };
+        let middle = (0.5 * position).as_vec3();
+        let plate = rectangle(middle - Vec3::new(0.3, 0.05, 0.0), 0.1 * Vec3::Y, 0.6 * Vec3::X, 1);
+        let hidden = seen(vec![named("plate", plate)], [20, 38]);
+        assert_eq!(hidden.end_mesh.as_deref(), Some("wall"), "{hidden:?}");
+        let Some(Unseen::Hidden { by, view_z_m }) = hidden.unseen else { panic!("{hidden:?}") };
+        assert!(by.as_deref() == Some("plate") && (view_z_m - 2.0).abs() < 1e-3, "{by:?} {view_z_m}");
+    }
+
+    #[test]
+    fn places_beside_the_picture_and_pixels_without_a_ray_are_told_apart() {
+        // The wall itself does not reflect.
+        let wall = seen(Vec::new(), [20, 5]);
+        assert_eq!((wall.mesh.as_deref(), wall.end), (Some("wall"), WorldHit::NotReflecting));
+        // A ceiling that hangs low meets the ray before the wall, above the picture's upper side.
+        let ceiling = rectangle(Vec3::new(-9.0, 0.9, 0.0), 9.0 * Vec3::X, 0.8 * Vec3::Z, 1);
+        let (scene, camera) = room(vec![named("ceiling", ceiling)]);
+        let world = World::new(&scene, &scene.materials);
+        let data = testing::traced(&world, &camera, [40, 40]);
+        let all = (0..data.depth.len()).map(|i| PixelInWorld::new(&world, &data, i));
+        let mut beside = 0;
+        for found in all.filter(|found| found.end_mesh.as_deref() == Some("ceiling")) {
+            let WorldHit::Hit { pixel, visible, .. } = found.end else { panic!("{found:?}") };
+            let expected = match pixel {
+                None => Some(Unseen::BehindEye),
+                Some(DVec2 { y, .. }) if y < 0.0 => Some(Unseen::OffScreen),
+                Some(_) if visible => None,
+                Some(_) => continue,
+            };
+            assert_eq!(found.unseen, expected);
+            beside += usize::from(expected == Some(Unseen::OffScreen));
+        }
+        assert!(beside > 0, "no ray ends above the picture");
+    }
+
+    #[test]
+    fn the_references_of_a_pixel_are_those_of_the_picture() {
+        let (scene, camera) = room(Vec::new());
+        let world = World::new(&scene, &scene.materials);
+        let data = testing::traced(&world, &camera, [40, 40]);
+        let sampling = PixelSampling { rays: 16, bounces: 1, oracle: OracleVersion::V1 };
+        let (screens, worlds) = all_references(&world, &data, sampling);
+        for index in [data.index(20, 38), data.index(3, 30), data.index(20, 5)] {
+            assert_eq!(references(&world, &data, index, sampling), (screens[index], worlds[index]), "{index}");
+        }
+        assert!(worlds[data.index(20, 38)].color != Vec3::ZERO && worlds[data.index(20, 5)].color == Vec3::ZERO);
+    }
+}

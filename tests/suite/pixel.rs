@@ -1,0 +1,180 @@
+//! `ssct render --pixel` and `--dump`: what is said of a pixel agrees with the images, and a dump holds what was recorded.
+
+use crate::common::folder::Folder;
+use serde_json::Value;
+use ssct::passes::PathCode;
+
+/// A mirror floor before a wall, and a plate that hangs between the camera and the wall.
+const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
+                    o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n\
+                    o plate\nv -4 1.1 -3\nv 4 1.1 -3\nv 4 1.6 -3\nv -4 1.6 -3\nf 9 10 11 12\n";
+const SIZE: [u32; 2] = [64, 48];
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("room.obj", ROOM);
+    folder
+}
+
+fn args<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x48"];
+    [&["render"], &place[..], more].concat()
+}
+
+/// What is said of a pixel, as JSON.
+fn said(folder: &Folder, pixel: &str, more: &[&str]) -> Value {
+    let output = folder.succeed(&args(&[&["--pixel", pixel, "--json"], more].concat()));
+    let records: Value = serde_json::from_str(&output).unwrap();
+    records[0]["pixel"].clone()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// The first channel of an OpenEXR image with a name, rows from the top.
+fn channel(folder: &Folder, file: &str, name: &str) -> Vec<f32> {
+    let image = exr::prelude::read_first_flat_layer_from_file(folder.path(file)).unwrap();
+    let list = &image.layer_data.channel_data.list;
+    let found = list.iter().find(|c| c.name == *name).unwrap_or_else(|| panic!("{file} has no channel {name}"));
+    found.sample_data.values_as_f32().collect()
+}
+
+#[test]
+fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour() {
+    let folder = folder();
+    for (method, more) in [("ssct", &[][..]), ("hzct", &[]), ("unified", &["--beyond", "none"]), ("stochastic", &[])] {
+        let flags = [&["--method", method, "--roughness", "0"], more].concat();
+        let report = said(&folder, "32,44", &flags);
+        assert_eq!((&report["method"], &report["surface"]["mesh"]), (&method.into(), &"floor".into()), "{report}");
+        let colors = &report["colors"];
+        let [lit, reflection, image] = ["lit", "reflection", "image"].map(|name| numbers(&colors[name]));
+        let added = colors["reflectivity"].as_f64().unwrap() * colors["fade"].as_f64().unwrap();
+        for c in 0..3 {
+            // The image is stored as floats of 16 bits.
+            assert!((lit[c] + added * reflection[c] - image[c]).abs() < 2e-3, "{method}: {colors}");
+        }
+        let walk = &report["walk"];
+        assert!(walk["steps"].as_u64().unwrap() > 0 && walk["last"]["cell"].is_array(), "{method}: {walk}");
+        assert!(report["method_end"]["end"].is_string(), "{method}: {report}");
+        assert!(report["oracle_end"]["end"].is_string(), "{method}: {report}");
+        assert!(report["world_end"]["mesh"].is_string(), "{method}: {report}");
+    }
+}
+
+#[test]
+fn the_report_fits_a_screen_and_names_what_hides_the_place() {
+    let folder = folder();
+    // Rays of far places of the floor end on the wall below the plate, and those of near places above it. Between, they end behind it.
+    let columns = (28..40)
+        .map(|y| said(&folder, &format!("32,{y}"), &["--method", "unified", "--beyond", "none", "--roughness", "0"]));
+    let hidden: Vec<Value> = columns.filter(|report| report["world_end"]["hidden_by"] == "plate").collect();
+    let found = hidden.get(hidden.len() / 2).expect("a ray ends behind the plate");
+    let why = found["why"].to_string();
+    assert!(why.contains("the ray meets wall after") && why.contains("is hidden behind plate, at 3.0"), "{why}");
+    assert_eq!(found["verdict"], "wrong by the world", "{found}");
+    let pixel = numbers(&found["pixel"]);
+    let at = format!("{},{}", pixel[0], pixel[1]);
+    let text = folder.succeed(&args(&["--pixel", &at, "--method", "unified", "--beyond", "none", "--roughness", "0"]));
+    assert!(text.lines().count() <= 24 && text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    for part in ["wrong by the world", "hidden behind plate", "fade", "oracle", "last cell", "by world", "in a PNG"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let both = folder.succeed(&args(&["--pixel", &at, "--explain", "-o", "a.png"]));
+    assert!(both.contains("recorded  trace+cone") && both.contains(&format!("pixel {}, {}", pixel[0], pixel[1])));
+}
+
+#[test]
+fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
+    let folder = folder();
+    let outside = folder.run(&args(&["--pixel", "64,3"]));
+    let sentence = String::from_utf8_lossy(&outside.stderr).into_owned();
+    assert_eq!(outside.status.code(), Some(2), "{sentence}");
+    assert!(sentence.contains("64,3") && sentence.contains("64x48") && sentence.contains("63,47"), "{sentence}");
+    assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    let up = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,9,1", "--size", "64x48"];
+    let output = folder.succeed(&[&["render", "--pixel", "32,0", "--json"], &up[..]].concat());
+    let sky = serde_json::from_str::<Value>(&output).unwrap()[0]["pixel"].clone();
+    assert_eq!(sky["why"][0], "The pixel does not reflect: it shows the sky.", "{sky}");
+    assert!(sky["oracle_end"].is_null() && sky["world_end"].is_null() && sky["walk"].is_null(), "{sky}");
+    let dull = said(&folder, "32,44", &["--reflectivity", "0"]);
+    assert_eq!(dull["verdict"], "does not reflect");
+    assert_eq!(dull["why"][0], "The pixel does not reflect: the reflectivity of floor is 0 there.", "{dull}");
+    let typed = folder.run(&args(&["--pixel", "3"]));
+    assert!(String::from_utf8_lossy(&typed.stderr).contains("write it as 480,270"));
+}
+
+#[test]
+fn a_dump_has_what_was_recorded_and_no_more() {
+    let folder = folder();
+    let flags = ["--method", "unified", "--beyond", "none", "--roughness", "0", "--json", "--explain", "--dump", "d"];
+    let record: Value = serde_json::from_str(&folder.succeed(&args(&flags))).unwrap();
+    let passes = record[0]["recorded"].to_string();
+    assert!(passes.contains("\"pyramid\"") && !passes.contains("\"color/"), "{passes}");
+    assert!(record[0]["prepared"].is_object() && record[0]["skipped"].is_array(), "--explain with --json: {record}");
+    let names = folder.list("d");
+    let of = |stem: &str| names.iter().filter(|name| name.starts_with(stem) && name.ends_with(".exr")).count();
+    // 64 pixels halve six times.
+    assert_eq!((of("color-"), of("pyramid-")), (1, 7), "{names:?}");
+    let [front, back] = ["front", "back"].map(|name| channel(&folder, "d/pyramid-0.exr", name));
+    let depth = channel(&folder, "d/depth.exr", "depth");
+    let covered = depth.iter().zip(&front).zip(&back).filter(|((depth, _), _)| **depth > 0.0);
+    assert!(covered.clone().count() > 1000 && covered.clone().all(|((d, f), b)| d == f && b <= f), "fronts are depths");
+    let top = channel(&folder, "d/pyramid-6.exr", "front");
+    assert_eq!(top, [depth.iter().copied().fold(0.0, f32::max)], "the top is the nearest of all");
+    // Gloss looks colours up in the chain, which is then there.
+    folder.succeed(&args(&["--method", "unified", "--beyond", "none", "--roughness", "0.3", "--dump", "g"]));
+    assert!(folder.list("g").contains(&"color-6.png".to_owned()));
+}
+
+#[test]
+fn a_method_from_a_folder_dumps_the_chains_that_it_reads() {
+    let folder = folder();
+    let method = crate::common::repository().join("examples/methods/three-pass");
+    folder.succeed(&args(&["--method", method.to_str().unwrap(), "--dump", "d"]));
+    let names = folder.list("d");
+    assert!(
+        ["hi-z-max-reversed-0.exr", "hi-z-max-reversed-6.png"].iter().all(|n| names.contains(&(*n).to_owned())),
+        "{names:?}"
+    );
+    let depth = channel(&folder, "d/depth.exr", "depth");
+    let top = channel(&folder, "d/hi-z-max-reversed-6.exr", "depth");
+    assert_eq!(top, [depth.iter().copied().fold(0.0, f32::max)]);
+}
+
+#[test]
+fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
+    let folder = folder();
+    let flags = ["--method", "ssct", "--roughness", "0"];
+    folder.succeed(&args(&[&flags[..], &["--dump", "d"]].concat()));
+    let verdict = channel(&folder, "d/verdict.exr", "verdict");
+    let fade = channel(&folder, "d/fade.exr", "fade");
+    let picture = folder.image("d/verdict.png");
+    let names = ["does not reflect", "right", "wrong by the screen", "wrong by the world"];
+    for (x, y) in [(32, 46), (5, 40), (60, 36), (32, 2)] {
+        let report = said(&folder, &format!("{x},{y}"), &flags);
+        let at = (y * SIZE[0] + x) as usize;
+        assert_eq!(fade[at] as f64, report["colors"]["fade"].as_f64().unwrap(), "fade at {x}, {y}");
+        let of_picture = names[verdict[at] as usize];
+        assert_eq!(report["verdict"] == "does not reflect", of_picture == "does not reflect", "{x}, {y}");
+        assert_eq!(picture.get_pixel(x, y).0 == [0; 3], of_picture == "does not reflect", "{x}, {y}");
+    }
+    for (legend, words) in
+        [("paths-legend.svg", "hit by the Hi-Z traversal"), ("verdict-legend.svg", "wrong by the world")]
+    {
+        let text = folder.text(&format!("d/{legend}"));
+        assert!(text.starts_with("<svg") && text.contains(words) && text.contains(" pixels, "), "{text}");
+    }
+    let page = std::fs::read_to_string(crate::common::repository().join("docs/dump.md")).unwrap();
+    for code in (0..=16).map(|code| (code, PathCode::from_channel(code as f32).unwrap())) {
+        assert!(
+            page.contains(&format!("| {} | {} |\n", code.0, code.1.words())),
+            "docs/dump.md does not explain {code:?}"
+        );
+    }
+    for name in folder.list("d") {
+        let (stem, _) = name.rsplit_once('.').unwrap();
+        let stem = stem.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('-');
+        assert!(page.contains(&format!("`{stem}")), "docs/dump.md does not name {stem}");
+    }
+}
