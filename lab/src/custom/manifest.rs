@@ -192,11 +192,11 @@ impl Manifest {
 /// Tables of a manifest, and the keys that each of them must have. The names of parameters and images stand between the
 /// name of the table and the key.
 const REQUIRED: [(&str, &[&str]); 5] = [
-    ("pass", &["name", "shader"]),
-    ("output", &["reflection"]),
-    ("image", &["format"]),
-    ("parameter", &["help", "default"]),
     ("", &["name", "summary", "pass", "output"]),
+    ("parameter", &["help", "default"]),
+    ("image", &["format"]),
+    ("output", &["reflection"]),
+    ("pass", &["name", "shader"]),
 ];
 
 /// Returns every key that a manifest must have and lacks, such as `image.result.format`.
@@ -205,15 +205,15 @@ fn missing_keys(manifest: &toml::Table) -> Vec<String> {
         keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")).collect()
     };
     let mut missing = Vec::new();
-    for (name, keys) in REQUIRED.iter().rev() {
-        match manifest.get(*name) {
+    for (name, keys) in REQUIRED {
+        match manifest.get(name) {
             None if name.is_empty() => missing.extend(lacking("", manifest, keys)),
             Some(toml::Value::Array(all)) => {
                 for (number, table) in all.iter().enumerate().filter_map(|(n, v)| Some((n + 1, v.as_table()?))) {
                     missing.extend(lacking(&format!("{name} {number}: "), table, keys));
                 }
             }
-            Some(toml::Value::Table(table)) if *name == "output" => {
+            Some(toml::Value::Table(table)) if name == "output" => {
                 missing.extend(lacking("output.", table, keys));
             }
             Some(toml::Value::Table(tables)) => {

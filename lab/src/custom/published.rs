@@ -8,12 +8,12 @@ use crate::parameter::{Domain, Parameter, Value};
 #[derive(Clone, Copy)]
 enum Source {
     /// The value of a parameter, by its name in records.
-    Option(&'static str),
+    Setting(&'static str),
     /// A name of [`NAMES`](super::values::NAMES).
     Named(&'static str),
 }
 
-use Source::{Named, Option as Of};
+use Source::{Named, Setting};
 
 /// The blocks of shaders that are published, and what feeds their fields.
 const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
@@ -26,27 +26,27 @@ const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
             ("near_plane", Named("near")),
             ("far_plane", Named("far")),
             ("reflection_offset", Named("near")),
-            ("view_direction_epsilon", Of("direction_tolerance")),
-            ("cross_offset", Of("cross_offset")),
-            ("start_level", Of("start_level")),
+            ("view_direction_epsilon", Setting("direction_tolerance")),
+            ("cross_offset", Setting("cross_offset")),
+            ("start_level", Setting("start_level")),
             ("max_level", Named("last-level")),
-            ("iterations", Of("iterations")),
-            ("linear_march_stride", Of("march_stride")),
-            ("binary_search_first", Of("search_first")),
-            ("cone_samples", Of("cone_samples")),
-            ("cone_lengthened", Of("cone_lengthened")),
-            ("cone_interpolated", Of("cone_angle")),
-            ("cone_alpha_min", Of("cone_alpha_min")),
-            ("cone_alpha_max", Of("cone_alpha_max")),
-            ("cone_xi", Of("cone_xi")),
-            ("cone_mirror_alpha", Of("cone_mirror_alpha")),
-            ("fade_start", Of("fade_start")),
-            ("fade_end", Of("fade_end")),
-            ("fade_towards_camera", Of("camera_fade")),
+            ("iterations", Setting("iterations")),
+            ("linear_march_stride", Setting("march_stride")),
+            ("binary_search_first", Setting("search_first")),
+            ("cone_samples", Setting("cone_samples")),
+            ("cone_lengthened", Setting("cone_lengthened")),
+            ("cone_interpolated", Setting("cone_angle")),
+            ("cone_alpha_min", Setting("cone_alpha_min")),
+            ("cone_alpha_max", Setting("cone_alpha_max")),
+            ("cone_xi", Setting("cone_xi")),
+            ("cone_mirror_alpha", Setting("cone_mirror_alpha")),
+            ("fade_start", Setting("fade_start")),
+            ("fade_end", Setting("fade_end")),
+            ("fade_towards_camera", Setting("camera_fade")),
             ("fade", Named("fade")),
-            ("uniform_stride_min", Of("uniform_stride_min")),
-            ("uniform_stride_max", Of("uniform_stride_max")),
-            ("uniform_march_back", Of("uniform_back")),
+            ("uniform_stride_min", Setting("uniform_stride_min")),
+            ("uniform_stride_max", Setting("uniform_stride_max")),
+            ("uniform_march_back", Setting("uniform_back")),
         ],
     ),
     ("HiZBlock", &[("Offset", Named("hi-z-offset"))]),
@@ -59,7 +59,7 @@ const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
             ("direction", Named("step-right")),
             ("near", Named("near")),
             ("far", Named("far")),
-            ("tolerance", Of("chain_mask_tolerance")),
+            ("tolerance", Setting("chain_mask_tolerance")),
         ],
     ),
     (
@@ -67,15 +67,15 @@ const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
         &[
             ("resolution", Named("size")),
             ("mipCount", Named("level-count")),
-            ("spreadingFactor", Of("spreading_factor")),
+            ("spreadingFactor", Setting("spreading_factor")),
         ],
     ),
     (
         "SchmidtBlock",
         &[
-            ("user_pixelStepSize", Of("pixel_step")),
+            ("user_pixelStepSize", Setting("pixel_step")),
             ("fadeToEdges", Named("fade")),
-            ("toggleBlur", Of("distance_blur")),
+            ("toggleBlur", Setting("distance_blur")),
         ],
     ),
     (
@@ -99,7 +99,7 @@ pub fn hint(block: &str, field: &str) -> Option<String> {
     let (_, fields) = BLOCKS.iter().find(|(name, _)| *name == block)?;
     match fields.iter().find(|(name, _)| *name == field)?.1 {
         Named(name) => Some(format!("{name:?}")),
-        Of(name) => {
+        Setting(name) => {
             let (parameter, _) = methods::parameters().into_iter().find(|(parameter, _)| parameter.name == name)?;
             let number = published_number(&parameter);
             Some(format!("--{}, published {number}", parameter.name.replace('_', "-")))
