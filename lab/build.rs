@@ -1,8 +1,12 @@
-//! Finds the commit that is built, for records.
+//! Finds the commit that is built, for records, and lists the project's own shaders, which methods from folders may use.
 
-fn main() {
+use std::io::Result;
+use std::path::Path;
+
+fn main() -> Result<()> {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rustc-env=SSCT_COMMIT={}", commit());
+    write_shader_table()
 }
 
 /// The commit that is built, for records; "unknown" outside a repository, "+" after it for a
@@ -30,4 +34,29 @@ fn commit() -> String {
             _ => commit + "+",
         },
     }
+}
+
+/// Writes the table `SHADERS`: the path of each file below `shaders-glsl` that a shader is made of, and its text.
+fn write_shader_table() -> Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl").canonicalize()?;
+    let mut rows = Vec::new();
+    list(&folder, "", &mut rows)?;
+    rows.sort();
+    let table = format!("static SHADERS: [(&str, &str); {}] = [\n{}];\n", rows.len(), rows.concat());
+    let output = std::env::var_os("OUT_DIR").unwrap_or_default();
+    std::fs::write(Path::new(&output).join("built_in_shaders.rs"), table)
+}
+
+/// Adds a row for each shader of a folder, whose path below `shaders-glsl` is `place`, with a slash behind it.
+fn list(folder: &Path, place: &str, rows: &mut Vec<String>) -> Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = format!("{place}{}", path.file_name().unwrap_or_default().to_string_lossy());
+        if path.is_dir() {
+            list(&path, &format!("{name}/"), rows)?;
+        } else if path.extension().is_some_and(|extension| extension != "md") {
+            rows.push(format!("    ({name:?}, include_str!({:?})),\n", path.to_string_lossy()));
+        }
+    }
+    Ok(())
 }

@@ -35,7 +35,8 @@ views rooms rooms cylinder window-floor corridor two-cylinders window ceiling
 views atrium atrium hall atrium
 if [ -n "$scenes" ]; then
     views "$scenes/ssct-rooms/rooms.scene.toml" ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
-    views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
+    "$root/scripts/left_handed.sh" "$scenes/sponza/sponza.scene.toml" "$out/scenes/sponza.scene.toml"
+    views "$out/scenes/sponza.scene.toml" sponza atrium lion hall
 else
     echo 'bars: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi

@@ -60,7 +60,10 @@ if [ -n "$scenes" ]; then
     done
     [ ! -e "$scenes/ssct-rooms" ] || views "$scenes/ssct-rooms/rooms.scene.toml" \
         ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
-    [ ! -e "$scenes/sponza" ] || views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
+    if [ -e "$scenes/sponza" ]; then
+        "$root/scripts/left_handed.sh" "$scenes/sponza/sponza.scene.toml" "$out/scenes/sponza.scene.toml"
+        views "$out/scenes/sponza.scene.toml" sponza atrium lion hall
+    fi
 else
     echo 'beyond: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi

@@ -89,8 +89,8 @@ def write_map(folder):
 
 
 def ours(vector):
-    """A vector of Blender, right-handed with z up, in left-handed axes with y up."""
-    return [round(float(v), 5) for v in (vector[0], vector[2], vector[1])]
+    """A vector of Blender, right-handed with z up, in right-handed axes with y up, as in scene files."""
+    return [round(float(v), 5) for v in (vector[0], vector[2], -vector[1])]
 
 
 def write_scene_file(folder, name):

@@ -37,4 +37,5 @@ PYTHON
 }
 
 table table-5.8-atrium
-table table-5.8-sponza --scene "$sponza"
+"$root/scripts/left_handed.sh" "$sponza" "$out/scenes/sponza.scene.toml"
+table table-5.8-sponza --scene "$out/scenes/sponza.scene.toml"

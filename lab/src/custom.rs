@@ -2,13 +2,15 @@
 //! (docs/custom-methods.md).
 //!
 //! `manifest` reads what the folder says. `shader` compiles the stages: `includes` says which files they may be made of,
+//! `built_in` has the project's own shaders, which a folder may use without a copy,
 //! `old_glsl` refuses texts that are too old, and `loose_uniforms` and `own_values` put uniforms that stand alone in blocks.
-//! `reflect` reads the stages' interfaces, `bindings` holds them against the manifest, and `kinds` holds images, inputs and
-//! outputs against what is there.
+//! `reflect` reads the stages' interfaces, `bindings` holds them against the manifest, `published` says what feeds the project's
+//! own shaders, and `kinds` holds images, inputs and outputs against what is there.
 //! `source` names what a shader may read, `inputs` makes it of the G-buffer, and `values` fills uniform blocks. `method`
 //! records the passes, and `finish` makes a reflection of what they made.
 
 mod bindings;
+mod built_in;
 mod conventions;
 mod finish;
 mod includes;
@@ -20,6 +22,7 @@ mod method;
 mod noise;
 mod old_glsl;
 mod own_values;
+mod published;
 mod reflect;
 mod shader;
 mod source;
@@ -55,11 +58,13 @@ pub fn watch() {
     WATCHED.store(true, Ordering::Relaxed);
 }
 
-/// The folder of a method, if the name of a method names one: a path with a separator, or a folder that has a manifest.
+/// The folder of a method, if the name of a method names one: a path with a separator, or a folder that has a manifest and not
+/// the name of a method that there is.
 pub fn folder(name: &str) -> Option<PathBuf> {
     let path = Path::new(name);
     let is_path = name.contains(['/', '\\']);
-    (is_path || path.join(MANIFEST).is_file()).then(|| path.to_path_buf())
+    let is_folder = || methods::find(name).is_err() && path.join(MANIFEST).is_file();
+    (is_path || is_folder()).then(|| path.to_path_buf())
 }
 
 /// Reads a folder's manifest, compiles its shaders, and adds the method to those that there are; gives its name.

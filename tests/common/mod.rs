@@ -16,14 +16,15 @@ use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::WorldReference;
 use ssct_lab::scene::{
-    Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
-    Vertex, View, library,
+    Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, LoadOptions, Material, Mesh, Scene, Surface,
+    Texture, Vertex, View, library, scene_file,
 };
 use ssct_lab::stage::image::{RenderedImage, render};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::num::NonZero;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A device under the validation layers, for one test at a time; GPU-assisted too where the variable SSCT_GPU_AV is 1.
@@ -121,6 +122,17 @@ pub fn shared_scenes() -> Option<PathBuf> {
         return None;
     }
     Some(folder)
+}
+
+/// Crytek Sponza, where the large scenes are there. Its scene file was written for left-handed places and does not say so: it is
+/// loaded from the copy that `scripts/left_handed.sh` makes for measurements, too.
+pub fn sponza() -> Option<Scene> {
+    let file = shared_scenes()?.join("sponza/sponza.scene.toml");
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = folder.path().join("sponza.scene.toml");
+    let made = Command::new(repository().join("scripts/left_handed.sh")).arg(file).arg(&copy).status();
+    assert!(made.expect("the script runs").success());
+    Some(scene_file::load(&copy, &LoadOptions::default()).expect("sponza"))
 }
 
 /// A built-in scene. Its images are made once for all tests.

@@ -318,6 +318,11 @@ fn captures_are_listed_written_and_read_again() {
     assert_eq!((&placed[0]["kind"], &placed[0]["from"]), (&"capture".into(), &"placement".into()));
     assert!(placed[0]["seen"].as_f64().is_some_and(|s| s > 0.5 && s <= 1.0), "{said}");
     assert!(folder.text("a.svg").starts_with("<svg"));
+    // The records are in the program's coordinates, and the tables in those of the scene file, which are right-handed.
+    let tables: toml::Table = toml::from_str(&folder.text("a.toml")).unwrap();
+    let z = |place: Option<f64>| place.map(|z| (1e3 * z).round());
+    let [written, recorded] = [tables["capture"][0]["place"][2].as_float(), placed[0]["place"][2].as_f64()];
+    assert_eq!(z(written), z(recorded).map(|z| -z));
     folder.write("room.scene.toml", format!("[[mesh]]\nfile = 'room.obj'\n{}", folder.text("a.toml")));
     let read: Value = serde_json::from_str(&folder.succeed(&["captures", "room.scene.toml", "--json"])).unwrap();
     assert_eq!((&read[0]["place"], &read[0]["from"]), (&placed[0]["place"], &"file".into()));
@@ -383,7 +388,7 @@ fn names_in_files_are_no_paths() {
         // A name of a scene and of a view, which a TOML text holds as a quoted key.
         let quoted = serde_json::to_string(name).unwrap();
         let scene = format!(
-            "name = {quoted}\n[[mesh]]\nfile = \"room.obj\"\n[view.{quoted}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, 6]\n"
+            "name = {quoted}\n[[mesh]]\nfile = \"room.obj\"\n[view.{quoted}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, -6]\n"
         );
         folder.write("a.scene.toml", scene);
         let before = all_below(folder.root());

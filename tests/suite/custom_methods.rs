@@ -1,12 +1,12 @@
-//! Methods from folders, as a user has them: the examples run as any other method, `linear` from its folder is `linear`
-//! to the bit, and each mistake gets a sentence with file and line.
+//! Methods from folders, as a user has them: the examples run as any other method, and each mistake gets a sentence with
+//! file and line.
 
 mod interfaces;
+mod published;
 
 use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
-use std::path::Path;
 
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
                     o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
@@ -44,22 +44,6 @@ fn sentence(folder: &Folder, args: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert_eq!(text.lines().count(), 1, "{text}");
     text.strip_prefix("ssct: ").expect("our own sentence").trim_end().to_owned()
-}
-
-#[test]
-fn linear_from_its_folder_is_linear_to_the_bit() {
-    let folder = Folder::new();
-    let example = repository().join("examples/methods/linear");
-    for (method, dump) in [(Path::new("linear"), "a"), (example.as_path(), "b")] {
-        let method = method.to_str().unwrap();
-        let shaders = repository().join("shaders-glsl");
-        let size = ["--size", "161x91", "--roughness", "0", "--include", shaders.to_str().unwrap()];
-        folder.succeed(&[&["render", "--view", "corridor", "--method", method, "--dump", dump], &size[..]].concat());
-    }
-    for file in ["reflection.exr", "hits.exr", "composite.exr"] {
-        let [a, b] = ["a", "b"].map(|dump| std::fs::read(folder.path(dump).join(file)).unwrap());
-        assert!(a == b, "{file} differs");
-    }
 }
 
 #[test]
@@ -205,6 +189,18 @@ fn mistakes_in_a_manifest_get_its_line() {
             "image result has a history that no pass reads",
         ),
         ("shader = \"march.frag\"", "shader = \"other.frag\"", "m/other.frag"),
+        ("[output]\nreflection = \"result\"", "[output]", "m/method.toml: output.reflection is missing"),
+        (
+            "name = \"march\"\nsummary = \"a march in view space with a constant stride\"\n",
+            "",
+            "m/method.toml: name, summary are missing",
+        ),
+        ("targets = [\"result\"]", "targets = [\"result\"]\ninterleaved = true", "an interleaved pass has levels"),
+        (
+            "reflection = \"result\"",
+            "reflection = \"result\"\nhits = \"result\"\nhits-are = \"uv-depth-path\"",
+            "the format rgba32f and the scale 1",
+        ),
     ];
     for (from, to, says) in cases {
         let folder = with_example("march");

@@ -3,6 +3,7 @@
 
 mod allowed;
 mod compressed;
+mod coordinates;
 mod errors;
 mod exporters;
 mod extensions;

@@ -1,19 +1,14 @@
 //! The world reference on Crytek Sponza, where `../shared/scenes` is there: a quarter of a million
 //! triangles and masked plants.
 
-use crate::common::repository;
+use crate::common::sponza;
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
-use ssct_lab::scene::{Camera, LoadOptions, scene_file};
+use ssct_lab::scene::Camera;
 
 #[test]
 fn sponza_is_ready_for_rays_and_has_no_cracks() {
-    let file = &repository().join("../shared/scenes/sponza/sponza.scene.toml");
-    if !file.exists() {
-        println!("skipped: ../shared/scenes is absent");
-        return;
-    }
-    let scene = scene_file::load(file, &LoadOptions::default()).expect("sponza");
+    let Some(scene) = sponza() else { return };
     let world = World::new(&scene, &scene.materials);
     // From the middle of the court straight down, only the floor can be seen.
     let view = scene.views[0].clone();

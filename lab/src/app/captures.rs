@@ -9,8 +9,9 @@ use crate::methods::capture::common_near_m;
 use crate::report::captures::{self, CubePictures};
 use crate::report::files;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
+use crate::scene::obj::Handedness;
 use crate::scene::placement::{Wanted, with_captures};
-use crate::scene::{Capture, LoadOptions, Scene, capture_file};
+use crate::scene::{Capture, LoadOptions, Scene, capture_file, scene_file};
 use crate::stage::{Stage, gbuffer};
 use clap::Args;
 use std::io::Write;
@@ -35,6 +36,9 @@ pub struct CapturesOptions {
     #[arg(long, value_name = "N|auto", value_parser = wanted, default_value = "auto")]
     captures: Wanted,
     /// File for [[capture]] tables of a scene file
+    ///
+    /// Their places are in the coordinates of the scene file that is given, or else right-handed, as in a scene file that does
+    /// not say otherwise.
     #[arg(long, value_name = "FILE.toml")]
     write: Option<PathBuf>,
     /// File for a map of the captures, seen from above
@@ -75,7 +79,9 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
         return Err(Error::Usage(format!("no place for a capture was found in scene {}: {why}", scene.name)).into());
     }
     if let Some(file) = &options.write {
-        files::write(file, capture_file::encode_tables(&placement.captures).as_bytes())?;
+        let coordinates = coordinates(&options.scene)?;
+        let tables: Vec<Capture> = placement.captures.iter().map(|c| coordinates.capture(*c)).collect();
+        files::write(file, capture_file::encode_tables(&tables).as_bytes())?;
     }
     if let Some(file) = &options.map {
         files::write(file, captures::map(&placement).as_bytes())?;
@@ -87,6 +93,14 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     let shown = if options.json { files::json(&records) } else { captures::text(&records) };
     printed::out().write_all(shown.as_bytes())?;
     Ok(())
+}
+
+/// The coordinates in which a scene file states where captures stand: those of the file, or else right-handed ones.
+fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
+    match sources {
+        [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) => scene_file::coordinates(file),
+        _ => Ok(Handedness::Right),
+    }
 }
 
 /// Draws captures of a scene and writes the folder ([`capture_file`]).

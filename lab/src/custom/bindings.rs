@@ -2,6 +2,7 @@
 
 use super::loose_uniforms::LOOSE;
 use super::manifest::{InputKind, LevelOf, Manifest, Pass};
+use super::published;
 use super::reflect::{self, BlockLayout, Variable, VariableKind};
 use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
@@ -10,6 +11,7 @@ use super::{inputs, kinds};
 use crate::error::{Error, Result};
 use crate::gpu::Sampler;
 use crate::scene::ProjectionKind;
+use std::cell::RefCell;
 use std::ops::Range;
 
 /// Compiles every shader and holds it against the manifest, without a device.
@@ -17,10 +19,33 @@ use std::ops::Range;
 /// # Errors
 /// [`Error::Malformed`] with file and line.
 pub fn check(manifest: &Manifest) -> Result<()> {
-    manifest.passes.iter().try_for_each(|pass| {
+    let mut unfed = Vec::new();
+    for pass in &manifest.passes {
         let compiled = shader::compile(manifest, pass)?;
-        PassBindings::new(manifest, pass, &compiled).map(|_| ())
-    })
+        let (_, missing) = PassBindings::read(manifest, pass, &compiled)?;
+        if !missing.is_empty() {
+            unfed.push((pass, missing));
+        }
+    }
+    check_fed(manifest, &unfed)
+}
+
+/// # Errors
+/// [`Error::Malformed`] if passes have names that nothing feeds: one sentence with all of them.
+fn check_fed(manifest: &Manifest, unfed: &[(&Pass, Vec<String>)]) -> Result<()> {
+    let Some((first, _)) = unfed.first() else { return Ok(()) };
+    let clause = |(pass, missing): &(&Pass, Vec<String>)| {
+        format!("pass {:?}: nothing feeds {} of {}", pass.name, missing.join(", "), file_name(pass))
+    };
+    let clauses: Vec<String> = unfed.iter().map(clause).collect();
+    let them = if unfed.iter().map(|(_, missing)| missing.len()).sum::<usize>() == 1 { "it" } else { "them" };
+    let message = format!("{}; name {them} under [inputs] or [values]", clauses.join("; "));
+    Err(manifest.error(&first.at, message))
+}
+
+/// The name by which messages call the shader of a pass.
+fn file_name(pass: &Pass) -> String {
+    pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// # Errors
@@ -63,15 +88,24 @@ impl PassBindings {
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of the manifest.
     pub fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
-        let file = pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let of = PassShader { manifest, pass, compiled, file };
-        kinds::check_stage(manifest, pass, &compiled.interface, &of.file).map_err(|m| of.wrong(&pass.at, &m))?;
-        let inputs = compiled.interface.variables.iter().map(|v| of.bound(v)).collect::<Result<Vec<_>>>()?;
+        let (bindings, missing) = Self::read(manifest, pass, compiled)?;
+        if missing.is_empty() { Ok(bindings) } else { check_fed(manifest, &[(pass, missing)]).map(|()| bindings) }
+    }
+
+    /// The bindings, and every name that nothing feeds.
+    fn read(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<(Self, Vec<String>)> {
+        let shader = PassShader { manifest, pass, compiled, file: file_name(pass), missing: RefCell::default() };
+        kinds::check_stage(manifest, pass, &compiled.interface, &shader.file)
+            .map_err(|m| shader.wrong(&pass.at, &m))?;
+        let mut inputs = Vec::new();
+        for variable in &compiled.interface.variables {
+            inputs.extend(shader.bound(variable)?);
+        }
         let (push, push_size) = match &compiled.interface.push {
-            Some((block, layout)) => (of.filled(block, layout)?, layout.size as usize),
+            Some((block, layout)) => (shader.filled(block, layout)?, layout.size as usize),
             None => (Vec::new(), 0),
         };
-        Ok(Self { inputs, push, push_size })
+        Ok((Self { inputs, push, push_size }, shader.missing.into_inner()))
     }
 }
 
@@ -82,6 +116,8 @@ struct PassShader<'a> {
     compiled: &'a CompiledPass,
     /// What messages call the shader.
     file: String,
+    /// What nothing feeds.
+    missing: RefCell<Vec<String>>,
 }
 
 impl PassShader<'_> {
@@ -99,9 +135,8 @@ impl PassShader<'_> {
         self.wrong(&self.pass.at, &message)
     }
 
-    fn unfed(&self, what: &str, name: &str) -> Error {
-        let message = format!("nothing feeds the {what} {name} of {}; name it under [inputs] or [values]", self.file);
-        self.wrong(&self.pass.at, &message)
+    fn is_unfed(&self, what: String) {
+        self.missing.borrow_mut().push(what);
     }
 
     /// What fills a block. Fields that the shader does not read need nothing, and loose uniforms may have values of their
@@ -123,7 +158,11 @@ impl PassShader<'_> {
                     );
                     return Err(self.wrong(&self.pass.at, &message));
                 }
-                (None, None) => return Err(self.unfed("field", &full)),
+                (None, None) => {
+                    let hint = published::hint(block, &field.name).map_or(String::new(), |hint| format!(" ({hint})"));
+                    self.is_unfed(format!("the field {full}{hint}"));
+                    continue;
+                }
             };
             let filled = Filled::new(field, feed);
             fields.push(filled.map_err(|m| self.wrong(at, &format!("{full} of {}: {m}", self.file)))?);
@@ -131,23 +170,27 @@ impl PassShader<'_> {
         Ok(fields)
     }
 
-    /// What a variable is fed.
-    fn bound(&self, v: &Variable) -> Result<BoundInput> {
+    /// What a variable is fed; `None` if nothing feeds it.
+    fn bound(&self, v: &Variable) -> Result<Option<BoundInput>> {
         if v.count > 1 {
             let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
             return Err(self.wrong(&self.pass.at, &message));
         }
         if let VariableKind::Uniform(layout) = &v.kind {
-            return Ok(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize));
+            return Ok(Some(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize)));
         }
         let named = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
         let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
         let Some(input) = named else {
-            return Err(if v.is_nameless { self.unfed_place(&v.name) } else { self.unfed(kind, &v.name) });
+            if v.is_nameless {
+                return Err(self.unfed_place(&v.name));
+            }
+            self.is_unfed(format!("the {kind} {}", v.name));
+            return Ok(None);
         };
         let is = |what: String| self.wrong(input.at(), &format!("{} of {} is {what}", v.name, self.file));
         let images = &self.manifest.images;
-        Ok(match (&v.kind, &input.what) {
+        Ok(Some(match (&v.kind, &input.what) {
             (VariableKind::Storage(bytes), InputKind::Buffer(buffer)) => {
                 BoundInput::Buffer(buffer.clone(), v.read_only, *bytes)
             }
@@ -165,7 +208,7 @@ impl PassShader<'_> {
             (_, InputKind::Image(_)) => {
                 return Err(is("stored to, and is fed an image that is not the method's own".to_owned()));
             }
-        })
+        }))
     }
 }
 

@@ -18,6 +18,8 @@ use crate::passes::{HITS, LIT_COLOR};
 pub struct Finish {
     reflection: Option<(GraphicsPipeline<CustomReflection<'static>>, Image, i32)>,
     hits: Option<(HiZPass, GraphicsPipeline<CustomHits<'static>>, Image, i32)>,
+    /// Whether the method makes hits as the project's own methods do, so that its image is taken as it is.
+    has_our_hits: bool,
 }
 
 impl Finish {
@@ -40,17 +42,19 @@ impl Finish {
         let encoding = match output.hits_are {
             HitEncoding::Uv => HITS_UV,
             HitEncoding::UvMasked => HITS_UV_MASKED,
-            HitEncoding::UvDepth => HITS_UV_DEPTH,
+            HitEncoding::UvDepth | HitEncoding::UvDepthPath => HITS_UV_DEPTH,
             HitEncoding::Pixel => HITS_PIXEL,
             HitEncoding::ViewPosition => HITS_VIEW,
         };
-        let hits = (hits && output.hits.is_some())
+        let are_ours = output.hits_are == HitEncoding::UvDepthPath;
+        let wants_hits = hits && output.hits.is_some();
+        let hits = (wants_hits && !are_ours)
             .then(|| -> Result<_> {
                 let image = Image::target(gpu, "hits", HITS, extent)?;
                 Ok((HiZPass::depth_alone(gpu, extent)?, GraphicsPipeline::fullscreen(gpu, [HITS])?, image, encoding))
             })
             .transpose()?;
-        Ok(Self { reflection, hits })
+        Ok(Self { reflection, hits, has_our_hits: wants_hits && are_ours })
     }
 
     /// The reflection, of the image that the method made it in.
@@ -75,9 +79,12 @@ impl Finish {
         &'a self,
         frame: &mut Frame,
         input: &Input<'_, '_>,
-        made: &Image,
+        made: &'a Image,
         state: &FrameState,
     ) -> Result<Option<&'a Image>> {
+        if self.has_our_hits {
+            return Ok(Some(made));
+        }
         let Some((depth, pipeline, image, encoding)) = &self.hits else { return Ok(None) };
         let standard = depth.record(frame, &input.gbuffer)?;
         let block = CustomHitsBlock {

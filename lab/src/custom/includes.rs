@@ -1,6 +1,7 @@
-//! The files that a user's shader may be made of: those of the method's folder, and those below folders that the user
-//! allows. How deep they include each other, how many there are and how large they are together is bounded.
+//! The files that a user's shader may be made of: those of the method's folder, those below folders that the user
+//! allows, and the project's own shaders. How deep they include each other, how many there are and how large they are together is bounded.
 
+use super::built_in;
 use crate::error::{Error, Result};
 use crate::scene::source_text;
 use std::path::{Path, PathBuf};
@@ -32,7 +33,9 @@ pub struct Includes<'a> {
     open: Vec<(PathBuf, PathBuf)>,
     bytes: u64,
     /// The shader and every file that was included.
-    pub files: Vec<PathBuf>,
+    files: Vec<PathBuf>,
+    /// Files that would stand in the place of built-in shaders, if they were there.
+    awaited: Vec<PathBuf>,
     /// Why an include was refused, if one was.
     pub refused: Option<String>,
 }
@@ -40,7 +43,28 @@ pub struct Includes<'a> {
 impl<'a> Includes<'a> {
     /// No includes yet of a shader of a method in a folder.
     pub fn new(folder: &'a Path, elsewhere: &'a Path, shader: &Path) -> Self {
-        Self { folder, elsewhere, open: Vec::new(), bytes: 0, files: vec![shader.to_owned()], refused: None }
+        let (open, files) = (Vec::new(), vec![shader.to_owned()]);
+        Self { folder, elsewhere, open, bytes: 0, files, awaited: Vec::new(), refused: None }
+    }
+
+    /// The files whose change changes the shader.
+    pub fn watched(self) -> Vec<PathBuf> {
+        self.files.into_iter().chain(self.awaited).collect()
+    }
+
+    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders.
+    fn path(&mut self, name: &str, includer: &Path) -> PathBuf {
+        let elsewhere = self.elsewhere.join(name);
+        let beside = match built_in::text(includer) {
+            Some(_) => elsewhere.clone(),
+            None => includer.parent().unwrap_or(self.elsewhere).join(name),
+        };
+        if let Some(there) = [beside, elsewhere.clone()].into_iter().find(|path| path.exists()) {
+            return there;
+        }
+        let Some(built_in) = built_in::path(name) else { return elsewhere };
+        self.awaited.push(elsewhere);
+        built_in
     }
 
     /// The path and the text of an include.
@@ -49,8 +73,7 @@ impl<'a> Includes<'a> {
     /// Why there is none, as a part of the compiler's message.
     pub fn read(&mut self, name: &str, includer: &str) -> std::result::Result<(String, String), String> {
         let includer = Path::new(includer);
-        let beside = includer.parent().unwrap_or(self.elsewhere).join(name);
-        let path = if beside.exists() { beside } else { self.elsewhere.join(name) };
+        let path = self.path(name, includer);
         // What was included between is read to its end.
         while self.open.last().is_some_and(|(last, _)| last != includer) {
             self.open.pop();
@@ -59,7 +82,10 @@ impl<'a> Includes<'a> {
             self.refused.get_or_insert_with(|| why.clone());
             return Err(why);
         }
-        let text = source_text::read(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?;
+        let text = match built_in::text(&path) {
+            Some(text) => text.to_owned(),
+            None => source_text::read(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?,
+        };
         self.bytes += text.len() as u64;
         if self.bytes > MAX_BYTES {
             let why = format!("its includes have more than {MAX_BYTES} bytes together");
@@ -94,7 +120,7 @@ fn whole(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// Checks that a shader lies in the method's folder, or below one that the user allows.
+/// Checks that a shader lies in the method's folder, below one that the user allows, or is built in.
 ///
 /// # Errors
 /// [`Error::Malformed`] for any other.
@@ -103,6 +129,9 @@ pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
 }
 
 fn check_place(path: &Path, folder: &Path) -> std::result::Result<(), String> {
+    if built_in::text(path).is_some() {
+        return Ok(());
+    }
     // A file that is not there is named by whoever reads it.
     let Ok(itself) = path.canonicalize() else { return Ok(()) };
     let mut allowed = std::iter::once(folder).chain(ALLOWED.get().into_iter().flatten().map(PathBuf::as_path));

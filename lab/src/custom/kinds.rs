@@ -50,6 +50,7 @@ pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, Imag
     }
     let there = STORED.iter().find(|(format, _)| *format == section.format);
     match there {
+        None => Err(format!("stored to, and {name} is {}, which shaders can only draw to and look up", section.format)),
         Some((format, number)) if kind.format != 0 && kind.format != *number => {
             let declared = STORED.iter().find(|(_, number)| *number == kind.format);
             let declared = declared.map_or("of another format", |(format, _)| format);

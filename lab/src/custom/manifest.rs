@@ -61,8 +61,14 @@ impl Manifest {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let text = source_text::read(&path, "a manifest", MAX_BYTES)?;
-        let sections: Sections =
-            toml::from_str(&text).map_err(|e| SourceText { path: &path, text: &text }.syntax_error(&e))?;
+        let source = SourceText { path: &path, text: &text };
+        let table: toml::Table = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+        let missing = missing_keys(&table);
+        if !missing.is_empty() {
+            let is = if missing.len() == 1 { "is" } else { "are" };
+            return Err(Error::malformed(&path, None, format!("{} {is} missing", missing.join(", "))));
+        }
+        let sections: Sections = source.deserialized()?;
         Self::checked(folder, text, sections)
     }
 
@@ -117,6 +123,12 @@ impl Manifest {
         }
         for pass in &sections.pass {
             let checked = known.pass(folder, pass, (&sections.inputs, &sections.values), &parameters, &wrong)?;
+            let follows = |before: Option<&Pass>| before.is_some_and(|before| before.levels == checked.levels);
+            if checked.interleaved && !follows(passes.last()) {
+                let message =
+                    format!("pass {:?} is interleaved, and the pass before it has other levels", checked.name);
+                return Err(wrong(pass.span(), message));
+            }
             if passes.iter().any(|p: &Pass| p.name == checked.name) {
                 return Err(wrong(pass.span(), format!("there are two passes {:?}", checked.name)));
             }
@@ -128,6 +140,13 @@ impl Manifest {
                 let message = format!("output: there is no [image.{image}]");
                 return Err(wrong(sections.output.span(), message));
             }
+        }
+        if output.hits_are == HitEncoding::UvDepthPath
+            && let Some(hits) = output.hits.as_ref().and_then(|name| images.get(name))
+            && (hits.format != "rgba32f" || hits.scale != 1.0)
+        {
+            let message = "output: hits that are uv-depth-path stand in an image of the format rgba32f and the scale 1";
+            return Err(wrong(sections.output.span(), message.into()));
         }
         for (name, image) in &sections.image {
             let previous = ImageSource::Previous(Box::new(ImageSource::Own(name.clone())));
@@ -170,16 +189,55 @@ impl Manifest {
     }
 }
 
+/// Tables of a manifest, and the keys that each of them must have. The names of parameters and images stand between the
+/// name of the table and the key.
+const REQUIRED: [(&str, &[&str]); 5] = [
+    ("", &["name", "summary", "pass", "output"]),
+    ("parameter", &["help", "default"]),
+    ("image", &["format"]),
+    ("output", &["reflection"]),
+    ("pass", &["name", "shader"]),
+];
+
+/// Returns every key that a manifest must have and lacks, such as `image.result.format`.
+fn missing_keys(manifest: &toml::Table) -> Vec<String> {
+    let lacking = |place: &str, table: &toml::Table, keys: &[&str]| -> Vec<String> {
+        keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")).collect()
+    };
+    let mut missing = Vec::new();
+    for (name, keys) in REQUIRED {
+        match manifest.get(name) {
+            None if name.is_empty() => missing.extend(lacking("", manifest, keys)),
+            Some(toml::Value::Array(all)) => {
+                for (number, table) in all.iter().enumerate().filter_map(|(n, v)| Some((n + 1, v.as_table()?))) {
+                    missing.extend(lacking(&format!("{name} {number}: "), table, keys));
+                }
+            }
+            Some(toml::Value::Table(table)) if name == "output" => {
+                missing.extend(lacking("output.", table, keys));
+            }
+            Some(toml::Value::Table(tables)) => {
+                for (own, table) in tables.iter().filter_map(|(own, v)| Some((own, v.as_table()?))) {
+                    missing.extend(lacking(&format!("{name}.{own}."), table, keys));
+                }
+            }
+            _ => {}
+        }
+    }
+    missing
+}
+
 /// Whether a name is one that a flag or a file may have as it is.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
 }
 
 /// Formats of images that a method keeps, as GLSL names them.
-const FORMATS: [(&str, vk::Format); 15] = [
+const FORMATS: [(&str, vk::Format); 16] = [
     ("r8", vk::Format::R8_UNORM),
     ("rg8", vk::Format::R8G8_UNORM),
     ("rgba8", vk::Format::R8G8B8A8_UNORM),
+    ("rgba8-srgb", vk::Format::R8G8B8A8_SRGB),
     ("r16f", vk::Format::R16_SFLOAT),
     ("rg16f", vk::Format::R16G16_SFLOAT),
     ("rgba16f", vk::Format::R16G16B16A16_SFLOAT),

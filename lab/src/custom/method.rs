@@ -147,7 +147,7 @@ struct Running {
 /// An image of the method's own: one, or two that take turns.
 struct OwnImage {
     images: Vec<Image>,
-    clear: bool,
+    clear: Option<f32>,
 }
 
 /// A pass with its pipeline.
@@ -269,8 +269,9 @@ impl Running {
         for (name, image) in &self.images {
             let fresh = before.is_none() && image.images.len() > 1;
             for (k, held) in image.images.iter().enumerate() {
-                if fresh || (image.clear && k == turn % image.images.len()) {
-                    frame.clear(&format!("clear {name}"), held.all(), [0.0; 4])?;
+                let this_frame = image.clear.filter(|_| k == turn % image.images.len());
+                if let Some(number) = this_frame.or(fresh.then_some(0.0)) {
+                    frame.clear(&format!("clear {name}"), held.all(), [number; 4])?;
                 }
             }
         }
@@ -299,11 +300,14 @@ impl Running {
             values: &self.values,
             parameters: &self.parameters,
         };
-        for recorded in &self.passes {
-            let [first, last] = recorded.pass.levels.unwrap_or([0, 0]);
-            for level in first..=last {
-                if !self.record_level(frame, input, recorded, (level, turn), &state)? {
-                    break;
+        // Interleaved passes are recorded together, level by level.
+        for together in self.passes.chunk_by(|_, next| next.pass.interleaved) {
+            let [first, last] = together[0].pass.levels.unwrap_or([0, 0]);
+            'levels: for level in first..=last {
+                for recorded in together {
+                    if !self.record_level(frame, input, recorded, (level, turn), &state)? {
+                        break 'levels;
+                    }
                 }
             }
         }
@@ -316,7 +320,7 @@ impl Running {
         };
         let shown = |(name, image): (&&'static str, &'a OwnImage)| {
             let image = &image.images[turn % image.images.len()];
-            is_float(image.format()).then_some(Intermediate { name, content: Content::Color, image })
+            content(image.format()).map(|content| Intermediate { name, content, image })
         };
         let own = self.names.iter().zip(self.images.values()).filter_map(shown);
         // An image of the method's own that has the name of one that it reads is the one that its author looks for.
@@ -448,10 +452,15 @@ fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     !hits && manifest.output.hits.as_deref() == Some(image) && !is_read
 }
 
-/// Whether a format's numbers can be looked at as a colour.
-fn is_float(format: vk::Format) -> bool {
+/// How an image of a format can be looked at: as a colour, or as one number; `None` for whole numbers and for pairs.
+fn content(format: vk::Format) -> Option<Content> {
     use vk::Format as F;
-    !matches!(format, F::R32_UINT | F::R32G32_UINT | F::R32G32B32A32_UINT | F::R32_SINT)
+    match format {
+        F::R8_UNORM | F::R16_SFLOAT | F::R32_SFLOAT => Some(Content::Share),
+        F::R8G8_UNORM | F::R16G16_SFLOAT | F::R32G32_SFLOAT => None,
+        F::R32_UINT | F::R32G32_UINT | F::R32G32B32A32_UINT | F::R32_SINT => None,
+        _ => Some(Content::Color),
+    }
 }
 
 impl OwnImage {
@@ -461,10 +470,12 @@ impl OwnImage {
         let format = format_of(&section.format).unwrap_or(LIT_COLOR);
         let all = image::full_chain(extent);
         let levels = if section.levels == 0 { all } else { section.levels.min(all) };
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let plain = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        // No device stores to images that are encoded.
+        let usage = if format == vk::Format::R8G8B8A8_SRGB { plain } else { plain | U::STORAGE };
         let desc = ImageDesc { name, format, extent, levels, layers: 1, usage };
         let count = if section.history { 2 } else { 1 };
         let images = (0..count).map(|_| Image::new(gpu, &desc)).collect::<Result<_>>()?;
-        Ok(Self { images, clear: section.clear })
+        Ok(Self { images, clear: section.clear.number() })
     }
 }

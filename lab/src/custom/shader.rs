@@ -1,6 +1,7 @@
 //! Compiles a user's shader and finds what it binds. GLSL for OpenGL is taken, too: names get bindings and locations, and
 //! uniforms that stand alone become a block.
 
+use super::built_in;
 use super::includes::{self, Includes, MAX_BYTES};
 use super::loose_uniforms::{self, Hoisted};
 use super::manifest::{Manifest, Pass, PassStage};
@@ -97,7 +98,10 @@ fn binary(path: &Path) -> Result<Compiled> {
 /// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
 fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     let path = &pass.shader;
-    let source = source_text::read_program(path, "a shader", MAX_BYTES)?;
+    let source = match built_in::text(path) {
+        Some(text) => text.to_owned(),
+        None => source_text::read_program(path, "a shader", MAX_BYTES)?,
+    };
     old_glsl::check(path, &source)?;
     let wrong = |message: String| Error::malformed(path, None, message);
     // The compiler's binding panics on a NUL character.
@@ -139,7 +143,8 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     let made = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(says)?;
     let words = made.as_binary().to_vec();
     drop(options);
-    Ok(Compiled { words, own, files: included.into_inner().files })
+    let awaited = pass.awaited.iter().cloned();
+    Ok(Compiled { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
 }
 
 /// The first of the compiler's messages, with the file and line that it is about.

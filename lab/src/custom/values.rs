@@ -3,6 +3,7 @@
 use super::conventions::Conventions;
 use super::reflect::{BlockField, Component};
 use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
+use crate::gpu::image::full_chain;
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;
 use glam::{DMat4, DVec3, Vec3};
@@ -19,9 +20,11 @@ pub enum Feed {
 }
 
 /// The names, and what they stand for.
-pub const NAMES: [(&str, &str); 28] = [
+pub const NAMES: [(&str, &str); 36] = [
     ("view-to-clip", "matrix: view space to clip space"),
     ("clip-to-view", "matrix: its inverse"),
+    ("view-to-clip-reversed", "matrix: view space to clip space with reversed depth, whatever clip-depth says"),
+    ("clip-to-view-reversed", "matrix: its inverse"),
     ("world-to-view", "matrix: world space to view space"),
     ("view-to-world", "matrix: its inverse"),
     ("world-to-clip", "matrix: world space to clip space"),
@@ -35,6 +38,18 @@ pub const NAMES: [(&str, &str); 28] = [
     ("size", "2 numbers: width and height of the frame in pixels; 4: and one over each"),
     ("inverse-size", "2 numbers: one over width and height"),
     ("pass-size", "2 or 4 numbers: the same of what the pass writes"),
+    ("inverse-pass-size", "2 numbers: one over width and height of what the pass writes"),
+    (
+        "step-right",
+        "2 numbers: from a texel of what the pass writes to the next one to the right, in texture coordinates",
+    ),
+    ("step-down", "2 numbers: the same to the next one below"),
+    ("level-count", "levels of an image of the frame's size, down to one texel"),
+    ("last-level", "the coarsest of these levels: their number less one"),
+    (
+        "hi-z-offset",
+        "2 numbers: Offset of the thesis's Eq. 4.1: along each side 1 where the level below is even, else 2",
+    ),
     ("near", "near plane, metres"),
     ("far", "far plane, metres"),
     ("fov-y", "vertical field of view, radians; perspectives only"),
@@ -132,7 +147,9 @@ impl Filled {
             Feed::Named(name) => match *name {
                 "eye" => numbers == 3 || numbers == 4,
                 "size" | "pass-size" => numbers == 2 || numbers == 4,
-                "inverse-size" | "half-view" => numbers == 2,
+                "inverse-size" | "half-view" | "inverse-pass-size" | "step-right" | "step-down" | "hi-z-offset" => {
+                    numbers == 2
+                }
                 "capture-places" => numbers.is_multiple_of(4),
                 name if is_matrix(name) => elements == 1 && columns >= 3 && rows >= 3,
                 _ => numbers == 1,
@@ -164,6 +181,13 @@ impl Filled {
     }
 }
 
+/// Eq. 4.1 of the thesis for one side of the frame: the distance of the texels that a level of its chain reads of the level
+/// below.
+fn hi_z_offset(side: u32, level: u32) -> f64 {
+    let below = side.checked_shr(level.saturating_sub(1)).unwrap_or(0).max(1);
+    if below.is_multiple_of(2) { 1.0 } else { 2.0 }
+}
+
 fn is_matrix(name: &str) -> bool {
     NAMES.iter().any(|(known, help)| *known == name && help.starts_with("matrix"))
 }
@@ -182,6 +206,12 @@ impl Feed {
                 "size" => vec![width, height, 1.0 / width, 1.0 / height],
                 "inverse-size" => vec![1.0 / width, 1.0 / height],
                 "pass-size" => vec![pass_width, pass_height, 1.0 / pass_width, 1.0 / pass_height],
+                "inverse-pass-size" => vec![1.0 / pass_width, 1.0 / pass_height],
+                "step-right" => vec![1.0 / pass_width, 0.0],
+                "step-down" => vec![0.0, 1.0 / pass_height],
+                "level-count" => vec![f64::from(full_chain(state.extent))],
+                "last-level" => vec![f64::from(full_chain(state.extent) - 1)],
+                "hi-z-offset" => state.extent.map(|side| hi_z_offset(side, state.level)).to_vec(),
                 "near" => vec![f64::from(state.camera.lens.near_m)],
                 "far" => vec![f64::from(state.camera.lens.far_m)],
                 "fov-y" => vec![state.camera.lens.fov_y_radians().unwrap_or_default().into()],
@@ -239,7 +269,11 @@ impl FrameState<'_> {
 
     /// View to clip space of a camera, in the shader's spaces.
     pub fn view_to_clip(&self, camera: &Camera) -> DMat4 {
-        let of = match self.conventions.clip_depth {
+        self.view_to_clip_with(camera, self.conventions.clip_depth)
+    }
+
+    fn view_to_clip_with(&self, camera: &Camera, depth: ClipDepth) -> DMat4 {
+        let of = match depth {
             ClipDepth::Reversed => camera.view_to_clip_reversed().as_dmat4(),
             ClipDepth::Standard => camera.view_to_clip().as_dmat4(),
             // z' = 2 z − w
@@ -262,6 +296,8 @@ impl FrameState<'_> {
         let matrix = match name.trim_start_matches("previous-") {
             "view-to-clip" => clip,
             "clip-to-view" => clip.inverse(),
+            "view-to-clip-reversed" => self.view_to_clip_with(camera, ClipDepth::Reversed),
+            "clip-to-view-reversed" => self.view_to_clip_with(camera, ClipDepth::Reversed).inverse(),
             "world-to-view" => view,
             "view-to-world" => view.inverse(),
             "world-to-clip" => clip * view,

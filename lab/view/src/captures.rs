@@ -128,8 +128,8 @@ mod tests {
         let table: toml::Table = toml::from_str(&text).unwrap();
         let saved = table["capture"].as_array().unwrap();
         assert_eq!(saved.len(), 2);
-        // The scene was halved when it was loaded.
-        assert_eq!(saved[1]["place"].as_array().unwrap()[2].as_float(), Some(2.0));
+        // The scene was halved when it was loaded, and its file is right-handed.
+        assert_eq!(saved[1]["place"].as_array().unwrap()[2].as_float(), Some(-2.0));
         assert_eq!(saved[1]["resolution"].as_integer(), Some(64));
         for _ in 0..MAX_CAPTURES {
             editor.add(&shown, Vec3::ONE);

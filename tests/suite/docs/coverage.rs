@@ -303,3 +303,9 @@ fn methods_options_and_figures_that_the_page_names_exist() {
     }
     assert!(options > 40 && drawn > 20, "only {options} options and {drawn} figures are named");
 }
+
+#[test]
+fn the_readme_leads_to_the_page_by_what_it_is_for() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    assert!(readme.contains("[which file holds which algorithm](docs/coverage.md)"));
+}

@@ -20,7 +20,7 @@ fn scene() -> Folder {
     let name = serde_json::to_string(BAD).unwrap();
     // A basic string of TOML has the escapes of JSON.
     let text = format!(
-        "name = {name}\n\n[[mesh]]\nfile = \"room.obj\"\n\n[view.{name}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, 6]\n"
+        "name = {name}\n\n[[mesh]]\nfile = \"room.obj\"\n\n[view.{name}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, -6]\n"
     );
     folder.write("bad.scene.toml", text);
     folder

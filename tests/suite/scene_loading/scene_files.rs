@@ -215,7 +215,7 @@ fn captures_arrive_and_can_be_written_again() {
     let second = Capture { position: Vec3::new(3.0, 1.5, 2.0), near_m: Capture::NEAR_M, resolution: 256 };
     assert_eq!(scene.captures, [first, second]);
     let written: String = scene.captures.iter().map(|c| c.to_toml()).collect();
-    let again = load(&folder(&format!("[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
+    let again = load(&folder(&format!("coordinates = 'left'\n[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
     assert_eq!(again.captures, scene.captures);
     let bare = load(&folder("[[mesh]]\nfile = 'a.obj'\n[[capture]]\nplace = [0, 1, 0]\n"), 2.0).unwrap();
     let scaled = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::at(2.0 * Vec3::Y) };
@@ -400,6 +400,13 @@ fn syntax_errors_and_unknown_keys_name_the_line() {
         ("[[impostor]]\nfile = 'a.png'\nalpha = 1\n", "3: unknown field `alpha`"),
         ("[[area_light]]\nkind = 'disc'\n", "2: unknown variant `disc`"),
         ("[[light]]\nkind = 'point'\n", "1: missing field `energy`"),
+        (
+            "[view.v]\neye = [0, 0, 0]\nlookat = [0, 0, 1]\n[[light]]\nkind = 'point'\nenergie = 3\nenergy = 1\n",
+            "3: unknown field `lookat`, expected one of `eye`, `look_at`, `fov_y_deg`, `orthographic_height_m`, `near`, \
+             `far`, `materials`; line 6: unknown field `energie`, expected one of `kind`, `position`, `direction`, `energy`; \
+             line 1: missing field `look_at`",
+        ),
+        ("coordinates = 'both'\n", "1: unknown variant `both`"),
         ("[view.v]\neye = [0, 0]\nlook_at = [0, 0, 1]\n", "2: invalid length 2"),
         ("[view.v]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[view.v]\n", "4: duplicate key"),
     ];
@@ -433,7 +440,7 @@ fn a_scene_file_may_have_paths_and_their_faults_have_a_line() {
     let scene = load(&folder(text), 2.0).unwrap();
     let [path] = &scene.paths[..] else { panic!("{:?}", scene.paths) };
     assert_eq!((path.name.as_str(), path.keys().len(), path.keys()[1].time_s), ("walk", 2, Some(3.0)));
-    assert_eq!(path.at(1.0), ([4.0, 2.0, 0.0].into(), [0.0, 2.0, 8.0].into()), "scaled like views");
+    assert_eq!(path.at(1.0), ([4.0, 2.0, 0.0].into(), [0.0, 2.0, -8.0].into()), "scaled and mirrored like views");
     let wrong = load(&folder(&text.replace("time = 3", "time = 0")), 1.0).unwrap_err().to_string();
     assert!(wrong.ends_with("test.scene.toml:7: its time must be after 0, but is 0"), "{wrong}");
 }

@@ -28,9 +28,8 @@ fn missing(scene: &Scene) -> Vec<&str> {
 
 #[test]
 fn sponza_loads_as_its_scene_file_says() {
-    let Some(folder) = shared() else { return };
     let start = Instant::now();
-    let scene = scene_file::load(&folder.join("sponza/sponza.scene.toml"), &LoadOptions::default()).unwrap();
+    let Some(scene) = crate::common::sponza() else { return };
     println!("sponza.scene.toml loaded in {:.2} s", start.elapsed().as_secs_f32());
     assert_sound(&scene);
     // 8521 triangles and 135,321 quads, less one triangle without area.
@@ -54,6 +53,8 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_eq!(maps.len(), 9);
     assert!(maps.iter().all(|&i| texture::is_normal_map(&scene.textures[i])));
     assert_eq!(scene.lights.len(), 1);
+    // The views stand where they stood before scene files said how their places are meant.
+    assert_near(scene.views[2].eye, Vec3::new(-11.5, 1.6, -4.2));
 }
 
 #[test]

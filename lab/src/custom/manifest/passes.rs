@@ -2,6 +2,7 @@
 //! shader itself says is checked in `bindings`.
 
 use super::sections::{BufferSection, ImageSection, InputSection, PassSection, PassStage, SamplerName};
+use crate::custom::built_in;
 use crate::custom::source::ImageSource;
 use crate::custom::values::Feed;
 use crate::error::{Error, Result};
@@ -41,13 +42,18 @@ pub enum InputKind {
 #[derive(Debug, Clone)]
 pub struct Pass {
     pub name: String,
+    /// The file, or the path of a built-in shader.
     pub shader: PathBuf,
+    /// The file that would stand in the place of a built-in shader, if it were there.
+    pub awaited: Option<PathBuf>,
     pub stage: PassStage,
     pub defines: Vec<String>,
     pub targets: Vec<(String, LevelOf)>,
     pub reach: PassReach,
     /// The levels that it is recorded for, one after another, both ends included.
     pub levels: Option<[u32; 2]>,
+    /// Whether each of its levels follows that level of the pass before it.
+    pub interleaved: bool,
     pub inputs: BTreeMap<String, PassInput>,
     pub values: BTreeMap<String, (Feed, Range<usize>)>,
     pub at: Range<usize>,
@@ -83,7 +89,12 @@ impl Known<'_> {
         wrong: &impl Fn(Range<usize>, String) -> Error,
     ) -> Result<Pass> {
         let of = section.get_ref();
-        let shader = folder.join(of.shader.get_ref());
+        let file = folder.join(of.shader.get_ref());
+        let built_in = if file.exists() { None } else { of.shader.get_ref().to_str().and_then(built_in::path) };
+        let (shader, awaited) = match built_in {
+            Some(shader) => (shader, Some(file)),
+            None => (file, None),
+        };
         let by_name = match shader.extension().and_then(|e| e.to_str()) {
             Some("frag" | "fs" | "fsh" | "glslf") => Some(PassStage::Fragment),
             Some("comp" | "cs" | "glslc") => Some(PassStage::Compute),
@@ -143,14 +154,19 @@ impl Known<'_> {
         if of.levels.is_some_and(|[first, last]| first > last || last > 31) {
             return Err(wrong(section.span(), "levels must be the first and the last of some levels up to 31".into()));
         }
+        if of.interleaved && of.levels.is_none() {
+            return Err(wrong(section.span(), "an interleaved pass has levels, as the pass before it has".into()));
+        }
         Ok(Pass {
             name: of.name.get_ref().clone(),
             shader,
+            awaited,
             stage,
             defines: of.defines.clone(),
             targets,
             reach,
             levels: of.levels,
+            interleaved: of.interleaved,
             inputs: all_inputs,
             values: all_values,
             at: section.span(),

@@ -65,9 +65,35 @@ pub struct ImageSection {
     /// Whether what it held in the frame before can be read.
     #[serde(default)]
     pub history: bool,
-    /// Whether it is cleared to 0 at the beginning of each frame.
+    /// What it is cleared to at the beginning of each frame.
     #[serde(default)]
-    pub clear: bool,
+    pub clear: Clear,
+}
+
+/// What an image is cleared to at the beginning of each frame.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Clear {
+    /// To 0, or it is not cleared.
+    Whether(bool),
+    /// To this number in every channel.
+    Number(f32),
+}
+
+impl Default for Clear {
+    fn default() -> Self {
+        Self::Whether(false)
+    }
+}
+
+impl Clear {
+    /// The number in every channel, if it is cleared.
+    pub fn number(self) -> Option<f32> {
+        match self {
+            Self::Whether(is_cleared) => is_cleared.then_some(0.0),
+            Self::Number(number) => Some(number),
+        }
+    }
 }
 
 fn one() -> f32 {
@@ -126,6 +152,9 @@ pub(super) struct PassSection {
     pub(super) indirect: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) levels: Option<[u32; 2]>,
+    /// Whether each of its levels follows that level of the pass before it.
+    #[serde(default)]
+    pub(super) interleaved: bool,
     #[serde(default)]
     pub(super) inputs: BTreeMap<String, Spanned<InputSection>>,
     #[serde(default)]
@@ -173,4 +202,6 @@ pub enum HitEncoding {
     UvDepth,
     Pixel,
     ViewPosition,
+    /// What the project's own shaders write: texture coordinates, standard depth and PATH_*.
+    UvDepthPath,
 }

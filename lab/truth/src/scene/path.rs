@@ -1,5 +1,6 @@
 //! Files of camera paths (TOML), and the sections of scene files that name one.
 
+use super::obj::Handedness;
 use super::source_text::{MAX_FILE_BYTES, stem};
 use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};
@@ -10,8 +11,8 @@ use toml::Spanned;
 
 pub use ssct::scene::path::{CameraPath, KeyFrame, VIEWS};
 
-/// Reads a path file: an optional `name`, and `[[key]]` tables with `eye`, `look_at` and, in all of them or
-/// in none, `time` in seconds.
+/// Reads a path file: an optional `name`, the `coordinates` of its places (`"right"`, the default, or `"left"`), and `[[key]]` tables
+/// with `eye`, `look_at` and, in all of them or in none, `time` in seconds.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
@@ -26,15 +27,16 @@ pub fn load(path: &Path) -> Result<CameraPath> {
 /// [`Error::Malformed`] with file and line.
 pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
     let source = SourceText { path, text };
-    let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
-    source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
+    let file: PathFile = source.deserialized()?;
+    source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
 }
 
-/// The path as the text of a path file.
+/// The path as the text of a path file, in right-handed coordinates, which are those of scene files.
 pub fn to_toml(path: &CameraPath) -> String {
-    let mut text = format!("name = {}\n", toml::Value::from(path.name.as_str()));
+    let mut text = format!("name = {}\ncoordinates = \"right\"\n", toml::Value::from(path.name.as_str()));
     for key in path.keys() {
-        let [eye, look_at] = [key.eye, key.look_at].map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+        let places = [key.eye, key.look_at].map(|place| Handedness::Right.mirrored(place));
+        let [eye, look_at] = places.map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
         // Writing to a String cannot fail.
         let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
         if let Some(time) = key.time_s {
@@ -49,6 +51,8 @@ pub fn to_toml(path: &CameraPath) -> String {
 #[serde(deny_unknown_fields)]
 struct PathFile {
     name: Option<String>,
+    #[serde(default)]
+    coordinates: Handedness,
     #[serde(default)]
     key: Vec<Spanned<KeySection>>,
 }
@@ -71,10 +75,17 @@ pub(super) struct KeySection {
 
 impl SourceText<'_> {
     /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
-    pub(super) fn path(&self, name: &str, sections: &[Spanned<KeySection>], extra_scale: f32) -> Result<CameraPath> {
+    pub(super) fn path(
+        &self,
+        name: &str,
+        sections: &[Spanned<KeySection>],
+        extra_scale: f32,
+        coordinates: Handedness,
+    ) -> Result<CameraPath> {
         let key = |section: &Spanned<KeySection>| {
             let KeySection { eye, look_at, time } = section.get_ref();
-            let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?].map(|p| p * extra_scale);
+            let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?]
+                .map(|p| coordinates.mirrored(p) * extra_scale);
             Ok(KeyFrame { eye, look_at, time_s: *time })
         };
         let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
@@ -104,6 +115,15 @@ mod tests {
             std::fs::write(file.path(), to_toml(&path)).expect("written");
             assert_eq!(load(file.path()).expect("read"), path);
         }
+    }
+
+    #[test]
+    fn places_are_right_handed_unless_a_file_says_otherwise() {
+        let keys = "[[key]]\neye = [0, 0, 1]\nlook_at = [0, 0, 2]\n[[key]]\neye = [0, 0, 2]\nlook_at = [0, 0, 3]\n";
+        let first_z = |text: &str| parse(text, Path::new("a.toml")).expect("a path").keys()[0].eye.z;
+        let said =
+            ["", "coordinates = \"right\"\n", "coordinates = \"left\"\n"].map(|line| first_z(&format!("{line}{keys}")));
+        assert_eq!(said, [-1.0, -1.0, 1.0]);
     }
 
     #[test]

@@ -2,8 +2,10 @@
 //! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 pub(super) mod captures;
+mod coordinates;
 mod motions;
 mod proxies;
+mod seen;
 
 pub use captures::with_captures;
 
@@ -27,6 +29,10 @@ const DEFAULT: &str = "default";
 
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
+/// Its places, directions and paths are in the coordinates that its key `coordinates` names; without it in those of its OBJ files
+/// (`handedness`), and without any right-handed, as glTF is. The scene has them in the program's own, which are left-handed. A
+/// view of the file that sees next to nothing adds a warning ([`Scene::warnings`]).
+///
 /// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and
 /// everything that the file states in metres (views and their clip planes, point lights, probes, impostors, area lights,
 /// captures), and the energies of point lights by its square, since these are lengths squared.
@@ -46,7 +52,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let extra_scale = options.scale;
     let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
-    let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+    let sections: Sections = source.deserialized()?;
+    let coordinates = sections.coordinates();
     let scale = match &sections.scale {
         Some(scale) => source.positive("scale", scale)?,
         None => 1.0,
@@ -55,8 +62,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let metre = metre.scaled(extra_scale);
     let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
     let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
+    let note = sections.note(path);
     let views = source.views(sections.view, lens, extra_scale)?;
-    let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale));
+    let seen = views.len();
+    let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale, coordinates));
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
@@ -70,7 +79,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|f| gltf::is_named(&f.path));
     let mut scene = match obj_files[..] {
         [] => Scene::default(),
-        _ => obj::load_unlit(&obj_files, &ObjOptions { handedness: sections.handedness, load }, Some(DVec3::ZERO))?,
+        _ => {
+            let handedness = sections.handedness.unwrap_or_default();
+            obj::load_unlit(&obj_files, &ObjOptions { handedness, load }, Some(DVec3::ZERO))?
+        }
     };
     for file in &gltf_files {
         append(&mut scene, gltf::load_plain(&file.path, &load, Some(DVec3::ZERO))?, file.surface);
@@ -85,14 +97,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.lens = lens;
     }
     if !lights.is_empty() || scene.lights.is_empty() {
+        let lights: Vec<Light> = lights.into_iter().map(|light| coordinates.light(light)).collect();
         scene.lights = if lights.is_empty() { vec![viewpoint::default_light()] } else { lights };
     }
     if !views.is_empty() || scene.views.is_empty() {
+        let views: Vec<View> = views.into_iter().map(|view| coordinates.view(view)).collect();
         scene.views = if views.is_empty() { vec![viewpoint::default_view(&scene)] } else { views };
     }
     scene.paths = paths;
     for (name, section) in &sections.motion {
-        let motion = source.motion(name, section, &scene, extra_scale)?;
+        let motion = source.motion(name, section, &scene, (extra_scale, coordinates))?;
         scene.motions.push(motion);
     }
     if probes.is_empty() {
@@ -100,17 +114,30 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     probes.iter_mut().for_each(|p| p.scale(extra_scale));
     area_lights.iter_mut().for_each(|l| l.shape.scale(extra_scale));
-    scene.probes.append(&mut probes);
-    scene.area_lights = area_lights;
-    scene.captures = captures;
+    scene.probes.extend(probes.into_iter().map(|probe| coordinates.probe(probe)));
+    scene.area_lights = area_lights.into_iter().map(|light| coordinates.area_light(light)).collect();
+    scene.captures = captures.into_iter().map(|capture| coordinates.capture(capture)).collect();
     for (mut impostor, texture) in images {
         impostor.scale(extra_scale);
         impostor.texture = scene.textures.len();
         scene.textures.push(texture);
-        scene.impostors.push(impostor);
+        scene.impostors.push(coordinates.impostor(impostor));
     }
     apply_changes(path, &changes, &mut scene);
+    let said = if sections.coordinates.is_none() { Some(coordinates) } else { None };
+    let warnings = seen::warnings(&scene, seen, said);
+    scene.warnings.extend(warnings.into_iter().map(|warning| format!("{}: {warning}", path.display())));
+    scene.notes.extend(note);
     Ok(scene)
+}
+
+/// The coordinates in which a scene file states places, for those who write places into it.
+///
+/// # Errors
+/// Errors of [`load`] about the text.
+pub fn coordinates(path: &Path) -> Result<Handedness> {
+    let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
+    Ok(SourceText { path, text: &text }.deserialized::<Sections>()?.coordinates())
 }
 
 /// Adds what a glTF file holds to a scene.
@@ -137,8 +164,8 @@ fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
 #[serde(deny_unknown_fields)]
 struct Sections {
     name: Option<String>,
-    #[serde(default)]
-    handedness: Handedness,
+    handedness: Option<Handedness>,
+    coordinates: Option<Handedness>,
     scale: Option<Spanned<f32>>,
     #[serde(default)]
     mesh: Vec<MeshSection>,
@@ -162,6 +189,28 @@ struct Sections {
     area_light: Vec<Spanned<proxies::AreaLightSection>>,
     #[serde(default)]
     capture: Vec<Spanned<captures::CaptureSection>>,
+}
+
+impl Sections {
+    /// The coordinates of its places.
+    fn coordinates(&self) -> Handedness {
+        let has_obj = self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())));
+        Handedness::of_places(self.coordinates, self.handedness, has_obj)
+    }
+
+    /// A note about a file that calls its OBJ files right-handed and says nothing of its places, which were left-handed before
+    /// there was a key for them.
+    fn note(&self, path: &Path) -> Option<String> {
+        let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
+        let is_unsaid = self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
+        (has_places && is_unsaid).then(|| {
+            let path = path.display();
+            let (right, left) = (Handedness::Right.key(), Handedness::Left.key());
+            format!(
+                "{path}: its places are read as right-handed, as its OBJ files are; {right} says so, too, and {left} says otherwise"
+            )
+        })
+    }
 }
 
 #[derive(Deserialize)]

@@ -3,12 +3,17 @@
 
 use super::{bounded, encoding};
 use crate::error::{Error, Result};
+use serde::de::DeserializeOwned;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue, Deserializer};
 
 /// The largest file of a scene or of a camera path that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The most unknown keys that one error names.
+const MOST_UNKNOWN_KEYS: usize = 32;
 
 /// A text and its path, for errors that name the line.
 #[derive(Clone, Copy)]
@@ -30,13 +35,76 @@ impl SourceText<'_> {
         line_of(self.text.as_bytes(), at.start)
     }
 
+    /// Reads the text as TOML.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line. One error names all unknown keys, and what else is wrong without them.
+    pub fn deserialized<T: DeserializeOwned>(&self) -> Result<T> {
+        let syntax = |e: toml::de::Error| self.syntax_error(&e);
+        let mut table = DeTable::parse(self.text).map_err(syntax)?;
+        let mut wrong: Vec<toml::de::Error> = Vec::new();
+        loop {
+            let error = match T::deserialize(Deserializer::from(table.clone())) {
+                Ok(read) if wrong.is_empty() => return Ok(read),
+                Ok(_) => break,
+                Err(error) => error,
+            };
+            // An unknown key is taken out, so that what stands behind it is read, too.
+            let is_unknown = error.message().starts_with("unknown field") && wrong.len() < MOST_UNKNOWN_KEYS;
+            let is_removed = is_unknown && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
+            wrong.push(error);
+            if !is_removed {
+                break;
+            }
+        }
+        Err(self.all_errors(&mut wrong))
+    }
+
+    /// One error with the sentences of several, which is at the place of the first.
+    fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
+        let is_unknown = |e: &toml::de::Error| e.message().starts_with("unknown field");
+        errors.sort_by_key(|e| (!is_unknown(e), e.span().map_or(0, |span| span.start)));
+        let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
+        let sentence = |e: &toml::de::Error| {
+            let line = e.span().map_or(String::new(), |span| format!("line {}: ", self.line(span)));
+            format!("; {line}{}", clause(e))
+        };
+        let message = clause(first) + &others.iter().map(sentence).collect::<String>();
+        match first.span() {
+            Some(span) => self.error(span, message),
+            None => Error::malformed(self.path, None, message),
+        }
+    }
+
     /// What is wrong with the syntax or the types of a TOML text.
     pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
-        let message = error.message().trim().replace('\n', "; ");
+        let message = clause(error);
         match error.span() {
             Some(span) => self.error(span, message),
             None => Error::malformed(self.path, None, message),
         }
+    }
+}
+
+/// What an error says, in one line.
+fn clause(error: &toml::de::Error) -> String {
+    error.message().trim().replace('\n', "; ")
+}
+
+/// Removes the key that stands at a byte range of a text from its table; `false` if no key stands there.
+fn remove_key(table: &mut DeTable, at: &Range<usize>) -> bool {
+    let found = table.iter().find(|(key, _)| key.span() == *at).map(|(key, _)| key.get_ref().to_string());
+    if let Some(key) = found {
+        return table.remove(key.as_str()).is_some();
+    }
+    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), at))
+}
+
+fn remove_key_within(value: &mut DeValue, at: &Range<usize>) -> bool {
+    match value {
+        DeValue::Table(table) => remove_key(table, at),
+        DeValue::Array(all) => all.iter_mut().any(|value| remove_key_within(value.get_mut(), at)),
+        _ => false,
     }
 }
 

@@ -24,9 +24,8 @@ pub(super) fn lens(bounds: Aabb) -> Lens {
 pub(super) fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
-    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
-    let directions: Vec<Vec3> = [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect();
-    let mut seen = first_hits(scene, centre, &directions);
+    let directions = directions();
+    let mut seen = first_hits(scene, &rays_from(centre, &directions));
     let around = seen.split_off(2);
     let directions = &directions[2..];
     let eye = if is_interior(&seen, &around) {
@@ -45,6 +44,24 @@ pub(super) fn default_view(scene: &Scene) -> View {
         centre + distance * Vec3::new(0.35, 0.35, -1.0).normalize()
     });
     View { name: "default".into(), eye, look_at: centre, ..View::default() }
+}
+
+/// Whether the centre of the scene's bounds is in a room or a court ([`is_interior`]).
+pub(super) fn is_enclosed(scene: &Scene) -> bool {
+    let bounds = scene.bounds();
+    let mut seen = first_hits(scene, &rays_from(0.5 * (bounds.min + bounds.max), &directions()));
+    let around = seen.split_off(2);
+    is_interior(&seen, &around)
+}
+
+/// Down and up, and then directions around.
+fn directions() -> Vec<Vec3> {
+    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
+    [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
+}
+
+fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
+    directions.iter().map(|&direction| Ray { origin, direction }).collect()
 }
 
 /// Whether the centre from which surfaces were seen, below and above and around it, is in a room or a court: below it, the
@@ -71,21 +88,32 @@ fn round(height: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The nearest surface in a direction; the distance is infinite if there is none.
-#[derive(Clone, Copy)]
-struct Hit {
-    distance: f32,
-    facing: bool,
+/// A ray from a place in a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ray {
+    pub(super) origin: Vec3,
+    pub(super) direction: Vec3,
 }
 
-fn first_hits(scene: &Scene, origin: Vec3, directions: &[Vec3]) -> Vec<Hit> {
-    let mut hits = vec![Hit { distance: f32::INFINITY, facing: false }; directions.len()];
+/// The nearest surface in a direction; the distance is infinite if there is none.
+#[derive(Clone, Copy)]
+pub(super) struct Hit {
+    /// In lengths of the direction.
+    pub(super) distance: f32,
+    facing: bool,
+    /// The normal of the triangle, of any length.
+    pub(super) normal: Vec3,
+}
+
+/// The first surface on each ray.
+pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
+    let mut hits = vec![Hit { distance: f32::INFINITY, facing: false, normal: Vec3::ZERO }; rays.len()];
     let position = |v: &Vertex| Vec3::from(v.position);
     for mesh in &scene.meshes {
         for triangle in mesh.indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| position(&mesh.vertices[triangle[i] as usize]));
             let normal = (b - a).cross(c - a);
-            for (hit, &direction) in hits.iter_mut().zip(directions) {
+            for (hit, &Ray { origin, direction }) in hits.iter_mut().zip(rays) {
                 let across = normal.dot(direction);
                 let distance = normal.dot(a - origin) / across;
                 if !(distance > 0.0 && distance < hit.distance) {
@@ -94,7 +122,7 @@ fn first_hits(scene: &Scene, origin: Vec3, directions: &[Vec3]) -> Vec<Hit> {
                 let point = origin + distance * direction;
                 let inside = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(normal) >= 0.0;
                 if inside(a, b) && inside(b, c) && inside(c, a) {
-                    *hit = Hit { distance, facing: across < 0.0 };
+                    *hit = Hit { distance, facing: across < 0.0, normal };
                 }
             }
         }

@@ -2,9 +2,10 @@
 //! captures, which has that section alone ([`crate::scene::capture_file`]).
 
 use crate::error::{Error, Result};
-use crate::scene::Aabb;
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
+use crate::scene::obj::Handedness;
 use crate::scene::source_text::{self, SourceText};
+use crate::scene::{Aabb, gltf};
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -26,7 +27,7 @@ struct ListOfCaptures {
 pub(in crate::scene) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
     let text = source_text::read(path, "a list of captures", crate::scene::source_text::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
-    let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+    let list: ListOfCaptures = source.deserialized()?;
     let captures = source.captures(&list.capture, 1.0)?;
     let Some(first) = captures.first() else {
         return Err(Error::malformed(path, None, "it lists no captures"));
@@ -55,7 +56,7 @@ pub(super) struct CaptureSection {
 }
 
 /// The text of a scene file with other captures: its `[[capture]]` tables are left out, and those of `captures` stand at
-/// its end. All else stays as it is. `path` names the file in errors.
+/// its end, in the coordinates of the file. All else stays as it is. `path` names the file in errors.
 ///
 /// # Errors
 /// [`Error::Malformed`] if the text is no TOML, or has captures that are written in another way.
@@ -78,13 +79,22 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
             kept.push('\n');
         }
     }
-    let tables = captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n");
+    let coordinates = coordinates(&before);
+    let tables = captures.iter().map(|c| coordinates.capture(*c).to_toml()).collect::<Vec<_>>().join("\n");
     let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
     if rest(&made).ok() != Some(before) {
         let message = "it names captures by other tables than [[capture]], which cannot be replaced";
         return Err(Error::malformed(path, None, message));
     }
     Ok(made)
+}
+
+/// The coordinates of the places in a scene file, of which no more needs to be sound.
+fn coordinates(file: &toml::Table) -> Handedness {
+    let said = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
+    let meshes = file.get("mesh").and_then(toml::Value::as_array).into_iter().flatten();
+    let mut files = meshes.filter_map(|mesh| mesh.get("file").and_then(toml::Value::as_str));
+    Handedness::of_places(said("coordinates"), said("handedness"), files.any(|name| !gltf::is_named(Path::new(name))))
 }
 
 impl SourceText<'_> {

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::scene::motion::{Between, Changes, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::obj::Handedness;
 use crate::scene::source_text::SourceText;
 use crate::scene::{Aabb, Scene};
 use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
@@ -43,7 +44,7 @@ impl SourceText<'_> {
         name: &str,
         section: &MotionSection,
         scene: &Scene,
-        extra_scale: f32,
+        (extra_scale, coordinates): (f32, Handedness),
     ) -> Result<Motion> {
         let MotionSection { mesh, pivot, axis, key } = section;
         let moved = || scene.meshes.iter().filter(|m| m.name == *mesh.get_ref());
@@ -54,12 +55,12 @@ impl SourceText<'_> {
         }
         let bounds = moved().fold(Aabb::default(), |all, m| all.union(m.bounds));
         let pivot = match pivot {
-            Some(pivot) => self.place("pivot", pivot, extra_scale)?,
+            Some(pivot) => coordinates.mirrored(self.place("pivot", pivot, extra_scale)?),
             None => 0.5 * (bounds.min + bounds.max),
         };
         let axis = match axis {
             Some(axis) => match self.vector("axis", axis)?.try_normalize() {
-                Some(unit) => unit,
+                Some(unit) => coordinates.mirrored(unit),
                 None => return Err(self.error(axis.span(), "axis must not be zero")),
             },
             None => Vec3::Y,
@@ -73,11 +74,12 @@ impl SourceText<'_> {
                 let message = "turn_deg must change by less than 180 from one key frame to the next";
                 return Err(self.error(section.span(), message));
             }
-            frames.push((*time, offset, degrees));
+            frames.push((*time, coordinates.mirrored(offset), degrees));
         }
         let times: Vec<f32> = frames.iter().map(|(time, ..)| *time).collect();
         let offsets = frames.iter().map(|(_, offset, _)| (*offset + pivot).to_array()).collect();
-        let turns = frames.iter().map(|(.., turn)| Quat::from_axis_angle(axis, turn.to_radians()).to_array()).collect();
+        let turn = |degrees: f32| Quat::from_axis_angle(axis, coordinates.turn(degrees.to_radians())).to_array();
+        let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
         let at = key.first().map_or(mesh.span(), Spanned::span);
         let wrong = |why: &str| self.error(at.clone(), format!("motion {name} {why}"));
         let offsets = Keys::new(times.clone(), offsets, Between::Linear).map_err(wrong)?;

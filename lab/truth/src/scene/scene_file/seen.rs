@@ -1,0 +1,86 @@
+//! Warnings about views of a scene file that see next to nothing, which is mostly so where its places are in other coordinates
+//! than the file says: a view stands outside of a room, sees no surface, or nothing but one flat one.
+
+use crate::math::frustum::Frustum;
+use crate::scene::obj::Handedness;
+use crate::scene::viewpoint::{self, Hit, Ray};
+use crate::scene::{Camera, Scene, Vertex, View};
+use glam::Vec3;
+
+/// Rays of a view across and down.
+const ACROSS: u32 = 9;
+const DOWN: u32 = 5;
+
+/// Surfaces that are closer than this share of the scene's diagonal to one plane lie in it.
+const ONE_PLANE: f32 = 1e-3;
+
+/// Normals whose cosine is at least this are alike.
+const ALIKE: f32 = 0.9999;
+
+/// The warnings about the first `count` views of a scene, without the file. `unsaid` are the coordinates that the file's places
+/// are read in where it says nothing of them.
+pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) -> Vec<String> {
+    let bounds = scene.bounds();
+    let diagonal = (bounds.max - bounds.min).length();
+    let is_outside = |eye: Vec3| !(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all());
+    let views = &scene.views[..count.min(scene.views.len())];
+    let is_room = views.iter().any(|view| is_outside(view.eye)) && viewpoint::is_enclosed(scene);
+    let warning = |view: &View| {
+        let what = if is_room && is_outside(view.eye) {
+            "looks from outside of the room, in which everything stands"
+        } else {
+            next_to_nothing(scene, view, ONE_PLANE * diagonal)?
+        };
+        Some(format!("[view.{}] {what}{}", view.name, unsaid.map_or(String::new(), hint)))
+    };
+    views.iter().filter_map(warning).collect()
+}
+
+/// What a sentence about a view of a file that does not name its coordinates ends with.
+fn hint(read_as: Handedness) -> String {
+    let (word, other) = match read_as {
+        Handedness::Left => ("left", Handedness::Right),
+        Handedness::Right => ("right", Handedness::Left),
+    };
+    format!("; the file's places are read as {word}-handed, and {} says otherwise", other.key())
+}
+
+/// What is wrong with a view that sees nothing, or nothing but one flat surface; `None` for any other. `tolerance` is how far a
+/// plane's points may lie from it, in metres.
+fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'static str> {
+    let camera = view.camera(scene, [16, 9]);
+    let frustum = Frustum::new(&(camera.view_to_clip() * camera.world_to_view));
+    if !scene.meshes.iter().any(|mesh| frustum.may_see(mesh.bounds.min, mesh.bounds.max)) {
+        return Some("sees no surface of the scene");
+    }
+    let rays = rays(&camera);
+    let hits = viewpoint::first_hits(scene, &rays);
+    let (first, point) = (*hits.first()?, place(rays.first()?, hits.first()?)?);
+    let normal = first.normal.normalize_or_zero();
+    let is_near = |place: Vec3| (place - point).dot(normal).abs() <= tolerance;
+    let is_in_plane = |ray: &Ray, hit: &Hit| {
+        hit.normal.normalize_or_zero().dot(normal).abs() >= ALIKE && place(ray, hit).is_some_and(is_near)
+    };
+    let is_one = rays.iter().zip(&hits).all(|(ray, hit)| is_in_plane(ray, hit));
+    // A scene of one flat surface has nothing else to show.
+    let has_more = || scene.meshes.iter().flat_map(|m| &m.vertices).any(|v: &Vertex| !is_near(Vec3::from(v.position)));
+    (is_one && has_more()).then_some("sees nothing but one flat surface")
+}
+
+/// Where a ray meets a surface, if it does.
+fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
+    hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
+}
+
+/// Rays from the near plane through the whole picture.
+fn rays(camera: &Camera) -> Vec<Ray> {
+    let to_world = (camera.view_to_clip() * camera.world_to_view).as_dmat4().inverse();
+    let pixels = (0..DOWN).flat_map(|y| (0..ACROSS).map(move |x| (x, y)));
+    let ndc = |n: u32, count: u32| f64::from(2 * n + 1) / f64::from(count) - 1.0;
+    let ray = |(x, y): (u32, u32)| {
+        let [from, to] = [0.0, 0.5]
+            .map(|depth| to_world.project_point3(glam::DVec3::new(ndc(x, ACROSS), ndc(y, DOWN), depth)).as_vec3());
+        Ray { origin: from, direction: to - from }
+    };
+    pixels.map(ray).collect()
+}

@@ -1,0 +1,121 @@
+//! The published methods as folders: each is its built-in method to the bit, wherever the folder lies, and a change of one
+//! constant or of one file of its shaders changes the image. A manifest that lacks fields is told all of them, with their options.
+
+use super::*;
+use std::collections::BTreeMap;
+
+/// Built-in methods whose shaders a folder of `examples/methods` names.
+const METHODS: [&str; 5] = ["ssct", "hzct", "sslr", "ssr", "linear"];
+
+/// Renders a method at a roughness and returns the files that must agree.
+fn drawn(folder: &Folder, method: &str, roughness: &str) -> [Vec<u8>; 3] {
+    let options = ["--roughness", roughness, "--size", "97x55", "--view", "corridor"];
+    folder.succeed(&[&["render", "--method", method, "--dump", "dump"], &options[..]].concat());
+    ["reflection.exr", "hits.exr", "composite.exr"].map(|file| std::fs::read(folder.path("dump").join(file)).unwrap())
+}
+
+#[test]
+fn a_published_method_from_its_folder_is_the_built_in_one_to_the_bit() {
+    for method in METHODS {
+        // The copy lies far away from the repository.
+        let folder = with_example(method);
+        let roughness = if method == "linear" { "0" } else { "0.3" };
+        assert!(drawn(&folder, method, roughness) == drawn(&folder, "./m", roughness), "{method} at {roughness}");
+    }
+}
+
+#[test]
+fn a_name_of_a_built_in_method_is_no_folder() {
+    let folder = with_example("march");
+    std::fs::rename(folder.path("m"), folder.path("ssr")).unwrap();
+    let passes = |method: &str| folder.succeed(&on_room("render", &["--method", method, "--explain", "-o", "a.png"]));
+    assert!(passes("ssr").contains("recorded  ray march"), "the built-in method");
+    assert!(passes("./ssr").contains("recorded  march"), "the folder");
+}
+
+#[test]
+fn one_constant_changes_the_image() {
+    let changes = [
+        ("ssct", "cone_interpolated = 0 ", "cone_interpolated = 1 "),
+        ("hzct", "fade_towards_camera = 10 ", "fade_towards_camera = 1 "),
+        ("sslr", "LINEAR_MARCH_COUNT = 200 ", "LINEAR_MARCH_COUNT = 20 "),
+        ("ssr", "user_pixelStepSize = 1 ", "user_pixelStepSize = 8 "),
+        ("linear", "linear_march_stride = 0.001 ", "linear_march_stride = 0.02 "),
+    ];
+    for (method, from, to) in changes {
+        let folder = with_example(method);
+        change(&folder, "m/method.toml", from, to);
+        assert!(drawn(&folder, method, "0.3") != drawn(&folder, "./m", "0.3"), "{method}: {to}");
+    }
+}
+
+#[test]
+fn a_file_of_the_folder_stands_in_the_place_of_the_built_in_one() {
+    let folder = with_example("ssct");
+    std::fs::create_dir(folder.path("m/thesis")).unwrap();
+    let text = std::fs::read_to_string(repository().join("shaders-glsl/thesis/border_fade.glsl")).unwrap();
+    folder.write("m/thesis/border_fade.glsl", &text);
+    assert!(drawn(&folder, "ssct", "0") == drawn(&folder, "./m", "0"), "the copy is the same text");
+    assert!(text.contains("return 1.0 - max"));
+    folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0 - max", "return 0.5 - 0.5 * max"));
+    assert!(drawn(&folder, "ssct", "0") != drawn(&folder, "./m", "0"), "the folder's text is taken");
+    // A mistake in it has its line, and one in a built-in text would have the path of that.
+    folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0", "return one"));
+    let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+    assert!(said.starts_with("./m/thesis/border_fade.glsl:9: 'one'"), "{said}");
+}
+
+/// The manifest of an example without one of its sections.
+fn without_section(folder: &Folder, section: &str) -> toml::Table {
+    let text = folder.text("m/method.toml");
+    let (before, rest) = text.split_once(&format!("[{section}]\n")).unwrap();
+    let (removed, after) = rest.split_once("\n[").unwrap();
+    folder.write("m/method.toml", format!("{before}[{after}"));
+    toml::from_str(removed).unwrap()
+}
+
+/// What the sentence about fields that nothing feeds says of each of them: the words in brackets behind its name.
+fn hints(said: &str) -> BTreeMap<String, String> {
+    let fields = said.split("the field ").skip(1).filter_map(|field| field.split_once(" ("));
+    let name = |full: &str| full.rsplit('.').next().unwrap_or(full).to_owned();
+    fields.map(|(full, rest)| (name(full), rest.split(')').next().unwrap_or_default().to_owned())).collect()
+}
+
+#[test]
+fn fields_that_are_missing_are_all_named_with_their_options_and_published_values() {
+    for method in METHODS {
+        let folder = with_example(method);
+        let values = without_section(&folder, "values");
+        let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+        let hints = hints(&said);
+        for (name, value) in &values {
+            // What is no field is a specialization constant, which has a value of its own.
+            let Some(hint) = hints.get(name) else { continue };
+            let (option, number) = hint.split_once(", published ").unwrap_or(("", hint));
+            match value {
+                toml::Value::String(source) => assert_eq!(number, format!("{source:?}"), "{name}"),
+                // A field that another method reads alone.
+                value if value.as_integer() == Some(0) && !option.is_empty() => {}
+                value => {
+                    let given = value.as_float().or(value.as_integer().map(|n| n as f64));
+                    assert_eq!(given, number.parse().ok(), "{method}: {name}");
+                    let text = folder.text("m/method.toml");
+                    assert!(option.starts_with("--") && !text.contains(name.as_str()), "{name}: {option}");
+                }
+            }
+        }
+        let fields = values.keys().filter(|name| name.chars().any(|c| c.is_ascii_lowercase()) && *name != "direction");
+        for name in fields {
+            assert!(hints.contains_key(name) || said.contains(&format!("{name} ")), "{method}: {name} in {said}");
+        }
+    }
+    let folder = with_example("ssct");
+    without_section(&folder, "values");
+    let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png"]);
+    assert!(said.contains("ThesisBlock.view_direction_epsilon (--direction-tolerance, published 0.00001)"), "{said}");
+    assert!(
+        said.contains("pass \"hi-z\": nothing feeds the field HiZBlock.Offset (\"hi-z-offset\") of hi_z.frag"),
+        "{said}"
+    );
+    assert!(said.ends_with("name them under [inputs] or [values]"), "{said}");
+}
