@@ -35,7 +35,7 @@ pub struct TimeOptions {
     /// A method with its own options; may be repeated
     ///
     /// Its options count before those outside: "traced --tracer query". Give it once for each variant that is timed, instead
-    /// of --method.
+    /// of --method. The tables of two or more end with verdicts on each beside the first (docs/definitions.md, "Verdicts").
     #[arg(
         long,
         value_name = "METHOD OPTIONS",
@@ -98,7 +98,8 @@ impl StudyOptions for TimeOptions {
             Some(Table::T5_8) => (Beside::Table, vec![job(self, true)?]),
             None => (Beside::Nothing, vec![job(self, false)?]),
         };
-        let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a };
+        let judges = self.variant.len() > 1;
+        let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a, judges };
         Ok(TimeStudy::new(jobs, settings, self.warmup, self.reference_rays))
     }
 

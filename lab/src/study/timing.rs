@@ -2,6 +2,7 @@
 //! sample in the journal as soon as it is there.
 
 mod suite;
+mod verdicts;
 
 pub use suite::{
     Beside, FLOORS, MEASURED, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy, TimedFrame, chart, frames,

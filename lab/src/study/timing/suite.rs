@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded};
+use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
@@ -57,11 +57,14 @@ pub struct TimeSettings {
     pub samples: usize,
     /// Whether methods are timed against themselves.
     pub a_a: bool,
+    /// Whether each setting is judged beside the first, with which it was timed in turn.
+    #[serde(default)]
+    pub judges: bool,
 }
 
 impl TimeSettings {
     fn of(list: &CellList) -> Self {
-        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false };
+        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
     }
 }
@@ -235,8 +238,8 @@ impl Row for TimeRow {
 
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let records = methods(rows);
-        let beside = TimeSettings::deserialize(settings).map_or(Beside::Nothing, |settings| settings.beside);
-        let first = match beside {
+        let settings = TimeSettings::deserialize(settings).ok();
+        let first = match settings.map_or(Beside::Nothing, |settings| settings.beside) {
             Beside::Nothing => None,
             Beside::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
@@ -248,7 +251,8 @@ impl Row for TimeRow {
             }
         };
         let every = Table { id: "table", cells: cells(&records), ..Table::default() };
-        first.into_iter().chain([every]).collect()
+        let verdicts = settings.filter(|settings| settings.judges).and_then(|_| verdicts::table(&records));
+        first.into_iter().chain([every]).chain(verdicts).collect()
     }
 
     fn charts(rows: &[Self]) -> Vec<Chart> {
