@@ -47,6 +47,9 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
     if both().any(|r| r.noise_floor.is_some()) {
         text += "\nNothing within its noise floor (how far a run strays from itself) is faster or slower.\n";
     }
+    if both().any(|r| r.drift.is_some()) {
+        text += "\nDrift: how much longer the scene passes, the same work on both sides, took in B. By as much the machine has changed.\n";
+    }
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
@@ -81,7 +84,11 @@ fn how(first: &TimeComparison) -> String {
              The interval knows the spread within each side, not what changed on the machine between them."
         )
     };
-    format!("{found}\nSAME is within ±{} %.\n\n", percent(how.threshold))
+    let bound = percent(how.threshold);
+    format!(
+        "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
+         where one was measured.\nUNDECIDED: neither; n is about how many samples would decide.\n\n"
+    )
 }
 
 /// What only one side has.

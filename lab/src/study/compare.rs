@@ -8,7 +8,7 @@ mod settings;
 mod subject;
 
 pub use self::images::{ImageComparison, LinearImage, images};
-pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, subject_labels};
+pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, shown_drift, subject_labels};
 pub use self::samples::{Run, TimeSample};
 pub use self::settings::{Selection, in_turns, settings};
 pub use self::subject::Subject;
@@ -17,7 +17,7 @@ use self::samples::{Group, Samples, groups};
 use super::record::{DEFINITIONS, Provenance, Stats};
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{
-    CONFIDENCE, MIN_SAMPLES, RESAMPLES, Ratio, Verdict, median_of_ratios, ratio_of_medians,
+    CONFIDENCE, MIN_SAMPLES, RESAMPLES, Ratio, Verdict, median_of_ratios, ratio_of_medians, samples_to_decide,
 };
 use serde::Serialize;
 
@@ -122,6 +122,11 @@ pub struct TimeComparison {
     pub noise_floor: Option<f64>,
     /// What the interval says; undecided with fewer than [`MIN_SAMPLES`] on a side.
     pub verdict: Option<Verdict>,
+    /// If it is undecided: about how many samples would decide; null if they are too many to say.
+    pub samples_to_decide: Option<u64>,
+    /// Where A and B were timed at different moments: how much longer the scene passes of B took, as a share. Null if they were
+    /// timed in turn, and if the files say nothing of scene passes.
+    pub drift: Option<f64>,
     /// How.
     #[serde(flatten)]
     pub judgement: Judgement,
@@ -152,10 +157,11 @@ impl<'a> Comparison<'a> {
         let [of_a, of_b] = sides;
         let [ms_a, ms_b] = sides.map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
-        let (ratio, enough) = ratio(sides, paired);
+        let found = ratio(sides, paired);
+        let ratio = found.map(|(ratio, _)| ratio);
         let floors = sides.into_iter().flatten().filter_map(|s| s.noise_floor);
         let noise_floor = floors.reduce(f64::max);
-        let threshold = self.judgement.threshold.max(noise_floor.unwrap_or(0.0));
+        let judged = found.map(|(ratio, n)| self.judgement.on(&ratio, n, noise_floor.unwrap_or(0.0)));
         TimeComparison {
             head: CompareHead::new("compare", &self.a.name, &self.b.name),
             subject: subject.clone(),
@@ -179,7 +185,9 @@ impl<'a> Comparison<'a> {
             low: ratio.map(|r| r.low),
             high: ratio.map(|r| r.high),
             noise_floor,
-            verdict: ratio.map(|r| if enough { Verdict::of(&r, threshold) } else { Verdict::Undecided }),
+            verdict: judged.map(|(verdict, _)| verdict),
+            samples_to_decide: judged.and_then(|(_, samples)| samples),
+            drift: None,
             judgement: self.judgement,
             device_a: self.a.device.clone(),
             device_b: self.b.device.clone(),
@@ -191,19 +199,40 @@ impl<'a> Comparison<'a> {
     fn records(&self, subject: &Subject, [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
         let first = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
         let missing = b.iter().filter(|s| find(a, s).is_none());
-        first.chain(missing.map(|s| self.record(subject, [None, Some(s)], paired))).collect()
+        let all = first.chain(missing.map(|s| self.record(subject, [None, Some(s)], paired)));
+        let drift = if paired { None } else { drift([a, b]) };
+        all.map(|record| TimeComparison { drift: drift.filter(|_| record.only_in.is_none()), ..record }).collect()
     }
 }
 
-/// B over A with its interval, and whether there are enough samples for a verdict: of frames that were timed in turn, the
-/// median of their ratios; of others, the ratio of the medians.
-fn ratio([a, b]: [Option<&Samples>; 2], paired: bool) -> (Option<Ratio>, bool) {
-    let (Some(a), Some(b)) = (a, b) else { return (None, false) };
+impl Judgement {
+    /// The verdict on a ratio of `n` samples, and if it is open, about how many would decide.
+    fn on(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
+        let verdict = if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::of(ratio, self.threshold, floor) };
+        let is_open = verdict == Verdict::Undecided;
+        (verdict, is_open.then(|| samples_to_decide(ratio, n, self.threshold, floor)).flatten())
+    }
+}
+
+/// B over A with its interval, and of how many samples it is: of frames that were timed in turn, the median of their
+/// ratios; of others, the ratio of the medians.
+fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
+    let [Some(a), Some(b)] = sides else { return None };
     if paired {
         let pairs = a.beside(b);
-        return (median_of_ratios(&pairs, SEED), pairs.len() >= MIN_SAMPLES);
+        return Some((median_of_ratios(&pairs, SEED)?, pairs.len()));
     }
-    (ratio_of_medians(&a.ms, &b.ms, SEED), a.ms.len().min(b.ms.len()) >= MIN_SAMPLES)
+    Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
+}
+
+/// How much longer the passes that do not count took in B, as a share: they draw the scene, which is the same work on both
+/// sides, so that the machine alone makes the difference. `None` if the two have no such pass in common.
+fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
+    let is_work = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
+    let both = a.iter().filter(is_work).filter_map(|s| Some([s, find(b, s)?]));
+    let medians = both.map(|pair| pair.map(|s| Stats::of(&s.ms).median_ms));
+    let [of_a, of_b] = medians.reduce(|sum, pair| [sum[0] + pair[0], sum[1] + pair[1]])?;
+    Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
 }
 
 /// Compares every pass, group and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
@@ -243,6 +272,9 @@ pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
     Some(([first.told_from(other, "--"), other.told_from(first, "--")], first.place() == other.place()))
 }
 
+/// What is wrong with a comparison of something with itself.
+const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
+
 /// Why two runs may be no fair pair.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
@@ -260,7 +292,9 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         let names: Vec<_> = names.into_iter().collect();
         format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });
-    let all: Vec<_> = device.into_iter().chain(settings).collect();
+    let is_same = !std::ptr::eq(a, b) && !a.samples.is_empty() && a.samples == b.samples;
+    let same = is_same.then(|| format!("A and B are one run, {SAME_SAMPLES}"));
+    let all: Vec<_> = same.into_iter().chain(device).chain(settings).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 

@@ -1,6 +1,8 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
+use super::compare::shown_drift;
 use super::record::TimeRecord;
+use super::timing::drift;
 use crate::methods::{METHODS, MethodInfo};
 use crate::stage::Globals;
 use serde::Serialize;
@@ -79,6 +81,9 @@ pub struct Compared {
     pub height: u32,
     /// Roughness, and normal deviation.
     pub roughness: f32,
+    /// How much longer the scene passes took than in the first row of this size, as a share, if several rows have it
+    /// ([`drift`]).
+    pub drift: Option<f64>,
     /// Per method: name, published and measured milliseconds, and both over `ssct`'s.
     pub columns: Vec<Column>,
 }
@@ -101,13 +106,13 @@ pub struct Column {
 /// Sets measured records beside the table's rows; sizes and roughness values that are in only one
 /// of them are left out.
 pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
+    let drifts = drift(records);
     let rows = TABLE_5_8.iter().filter_map(|published| {
-        let here: Vec<_> = records
-            .iter()
-            .filter(|r| {
-                [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness)
-            })
-            .collect();
+        let is_here = |r: &TimeRecord| {
+            [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness)
+        };
+        let here: Vec<_> = records.iter().filter(|r| is_here(r)).collect();
+        let drift = records.iter().zip(&drifts).find(|(r, _)| is_here(r)).and_then(|(_, drift)| *drift);
         let ssct = here.iter().find(|r| r.head.method == "ssct").map(|r| r.total.median_ms);
         let columns: Vec<_> = here
             .iter()
@@ -124,13 +129,17 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
             })
             .collect();
         let [width, height] = published.size;
-        (!columns.is_empty()).then_some(Compared { width, height, roughness: published.roughness, columns })
+        (!columns.is_empty()).then_some(Compared { width, height, roughness: published.roughness, drift, columns })
     });
     rows.collect()
 }
 
 /// The title of the table beside our times.
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
+
+/// What the table says.
+pub const ABOUT: &str = "Medians of the effect without the scene passes. Drift is how much longer the passes of the scene, the same \
+    work in each row of a size, took than in the first row: by as much the machine had changed between the two moments.";
 
 /// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
 pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
@@ -144,6 +153,8 @@ pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
         let name = c.method.to_uppercase();
         header.extend([format!("{name}/SSCT thesis"), format!("{name}/SSCT here")]);
     }
+    let has_drift = rows.iter().any(|row| row.drift.is_some());
+    header.extend(has_drift.then(|| "drift".to_owned()));
     let mut cells = vec![header];
     let ratio = |r: Option<f64>| r.map_or_else(|| "-".into(), |r| format!("{r:.2}"));
     for row in rows {
@@ -154,6 +165,7 @@ pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
         for c in row.columns.iter().filter(|c| c.published_ratio.is_some()) {
             line.extend([ratio(c.published_ratio), ratio(c.measured_ratio)]);
         }
+        line.extend(has_drift.then(|| shown_drift(row.drift)));
         cells.push(line);
     }
     cells

@@ -2,7 +2,7 @@
 
 use super::{Subject, TOTAL, TimeComparison};
 use crate::methods::{self, MethodInfo};
-use crate::metrics::bootstrap::Verdict;
+use crate::metrics::bootstrap::{MOST_FORETOLD, Verdict};
 use crate::parameter::{Choices, Preset};
 use crate::study::record::differing;
 
@@ -40,6 +40,15 @@ impl TimeComparison {
         [place, size, roughness, normals, first, second, self.pass.clone()]
     }
 
+    /// The verdict; of an open one, with about how many samples would decide.
+    fn shown_verdict(&self) -> String {
+        match (self.verdict, self.samples_to_decide) {
+            (Some(Verdict::Undecided), Some(n)) => format!("UNDECIDED, n about {n}"),
+            (Some(Verdict::Undecided), None) => format!("UNDECIDED, n above {MOST_FORETOLD}"),
+            (verdict, _) => verdict.map_or("-", Verdict::name).to_owned(),
+        }
+    }
+
     /// Its place in a table: the total, then the passes that became faster or slower, by how much time that is, then the
     /// other counted ones by their time, and last what does not count.
     fn rank(&self) -> (u8, f64) {
@@ -52,6 +61,11 @@ impl TimeComparison {
             (_, false, _) => (3, -a.max(b)),
         }
     }
+}
+
+/// How much longer the scene passes took at one moment than at another, as tables show it.
+pub fn shown_drift(drift: Option<f64>) -> String {
+    drift.map_or_else(|| "-".to_owned(), |drift| format!("{:+.0} %", 100.0 * drift))
 }
 
 /// The records that both sides have, in the order of a table: those of one subject together, what matters first. With
@@ -76,7 +90,9 @@ pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
 
 /// A header, and a row for each of [`ordered`].
 pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
-    let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor", "n", "verdict"];
+    let has_drift = records.iter().any(|r| r.drift.is_some());
+    let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor"];
+    let figures = figures.into_iter().chain(has_drift.then_some("drift")).chain(["n", "verdict"]).collect::<Vec<_>>();
     let mut subject = SUBJECT_COLUMNS;
     if records.iter().any(|r| r.setting_a.is_some()) {
         [subject[4], subject[5]] = ["A", "B"];
@@ -87,8 +103,9 @@ pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
         let mut row = r.labels().to_vec();
         row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
         row.push(r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0)));
+        row.extend(has_drift.then(|| shown_drift(r.drift)));
         row.push(format!("{}/{}", r.samples_a, r.samples_b));
-        row.push(r.verdict.map_or("-", Verdict::name).to_owned());
+        row.push(r.shown_verdict());
         rows.push(row);
     }
     rows

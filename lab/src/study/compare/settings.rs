@@ -2,7 +2,7 @@
 
 use super::samples::{Group, groups};
 use super::subject::{NOT_SET, PLACE, Subject};
-use super::{Comparison, Run, TimeComparison, TimeSample};
+use super::{Comparison, Run, SAME_SAMPLES, TimeComparison, TimeSample};
 use crate::methods::{self, MethodInfo};
 use crate::parameter::{Choices, Preset};
 use crate::study::record::differing;
@@ -157,8 +157,15 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
 fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
     let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
     let [setting_a, setting_b] = [a.0.told_from(&b.0, ""), b.0.told_from(&a.0, "")];
-    let with =
-        |record| TimeComparison { setting_a: Some(setting_a.clone()), setting_b: Some(setting_b.clone()), ..record };
+    let same = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
+    let warnings = same.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
+    let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
+    let with = |record| TimeComparison {
+        warning: warning.clone(),
+        setting_a: Some(setting_a.clone()),
+        setting_b: Some(setting_b.clone()),
+        ..record
+    };
     records.map(with).collect()
 }
 

@@ -55,10 +55,10 @@ fn nothing_within_the_noise_floor_is_faster_or_slower() {
         let records = times(&run("ssct", 1.0), &with_floor(1.2, floors), 0.05);
         ["trace", TOTAL].map(|pass| records.iter().find(|r| r.pass == pass).expect(pass).verdict)
     };
-    let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
+    let (open, slower) = (Some(Verdict::Undecided), Some(Verdict::Slower));
     assert_eq!(verdicts([None, None]), [slower, slower]);
-    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [same, slower]);
-    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, same]);
+    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [open, slower]);
+    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, open]);
 }
 
 #[test]
@@ -243,4 +243,51 @@ fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
     let shown = |all| ordered(&records, all).iter().map(|r| r.pass.as_str()).collect::<Vec<_>>();
     assert_eq!(shown(false), ["total", "trace", "copy", "hi-z", "lit"]);
     assert_eq!(shown(true), ["total", "trace", "copy", "hi-z", "hi-z/1", "hi-z/2", "lit"]);
+}
+
+#[test]
+fn an_open_verdict_says_how_many_samples_would_decide() {
+    let mut wide = run("ssct", 1.0);
+    wide.samples.iter_mut().filter(|s| s.pass == "trace").for_each(|s| s.ms *= [0.7, 1.0, 1.3][s.sample as usize % 3]);
+    let records = times(&run("ssct", 1.0), &wide, 0.05);
+    let of = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
+    let trace = of("trace");
+    assert_eq!(trace.verdict, Some(Verdict::Undecided));
+    assert!(trace.samples_to_decide.is_some_and(|n| n > 6), "{trace:?}");
+    assert_eq!((of("composite").verdict, of("composite").samples_to_decide), (Some(Verdict::Same), None));
+    let shown = cells(&records, false);
+    let row = shown.iter().find(|row| row[6] == "trace").expect("a row");
+    let expected = format!("UNDECIDED, n about {}", trace.samples_to_decide.expect("a number"));
+    assert_eq!(row.last(), Some(&expected));
+}
+
+#[test]
+fn a_run_beside_itself_says_so() {
+    let (a, b) = (run("ssct", 1.0), run("ssct", 1.0));
+    let warning = |records: &[TimeComparison]| records[0].warning.clone().unwrap_or_default();
+    assert!(warning(&times(&a, &b, 0.05)).contains("A and B are one run, with the same samples"));
+    assert!(!warning(&times(&a, &run("ssct", 1.5), 0.05)).contains("one run"));
+    let one = selection("ssct");
+    let itself = settings(&a, &a, [&one, &one], 0.05).expect("it is there");
+    assert!(warning(&itself).contains("A and B are one setting of one run"), "{itself:?}");
+    let turns = two_settings();
+    let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
+    let others = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(!warning(&others).contains("one"), "{:?}", others[0].warning);
+}
+
+#[test]
+fn sides_of_different_moments_carry_their_drift() {
+    // The whole machine is a quarter slower in B, scene passes, too.
+    let slow = |mut run: Run| {
+        run.samples.iter_mut().for_each(|s| s.ms *= 1.25);
+        run
+    };
+    let records = times(&run("ssct", 1.0), &slow(run("ssct", 1.0)), 0.05);
+    assert!(records.iter().all(|r| r.drift.is_some_and(|drift| (drift - 0.25).abs() < 1e-9)), "{records:?}");
+    assert!(cells(&records, false)[1].contains(&"+25 %".to_owned()));
+    let turns = two_settings();
+    let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
+    let in_turn = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(in_turn.iter().all(|r| r.drift.is_none()), "what was timed in turn has none");
 }

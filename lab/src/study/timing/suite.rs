@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
+use super::{TimeSpec, Timer, drift, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
@@ -8,6 +8,7 @@ use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
+use crate::study::compare::shown_drift;
 use crate::study::engine::{Bench, Planned, Row, Study, kept};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
@@ -243,7 +244,8 @@ impl Row for TimeRow {
             Beside::Nothing => None,
             Beside::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
-                Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), cells, ..Table::default() })
+                let about = table_5_8::ABOUT.to_owned();
+                Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), about, cells, ..Table::default() })
             }
             Beside::Captions => {
                 let of = |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
@@ -317,10 +319,13 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
     header.extend(stages.iter().cloned());
     header.extend(["total ms", "min", "p95", "n", "frame ms"].map(str::to_owned));
+    let drifts = drift(records);
+    let has_drift = drifts.iter().any(Option::is_some);
+    header.extend(has_drift.then(|| "drift".to_owned()));
     let has_floor = records.iter().any(|r| r.noise_floor.is_some());
     header.extend(has_floor.then(|| "floor".to_owned()));
     let mut rows = vec![header];
-    for r in records {
+    for (r, drift) in records.iter().zip(drifts) {
         let mut row = vec![
             format!("{} {}", r.head.scene, r.head.view),
             format!("{}x{}", r.head.width, r.head.height),
@@ -334,6 +339,7 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         }));
         row.extend([r.total.median_ms, r.total.min_ms, r.total.p95_ms].map(|ms| format!("{ms:.3}")));
         row.extend([r.total.samples.to_string(), format!("{:.3}", r.frame.median_ms)]);
+        row.extend(has_drift.then(|| shown_drift(drift)));
         let floor = r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0));
         row.extend(has_floor.then_some(floor));
         rows.push(row);

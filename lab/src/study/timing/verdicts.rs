@@ -46,7 +46,10 @@ fn verdicts(records: &[TimeRecord]) -> Vec<TimeComparison> {
 /// The verdicts as a table; `None` where no place has two settings.
 pub fn table(records: &[TimeRecord]) -> Option<Table> {
     let found = verdicts(records);
-    let title = format!("B beside A, turn by turn; SAME is within ±{:.0} %", 100.0 * THRESHOLD);
+    let bound = 100.0 * THRESHOLD;
+    let title = format!(
+        "B beside A, turn by turn; SAME is within ±{bound:.0} %, FASTER and SLOWER beyond it and beyond the noise floor"
+    );
     let cells = compare::cells(&found, false);
     (!found.is_empty()).then(|| Table::new("verdicts", &title, ABOUT, cells))
 }
