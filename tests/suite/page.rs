@@ -120,8 +120,8 @@ fn rows_of_table_5_8_carry_the_drift_between_them() {
         of_scene("hzct", 0.1, 9.0, 20.0),
     ];
     let column = |cells: &[Vec<String>], title: &str| {
-        let at = cells[0].iter().position(|cell| cell == title)?;
-        Some(cells[1..].iter().map(|row| row[at].clone()).collect::<Vec<_>>())
+        let column = cells[0].iter().position(|cell| cell == title)?;
+        Some(cells[1..].iter().map(|row| row[column].clone()).collect::<Vec<_>>())
     };
     let drifts = |records: &[TimeRecord]| column(&cells(&compare(records)), "drift");
     assert_eq!(drifts(&records), Some(vec!["+0 %".to_owned(), "-50 %".to_owned()]));

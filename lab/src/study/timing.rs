@@ -7,8 +7,8 @@ mod verdicts;
 
 pub use drift::drift;
 pub use suite::{
-    Beside, FLOORS, MEASURED, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy, TimedFrame, chart, frames,
-    sample_cells,
+    Beside, FLOORS, MEASURED, MEDIAN_COLUMNS, MEDIANS, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy,
+    TimedFrame, chart, frames, sample_cells,
 };
 
 use super::compare::SEED;

@@ -79,7 +79,7 @@ impl Selection {
     ///
     /// # Errors
     /// A sentence if there is none, and on an option that no sample of the run has.
-    fn of<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
+    fn groups_in<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
         let known: BTreeSet<&str> = all.iter().flat_map(|(s, _)| s.0.keys()).map(String::as_str).collect();
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
             return Err(format!("{:?}: the samples of {} have no {}", self.text, run.name, name.replace('_', "-")));
@@ -131,8 +131,8 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
     let comparison = Comparison::new(a, b, threshold);
     let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
     let named = |side: &str, e: String| format!("--{side} {e}");
-    let of_a = chosen[0].of(a, &groups_a).map_err(|e| named("a", e))?;
-    let of_b = chosen[1].of(b, &groups_b).map_err(|e| named("b", e))?;
+    let of_a = chosen[0].groups_in(a, &groups_a).map_err(|e| named("a", e))?;
+    let of_b = chosen[1].groups_in(b, &groups_b).map_err(|e| named("b", e))?;
     let mut records = Vec::new();
     let mut places: Vec<Vec<String>> = of_a.iter().map(|(subject, _)| place(subject, chosen)).collect();
     places.dedup();

@@ -250,11 +250,11 @@ fn an_open_verdict_says_how_many_samples_would_decide() {
     let mut wide = run("ssct", 1.0);
     wide.samples.iter_mut().filter(|s| s.pass == "trace").for_each(|s| s.ms *= [0.7, 1.0, 1.3][s.sample as usize % 3]);
     let records = times(&run("ssct", 1.0), &wide, 0.05);
-    let of = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
-    let trace = of("trace");
+    let named = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
+    let trace = named("trace");
     assert_eq!(trace.verdict, Some(Verdict::Undecided));
     assert!(trace.samples_to_decide.is_some_and(|n| n > 6), "{trace:?}");
-    assert_eq!((of("composite").verdict, of("composite").samples_to_decide), (Some(Verdict::Same), None));
+    assert_eq!((named("composite").verdict, named("composite").samples_to_decide), (Some(Verdict::Same), None));
     let shown = cells(&records, false);
     let row = shown.iter().find(|row| row[6] == "trace").expect("a row");
     let expected = format!("UNDECIDED, n about {}", trace.samples_to_decide.expect("a number"));

@@ -6,7 +6,7 @@ use crate::study::record::TimeRecord;
 /// How much longer the scene passes of each record took than those of the first moment at the same view and size, as a share.
 /// Methods that were timed in turn have one value. `None` where there is but one moment, and for records without scene passes.
 pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
-    let of = |record: &TimeRecord| {
+    let since_first = |record: &TimeRecord| {
         let same_work: Vec<&TimeRecord> = records.iter().filter(|r| work(r) == work(record)).collect();
         let first = *same_work.first()?;
         let is_one_moment = same_work.iter().all(|r| moment(r) == moment(first));
@@ -14,7 +14,7 @@ pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
         let there = mean_of_scene_passes(same_work.iter().copied().filter(|r| moment(r) == moment(first)))?;
         (!is_one_moment).then_some(here / there - 1.0).filter(|drift| drift.is_finite())
     };
-    records.iter().map(of).collect()
+    records.iter().map(since_first).collect()
 }
 
 /// What decides how much work the scene passes are.

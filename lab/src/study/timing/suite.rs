@@ -8,7 +8,7 @@ use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
-use crate::study::compare::shown_drift;
+use crate::study::compare::{TOTAL, shown_drift};
 use crate::study::engine::{Bench, Planned, Row, Study, kept};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
@@ -262,7 +262,11 @@ impl Row for TimeRow {
     }
 
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
-        vec![Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&methods(rows)) }]
+        let records = methods(rows);
+        vec![
+            Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&records) },
+            Sheet { file: MEDIANS.to_owned(), cells: median_cells(&records) },
+        ]
     }
 
     fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
@@ -283,6 +287,11 @@ impl Row for TimeRow {
 
 /// The file of raw samples.
 pub const SAMPLES: &str = "time-samples.csv";
+/// The file of medians, in the groups of the printed table.
+pub const MEDIANS: &str = "pass-medians.csv";
+/// Its columns.
+pub const MEDIAN_COLUMNS: [&str; 9] =
+    ["scene", "view", "width", "height", "roughness", "method", "pass", "counted", "median_ms"];
 /// The columns of a sample that say what it is of, before everything that was set.
 pub const PLACE: [&str; 3] = ["scene", "view", "method"];
 /// The columns of a sample that say what was measured, after everything that was set.
@@ -311,6 +320,25 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         }
     }
     cells
+}
+
+/// Medians in milliseconds: a row for each group of passes of each record, those that do not count among them, and one for
+/// the total. The method is named as the printed table names it.
+fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+    let mut rows = vec![MEDIAN_COLUMNS.map(str::to_owned).to_vec()];
+    for r in records {
+        let Head { scene, view, width, height, .. } = &r.head;
+        let place = [scene.clone(), view.clone(), width.to_string(), height.to_string(), r.head.setting("roughness")];
+        let subject: Vec<String> = place.into_iter().chain([r.head.variant()]).collect();
+        let groups =
+            [false, true].map(|counted| r.grouped(counted).into_iter().map(move |(name, ms)| (name, counted, ms)));
+        let total = (TOTAL.to_owned(), true, r.total.median_ms);
+        let row = |(name, counted, ms): (String, bool, f64)| {
+            [subject.clone(), vec![name, counted.to_string(), format!("{ms:.6}")]].concat()
+        };
+        rows.extend(groups.into_iter().flatten().chain([total]).map(row));
+    }
+    rows
 }
 
 /// Medians of each stage of each record, and the totals.

@@ -2,7 +2,7 @@
 
 use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
 use crate::study::exhibit::Table;
-use crate::study::record::{Head, TimeRecord};
+use crate::study::record::{Head, PassRecord, TimeRecord};
 use std::sync::Arc;
 
 /// The samples of a record, as its file has them.
@@ -11,7 +11,7 @@ fn samples(record: &TimeRecord) -> Vec<TimeSample> {
     // The file has six digits; what is read from it gets the same verdict.
     let written = |ms: f64| format!("{ms:.6}").parse().unwrap_or(ms);
     let frame = |(n, times): (usize, &Vec<f64>)| {
-        let sample = |(pass, ms): (&crate::study::record::PassRecord, &f64)| TimeSample {
+        let sample = |(pass, ms): (&PassRecord, &f64)| TimeSample {
             subject: Arc::clone(&subject),
             sample: n as u64,
             pass: pass.name.clone(),
