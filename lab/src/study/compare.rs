@@ -85,10 +85,10 @@ pub struct TimeComparison {
     /// What was timed: everything that was set for both.
     #[serde(flatten)]
     pub subject: Subject,
-    /// Of two settings: the method of A, and what is set otherwise than for B.
+    /// The method of A, and what is set otherwise than for B, where two settings are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setting_a: Option<String>,
-    /// Of two settings: the method of B, and what is set otherwise than for A.
+    /// The method of B, and what is set otherwise than for A, where two settings are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setting_b: Option<String>,
     /// Label of a pass, name of a group of passes, or [`TOTAL`].

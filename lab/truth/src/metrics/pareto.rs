@@ -51,17 +51,17 @@ mod tests {
 
     #[test]
     fn copies_share_the_front_and_noise_gives_no_place_on_it() {
-        let at = |time: f64, noise: f64, error| Measured { least: time - noise, most: time + noise, error };
+        let timed = |time: f64, noise: f64, error| Measured { least: time - noise, most: time + noise, error };
         // Two copies, one of them faster by noise alone.
-        assert_eq!(front_of_measured(&[at(1.0, 0.1, 0.5), at(1.1, 0.1, 0.5)]), [0, 1]);
+        assert_eq!(front_of_measured(&[timed(1.0, 0.1, 0.5), timed(1.1, 0.1, 0.5)]), [0, 1]);
         // The second is faster by noise alone and clearly worse; the third is clearly faster.
-        assert_eq!(front_of_measured(&[at(1.0, 0.1, 0.5), at(0.9, 0.1, 0.6), at(0.5, 0.1, 0.6)]), [2, 0]);
+        assert_eq!(front_of_measured(&[timed(1.0, 0.1, 0.5), timed(0.9, 0.1, 0.6), timed(0.5, 0.1, 0.6)]), [2, 0]);
         // Neither copy is on the front if something beats them.
-        assert_eq!(front_of_measured(&[at(2.0, 0.1, 0.5), at(2.1, 0.1, 0.5), at(1.0, 0.1, 0.5)]), [2]);
-        assert_eq!(front_of_measured(&[at(f64::NAN, 0.0, 0.1), at(1.0, 0.0, f64::INFINITY)]), [0; 0]);
+        assert_eq!(front_of_measured(&[timed(2.0, 0.1, 0.5), timed(2.1, 0.1, 0.5), timed(1.0, 0.1, 0.5)]), [2]);
+        assert_eq!(front_of_measured(&[timed(f64::NAN, 0.0, 0.1), timed(1.0, 0.0, f64::INFINITY)]), [0; 0]);
         // Without noise it is the front of points.
         let exact = [(3.0, 1.0), (1.0, 3.0), (2.0, 2.0), (2.5, 2.0), (3.0, 3.0)];
-        let points: Vec<_> = exact.iter().map(|(time, error)| at(*time, 0.0, *error)).collect();
+        let points: Vec<_> = exact.iter().map(|(time, error)| timed(*time, 0.0, *error)).collect();
         assert_eq!(front_of_measured(&points), front(&exact));
     }
 
