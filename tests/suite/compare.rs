@@ -2,6 +2,7 @@
 
 use crate::common::folder::Folder;
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\
                       sample,pass,counted,ms\n";
@@ -120,7 +121,10 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
     assert!(text.contains("warning: A ran on old gpu (1), B on new gpu (1)"), "{text}");
     let (_, lacking) = text.split_once("Only in B:\n").unwrap();
     assert!(lacking.starts_with("  rooms hall  64x36  0.1  own  ssct  published  resolve\n"), "{text}");
-    assert!(text.contains("2000 bootstrap resamples") && text.contains("±5 %"), "{text}");
+    assert!(text.contains("2000 bootstrap resamples"), "{text}");
+    assert!(text.contains("SAME: the interval lies within ±5 %. FASTER, SLOWER: it lies beyond ±5 %"), "{text}");
+    let strict = said(&folder, &["base", "new", "--threshold", "0.025"]);
+    assert!(strict.contains("SAME: the interval lies within ±2.5 %"), "{strict}");
     assert_eq!(folder.text("out/compare.txt"), text);
     let records = compared(&folder, &["base", "new"]);
     assert!(records[0]["warning"].as_str().unwrap().contains("one device"));
@@ -137,9 +141,17 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
     folder.succeed(&["time", "--size", "16x9", "--samples", "5", "--method", "ssct", "-o", "times"]);
     let records = compared(&folder, &["times", "times", "--threshold", "0.999"]);
     let timed: Value = serde_json::from_slice(&std::fs::read(folder.path("times/time.json")).unwrap()).unwrap();
-    assert_eq!(records.len(), timed[0]["passes"].as_array().unwrap().len() + 1);
-    assert!(records.iter().all(|r| r["ratio"] == 1.0 && r["warning"].is_null() && r["samples_a"] == 5), "{records:?}");
+    let passes = timed[0]["passes"].as_array().unwrap();
+    let groups = |counted: bool| {
+        let named = passes.iter().filter(|p| p["counted"] == counted).map(|p| p["name"].as_str().unwrap());
+        named.filter_map(|name| name.split_once('/')).map(|(group, _)| group).collect::<BTreeSet<_>>().len()
+    };
+    assert_eq!(records.len(), passes.len() + groups(true) + groups(false) + 1);
+    assert!(records.iter().all(|r| r["ratio"] == 1.0 && r["samples_a"] == 5), "{records:?}");
+    assert!(records[0]["warning"].as_str().unwrap().contains("A and B are one run"), "{}", records[0]);
     let total = records.last().unwrap();
+    let parts = records.iter().filter(|r| r["part_of"].is_null()).count();
+    assert!(parts < records.len() - 8, "the levels of the chains are parts of three groups");
     let (found, expected) = (&total["median_a_ms"], &timed[0]["total"]["median_ms"]);
     assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
 }
@@ -246,12 +258,21 @@ fn mistakes_are_sentences() {
     for name in ["text.txt", "broken.png", "broken.exr"] {
         folder.write(name, "no image");
     }
-    fails(&folder, &["a"], 2, "<B>");
+    fails(&folder, &["a"], 2, "two folders or images, A and B, or one folder of times with --a and --b");
+    fails(&folder, &["a", "--a", "ssct"], 2, "--b");
+    fails(&folder, &["a", "--a", "ssct 3", "--b", "ssct"], 2, "no option stands before \"3\"");
+    fails(
+        &folder,
+        &["a", "--a", "ssct", "--b", "hzct"],
+        1,
+        "--b \"hzct\": a has no such setting; its methods are ssct",
+    );
+    fails(&folder, &["small.png", "small.png", "--all"], 2, "--all: for times, not for images");
     fails(&folder, &["a", "small.png"], 2, "not one of each");
     fails(&folder, &["a", "text.txt"], 2, "text.txt: neither a folder");
     fails(&folder, &["a", "a", "--threshold", "1"], 2, "--threshold 1: ");
     fails(&folder, &["a", "a", "--threshold", "NaN"], 2, "--threshold NaN: ");
-    fails(&folder, &["small.png", "small.png", "--fail-on-slower"], 2, "are for times");
+    fails(&folder, &["small.png", "small.png", "--fail-on-slower"], 2, "--fail-on-slower: for times");
     fails(&folder, &["a", "nowhere"], 1, "cannot read nowhere");
     fails(&folder, &["a", "empty"], 1, "time-samples.csv");
     fails(&folder, &["a", "other"], 1, "no pass in common");
@@ -351,9 +372,51 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
     with("one", 1.0);
     with("within", 1.0 + 0.9 * floor);
     with("beyond", 1.0 + 1.1 * floor);
-    for (other, verdict) in [("within", "SAME"), ("beyond", "SLOWER")] {
+    for (other, verdict) in [("within", "UNDECIDED"), ("beyond", "SLOWER")] {
         let records = compared(&folder, &["one", other]);
         let total = records.iter().find(|r| r["pass"] == "total").unwrap();
         assert_eq!(total["verdict"], verdict, "{total}");
     }
+}
+
+/// The verdicts of the table that `ssct time` ends with, and of `ssct compare`: pass, ratio and verdict of each row.
+fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
+    let rows = text.lines().skip_while(|line| !line.contains("verdict")).skip(1).take_while(|line| !line.is_empty());
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect();
+        let from_end = |n: usize| cells[cells.len() - n].to_owned();
+        [from_end(9), from_end(6), from_end(1)]
+    };
+    rows.map(row).collect()
+}
+
+#[test]
+fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
+    let folder = Folder::new();
+    let [few, many] = ["ssct --iterations 64", "ssct --iterations 1024"];
+    let time = ["time", "--view", "corridor", "--size", "64x36", "--samples", "6"];
+    let run = |variants: &[&str], name: &str| {
+        let named = variants.iter().flat_map(|v| ["--variant", v]).chain(["-o", name]);
+        folder.succeed(&time.into_iter().chain(named).collect::<Vec<_>>())
+    };
+    let text = run(&[many, few], "run");
+    let at_the_end = rows_of_verdicts(text.split_once("B beside A, turn by turn; SAME is within ±5 %").unwrap().1);
+    let afterwards = rows_of_verdicts(&said(&folder, &["run", "--a", many, "--b", few]));
+    assert_eq!(at_the_end, afterwards);
+    let passes: Vec<&str> = at_the_end.iter().map(|[pass, ..]| pass.as_str()).collect();
+    assert_eq!(passes[0], "total", "{text}");
+    assert_eq!(passes.iter().filter(|pass| pass.starts_with("hi-z")).collect::<Vec<_>>(), [&"hi-z"]);
+    let opened = rows_of_verdicts(&said(&folder, &["run", "--a", many, "--b", few, "--all"]));
+    assert!(opened.iter().filter(|[pass, ..]| pass.starts_with("hi-z/")).count() > 3, "{opened:?}");
+    // Each of three stands beside the first; one alone beside none.
+    let text = run(&[many, few, "hzct"], "three");
+    let (_, verdicts) = text.split_once("B beside A").unwrap();
+    assert_eq!(rows_of_verdicts(verdicts).iter().filter(|[pass, ..]| pass == "total").count(), 2, "{verdicts}");
+    assert!(!run(&[few], "few").contains("B beside A"));
+    run(&[many], "many");
+    // Two runs that have nothing in common are refused with the words that compare them.
+    let way = format!("ssct compare many few --a \"{many}\" --b \"{few}\"");
+    fails(&folder, &["many", "few"], 1, &way);
+    let named = compared(&folder, &["many", "few", "--a", many, "--b", few]);
+    assert!(named.iter().all(|r| r["paired"] == false && r["setting_b"] == "ssct iterations 64"), "{named:?}");
 }

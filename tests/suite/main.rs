@@ -71,6 +71,7 @@ mod shaders;
 mod shards;
 mod stochastic;
 mod stress;
+mod time_files;
 mod trace_normals;
 mod triangles;
 mod unified;

@@ -16,7 +16,7 @@ use ssct_lab::stage::Globals;
 use ssct_lab::study::engine::Row;
 use ssct_lab::study::error::{Against, ErrorRecord, ImageError, source_table};
 use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
-use ssct_lab::study::table::compare;
+use ssct_lab::study::table::{cells, compare};
 use ssct_lab::study::timing::chart;
 use ssct_lab::study::{Stats, TimeRecord};
 use std::path::Path;
@@ -71,6 +71,8 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
     ErrorRecord {
         head: head("error", method, 0.0),
         time_ms: Some(ms),
+        time_low_ms: Some(0.9 * ms),
+        time_high_ms: Some(1.1 * ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
         image: ImageError { rmse: (against != Against::Oracle).then_some(error), ..ImageError::default() },
@@ -78,6 +80,52 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         floor: None,
         prepared: None,
     }
+}
+
+#[test]
+fn two_copies_of_a_method_have_two_stars_or_none() {
+    let stars = |records: &[ErrorRecord]| {
+        let tables = ErrorRecord::tables(records, &serde_json::Value::Null);
+        let rows = tables[0].cells[1..].iter().map(|row| (row[0].clone(), row[3].clone()));
+        rows.filter(|(_, star)| star == "*").map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    let record = |method: &str, ms, error| error_record(method, Against::Screen, ms, error);
+    // The times of copies differ by less than the noise of a tenth.
+    let copies = [record("ssct", 10.0, 0.5), record("copy", 10.5, 0.5)];
+    assert_eq!(stars(&copies), ["ssct", "copy"]);
+    assert_eq!(stars(&[&copies[..], &[record("hzct", 5.0, 0.5)]].concat()), ["hzct"]);
+    // A better time by noise alone does not outweigh an error that is greater.
+    assert_eq!(stars(&[record("ssct", 10.0, 0.5), record("worse", 9.5, 0.6)]), ["ssct"]);
+    assert_eq!(stars(&[record("ssct", 10.0, 0.5), record("faster", 5.0, 0.6)]), ["faster", "ssct"]);
+    // Records of few frames do not say their noise.
+    let silent = |r: &ErrorRecord| ErrorRecord { time_low_ms: None, time_high_ms: None, ..r.clone() };
+    assert_eq!(stars(&[silent(&record("ssct", 10.0, 0.5)), silent(&record("copy", 10.2, 0.5))]), ["ssct", "copy"]);
+}
+
+#[test]
+fn rows_of_table_5_8_carry_the_drift_between_them() {
+    let of_scene = |method: &str, roughness, ms: f64, scene_ms: f64| {
+        let mut record = time_record(method, roughness, ms);
+        let stats = Stats::of(&[scene_ms]);
+        record
+            .passes
+            .insert(0, PassRecord { name: "g-buffer".into(), counted: false, stats, ..record.passes[0].clone() });
+        record
+    };
+    // Roughness 0 was slower by the load alone: the scene passes say so.
+    let records = [
+        of_scene("ssct", 0.0, 20.0, 40.0),
+        of_scene("hzct", 0.0, 18.0, 40.0),
+        of_scene("ssct", 0.1, 10.0, 20.0),
+        of_scene("hzct", 0.1, 9.0, 20.0),
+    ];
+    let column = |cells: &[Vec<String>], title: &str| {
+        let column = cells[0].iter().position(|cell| cell == title)?;
+        Some(cells[1..].iter().map(|row| row[column].clone()).collect::<Vec<_>>())
+    };
+    let drifts = |records: &[TimeRecord]| column(&cells(&compare(records)), "drift");
+    assert_eq!(drifts(&records), Some(vec!["+0 %".to_owned(), "-50 %".to_owned()]));
+    assert_eq!(drifts(&records[..2]), None, "what was timed in turn has none");
 }
 
 #[test]

@@ -1,19 +1,16 @@
-//! `ssct compare`: two runs of the time study, two of the study of compiled programs, or two images.
+//! `ssct compare`: two runs of the time study or two settings, two runs of the study of compiled programs, or two images.
 
 use super::printed;
 use crate::error::{Error, Result};
 use crate::inside::Inside;
 use crate::metrics::bootstrap::Verdict;
 use crate::report::{compare as report, files, images, tables};
-use crate::study::compare::{self, Run, TOTAL};
+use crate::study::compare::{self, Run, Selection, THRESHOLD, TOTAL, TimeComparison};
 use crate::study::shaders::{self, ShaderRecord};
 use crate::study::timing::SAMPLES;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Change that counts, unless the flag says otherwise.
-pub const THRESHOLD: f64 = 0.05;
 
 /// Options of `ssct compare`.
 #[derive(Debug, Args)]
@@ -21,14 +18,35 @@ pub struct CompareOptions {
     /// Folder of times or of shaders, time-samples.csv, .png or .exr
     ///
     /// `ssct time` and `ssct study` write folders of times, `ssct shaders` one of compiled programs.
-    a: PathBuf,
+    #[arg(value_name = "A")]
+    first: PathBuf,
     /// Second folder or image, to compare with the first
-    b: PathBuf,
+    ///
+    /// Without it, --a and --b name two settings of the first.
+    #[arg(value_name = "B")]
+    second: Option<PathBuf>,
+    /// Setting of the first run: "ssct --iterations 1024"
+    ///
+    /// A method and options tell a setting from the others of its run: "ssct", "ssct --iterations 1024" or "--view hall". A
+    /// value that is not named may be anything as long as one setting fits; of several, the one with the values of its preset
+    /// is meant. The settings are compared at every place where both were timed, and in one run turn by turn.
+    #[arg(long, value_name = "METHOD OPTIONS", requires = "b", allow_hyphen_values = true)]
+    a: Option<Selection>,
+    /// Setting that is compared with that of --a
+    ///
+    /// It is one of the second run, or without one of the first.
+    #[arg(long, value_name = "METHOD OPTIONS", requires = "a", allow_hyphen_values = true)]
+    b: Option<Selection>,
     /// Change of a time that counts [default: 0.05]
     ///
     /// The number is a share of the time.
     #[arg(long, value_name = "T")]
     threshold: Option<f64>,
+    /// Print each level of a chain and each part of a pass
+    ///
+    /// Without it, passes whose names begin alike, such as hi-z/1 to hi-z/8, are one row. The records have all of them.
+    #[arg(long)]
+    all: bool,
     /// Fail if a method's total is SLOWER
     #[arg(long)]
     fail_on_slower: bool,
@@ -40,6 +58,28 @@ pub struct CompareOptions {
     /// Print the records as JSON, and nothing else
     #[arg(long)]
     json: bool,
+}
+
+impl CompareOptions {
+    /// The second path, which two folders of shaders and two images need.
+    fn second(&self) -> Result<&Path> {
+        let missing = "compare takes two folders or images, A and B, or one folder of times with --a and --b";
+        self.second.as_deref().ok_or_else(|| Error::Usage(missing.into()))
+    }
+
+    /// Refuses options that are for times alone.
+    fn refuse_options_of_times(&self, what: &str) -> Result<()> {
+        let given = [
+            ("--threshold", self.threshold.is_some()),
+            ("--fail-on-slower", self.fail_on_slower),
+            ("--all", self.all),
+            ("--a and --b", self.a.is_some()),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(Error::Usage(format!("{option}: for times, not for {what}"))),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The records of `ssct shaders` in its folder.
@@ -55,8 +95,10 @@ enum Sort {
 
 /// Compares, writes and prints.
 pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
-    let (a, b) = (sort(&options.a)?, sort(&options.b)?);
-    if a != b {
+    let a = sort(&options.first)?;
+    if let Some(second) = &options.second
+        && sort(second)? != a
+    {
         let message = "compare takes two folders of times, two of shaders or two images, not one of each";
         return Err(Error::Usage(message.into()).into());
     }
@@ -85,20 +127,45 @@ fn sort(path: &Path) -> Result<Sort> {
 fn times(options: &CompareOptions) -> anyhow::Result<()> {
     let threshold = options.threshold.unwrap_or(THRESHOLD);
     check_threshold(threshold)?;
-    let records = compare::times(&load(&options.a)?, &load(&options.b)?, threshold);
-    if records.iter().all(|r| r.only_in.is_some()) {
-        let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
-        anyhow::bail!("{} and {} have no pass in common{differs}", options.a.display(), options.b.display());
-    }
+    let records = match (&options.a, &options.b) {
+        (Some(a), Some(b)) => settings(options, [a, b], threshold)?,
+        _ => runs(options, threshold)?,
+    };
     if let Some(folder) = &options.output {
-        report::write_times(&Inside::folder(folder), &records)?;
+        report::write_times(&Inside::folder(folder), &records, options.all)?;
     }
-    print(options, || files::json(&records), || report::times(&records))?;
+    print(options, || files::json(&records), || report::times(&records, options.all))?;
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
     if options.fail_on_slower && slower > 0 {
         anyhow::bail!("{slower} total(s) are slower");
     }
     Ok(())
+}
+
+/// What two runs have in common.
+fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
+    let (a, b) = (load(&options.first)?, load(options.second()?)?);
+    let records = compare::times(&a, &b, threshold);
+    if records.iter().all(|r| r.only_in.is_some()) {
+        let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
+        let way = |([of_a, of_b], is_one_place): ([String; 2], bool)| {
+            let by_name = format!("ssct compare {} {} --a \"{of_a}\" --b \"{of_b}\"", a.name, b.name);
+            let in_turns =
+                format!(", and better in turns of one run, ssct time --variant \"{of_a}\" --variant \"{of_b}\"");
+            let in_turns = if is_one_place { in_turns } else { String::new() };
+            format!("; two settings are compared by their names, {by_name}{in_turns}")
+        };
+        let way = compare::named_settings(&a, &b).map(way).unwrap_or_default();
+        anyhow::bail!("{} and {} have no pass in common{differs}{way}", a.name, b.name);
+    }
+    Ok(records)
+}
+
+/// Two settings, of one run or of two.
+fn settings(options: &CompareOptions, chosen: [&Selection; 2], threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
+    let a = load(&options.first)?;
+    let other = options.second.as_deref().map(load).transpose()?;
+    compare::settings(&a, other.as_ref().unwrap_or(&a), chosen, threshold).map_err(anyhow::Error::msg)
 }
 
 /// Refuses a `--threshold` that is out of range.
@@ -124,13 +191,12 @@ fn load(path: &Path) -> Result<Run> {
 }
 
 fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
-    if options.threshold.is_some() || options.fail_on_slower {
-        return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for shaders".into()).into());
-    }
+    options.refuse_options_of_times("shaders")?;
+    let paths = [&options.first, options.second()?];
     let read =
         |folder: &Path| -> Result<Vec<ShaderRecord>> { files::read_records(&Inside::folder(folder).join(SHADERS)) };
-    let names = [&options.a, &options.b].map(|path| path.display().to_string());
-    let (a, b) = (read(&options.a)?, read(&options.b)?);
+    let names = paths.map(|path| path.display().to_string());
+    let (a, b) = (read(paths[0])?, read(paths[1])?);
     let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
@@ -141,10 +207,8 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
 }
 
 fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
-    if options.threshold.is_some() || options.fail_on_slower {
-        return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for images".into()).into());
-    }
-    let [a, b] = [&options.a, &options.b].map(|p| (p.display().to_string(), images::read_image(p)));
+    options.refuse_options_of_times("images")?;
+    let [a, b] = [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
     let (a, b) = ((&*a.0, &a.1?), (&*b.0, &b.1?));
     let Some(found) = compare::images(a, b) else {
         let size = |image: &compare::LinearImage| format!("{}x{}", image.width, image.height);

@@ -6,10 +6,11 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// The flags whose values name methods: several, with commas between them, or one and its own flags.
+/// The flags whose values name methods, several with commas between them.
 const METHOD: &str = "--method";
 const AGAINST: &str = "--against";
-const VARIANT: &str = "--variant";
+/// The flags whose value is one method and its own flags.
+const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
 /// The flag whose value is a folder that shaders of methods may include from.
 const INCLUDE: &str = "--include";
 
@@ -38,16 +39,21 @@ pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>>
             continue;
         }
         match text.split_once('=') {
-            Some((of, value)) if [METHOD, AGAINST, VARIANT].contains(&of) => {
+            Some((of, value)) if flags().any(|flag| flag == of) => {
                 replaced.push(format!("{of}={}", names(of, value, &mut known)?).into());
             }
             _ => {
-                flag = [METHOD, AGAINST, VARIANT].into_iter().find(|of| *of == text);
+                flag = flags().find(|flag| *flag == text);
                 replaced.push(argument);
             }
         }
     }
     Ok(replaced)
+}
+
+/// Every flag whose value names methods.
+fn flags() -> impl Iterator<Item = &'static str> {
+    [METHOD, AGAINST].into_iter().chain(VARIANTS)
 }
 
 /// The folders that arguments allow.
@@ -71,7 +77,7 @@ fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) ->
         known.insert(place, info.name);
         Ok(info.name.to_owned())
     };
-    if flag == VARIANT {
+    if VARIANTS.contains(&flag) {
         let (method, flags) = value.split_once(char::is_whitespace).unwrap_or((value, ""));
         return Ok(format!("{} {flags}", name(method)?).trim_end().to_owned());
     }

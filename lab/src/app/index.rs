@@ -1,12 +1,13 @@
 //! `ssct index`: one page over many runs.
 
-use super::compare::{THRESHOLD, check_threshold};
+use super::compare::check_threshold;
 use super::printed;
 use crate::error::{Error, Result};
 use crate::inside::Inside;
 use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
 use crate::report::library;
+use crate::study::compare::THRESHOLD;
 use crate::study::library::changes::changes;
 use crate::study::library::trends::trends;
 use crate::study::names::one_line;

@@ -35,7 +35,7 @@ pub struct TimeOptions {
     /// A method with its own options; may be repeated
     ///
     /// Its options count before those outside: "traced --tracer query". Give it once for each variant that is timed, instead
-    /// of --method.
+    /// of --method. The tables of two or more end with verdicts on each beside the first (docs/definitions.md, "Verdicts").
     #[arg(
         long,
         value_name = "METHOD OPTIONS",
@@ -47,10 +47,7 @@ pub struct TimeOptions {
     #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Measure a table of the thesis, or its captions' times
-    ///
-    /// A table is measured at its own sizes and roughness values, on the view `hall`; the times in the captions each on the
-    /// view that takes the place of its figure.
-    #[arg(long, value_name = "TABLE", value_enum)]
+    #[arg(long, value_name = "TABLE", value_enum, long_help = help_of_tables())]
     pub table: Option<Table>,
     /// For --table captions: rays a pixel of the reference that takes the place of Mitsuba.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
@@ -71,6 +68,16 @@ pub struct TimeOptions {
     /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+}
+
+/// The long help of `--table`.
+fn help_of_tables() -> String {
+    format!(
+        "Measure a table of the thesis, or its captions' times\n\nA table is measured at its own sizes and roughness values, on the \
+         view `hall`; the times in the captions each on the view that takes the place of its figure. Of table 5.8, {}. With --size \
+         only some are measured, and beside them may stand sizes that have no row in print.",
+        table_5_8::rows_and_seconds()
+    )
 }
 
 /// A table of the thesis.
@@ -99,7 +106,8 @@ impl StudyOptions for TimeOptions {
             Some(Table::T5_8) => (Beside::Table, vec![job(self, true)?]),
             None => (Beside::Nothing, vec![job(self, false)?]),
         };
-        let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a };
+        let judges = self.variant.len() > 1;
+        let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a, judges };
         Ok(TimeStudy::new(jobs, settings, self.warmup, self.reference_rays))
     }
 
@@ -134,8 +142,10 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
 fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
     let all = table_5_8::sizes();
     if !options.size.is_empty() {
-        if let Some([w, h]) = options.size.iter().find(|s| table && !all.contains(s)) {
-            return Err(Error::Usage(format!("--table 5.8 has no row for {w}x{h}")));
+        if table && !options.size.iter().any(|size| all.contains(size)) {
+            let named: Vec<String> = options.size.iter().map(|[w, h]| format!("{w}x{h}")).collect();
+            let (named, has) = (named.join(", "), table_5_8::rows_and_seconds());
+            return Err(Error::Usage(format!("--table 5.8 has no row for {named}; {has}")));
         }
         return Ok(resolve::listed(&options.size));
     }
@@ -154,7 +164,8 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
         resolve::listed(&options.common.place.roughness)
     };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
-        return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
+        let has = table_5_8::rows_and_seconds();
+        return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; {has}")));
     }
     let reflectivity = options.common.place.reflectivity;
     Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())

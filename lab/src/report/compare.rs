@@ -4,15 +4,12 @@ use super::images::{Rgb, write_exr};
 use super::legend::scale;
 use super::{files, tables};
 use crate::error::Result;
-use crate::gpu::Pixels;
+use crate::gpu::{DeviceInfo, Pixels};
 use crate::inside::Inside;
 use crate::math::display_byte;
-use crate::methods::{self, MethodInfo};
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
-use crate::parameter::{Choices, Preset};
-use crate::study::compare::{ImageComparison, Side, Subject, TOTAL, TimeComparison};
+use crate::study::compare::{self, ImageComparison, Side, TOTAL, TimeComparison};
 use crate::study::names::one_line;
-use crate::study::record::differing;
 
 /// Writes compare.json and compare.txt.
 pub fn write(folder: &Inside, json: &str, text: &str) -> Result<()> {
@@ -21,8 +18,8 @@ pub fn write(folder: &Inside, json: &str, text: &str) -> Result<()> {
 }
 
 /// Writes a comparison of times as compare.json and compare.txt.
-pub fn write_times(folder: &Inside, records: &[TimeComparison]) -> Result<()> {
-    write(folder, &files::json(records), &times(records))
+pub fn write_times(folder: &Inside, records: &[TimeComparison], all: bool) -> Result<()> {
+    write(folder, &files::json(records), &times(records, all))
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
@@ -40,99 +37,85 @@ pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
     Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
 
-/// What was compared and how, a row for each pass and total that both runs have, what one lacks, and
-/// how many totals got which verdict.
-pub fn times(records: &[TimeComparison]) -> String {
+/// What was compared and how, a row for each pass and total that both sides have, what one lacks, and
+/// how many totals got which verdict. With `all`, the parts of groups have rows, too.
+pub fn times(records: &[TimeComparison], all: bool) -> String {
     let Some(first) = records.first() else { return String::new() };
-    let device = |d: &Option<crate::gpu::DeviceInfo>| {
-        let known = |d: &crate::gpu::DeviceInfo| format!("{}, {}, {}", d.name, d.kind, d.driver);
-        one_line(&d.as_ref().map_or_else(|| "device not known".into(), known)).into_owned()
-    };
-    let mut text = format!("A  {} ({})\n", first.head.a, device(&first.device_a));
-    text += &format!("B  {} ({})\n", first.head.b, device(&first.device_b));
+    let mut text = sides(first);
     if let Some(warning) = &first.warning {
         text += &format!("warning: {warning}\n");
     }
-    let how = &first.judgement;
-    text += &format!(
-        "Medians, B over A, with the {} % interval of {} bootstrap resamples, seed {}; SAME is within ±{} %.\n\
-         The interval knows the spread within each run, not what changed on the machine between them.\n\n",
-        how.confidence * 100.0,
-        how.resamples,
-        how.seed,
-        percent(how.threshold)
-    );
-    text += &tables::aligned(&cells(records));
+    text += &how(first);
+    text += &tables::aligned(&compare::cells(records, all));
     let both = || records.iter().filter(|r| r.only_in.is_none());
     if both().any(|r| r.noise_floor.is_some()) {
         text += "\nNothing within its noise floor (how far a run strays from itself) is faster or slower.\n";
     }
+    if both().any(|r| r.drift.is_some()) {
+        text += "\nDrift: how much longer the scene passes, the same work on both sides, took in B. By as much the machine has changed.\n";
+    }
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
-    for (side, name) in [(Side::A, "A"), (Side::B, "B")] {
-        let only: Vec<_> = records.iter().filter(|r| r.only_in == Some(side)).collect();
-        if !only.is_empty() {
-            text += &format!("\nOnly in {name}:\n");
-            for r in only {
-                text += &format!("  {}\n", labels(r).join("  "));
-                text.extend(
-                    r.differs.iter().filter(|_| r.pass == TOTAL).map(|d| format!("    the other has it with {d}\n")),
-                );
-            }
-        }
-    }
+    text += &only_in_one(records, all);
     let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
     let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", totals(*v), v.name())).collect();
     text + &format!("\nTotals: {}\n", counts.join(", "))
 }
 
+/// The two runs with their devices.
+fn sides(first: &TimeComparison) -> String {
+    let device = |d: &Option<DeviceInfo>| {
+        let known = |d: &DeviceInfo| format!("{}, {}, {}", d.name, d.kind, d.driver);
+        one_line(&d.as_ref().map_or_else(|| "device not known".into(), known)).into_owned()
+    };
+    let a = format!("A  {} ({})\n", first.head.a, device(&first.device_a));
+    a + &format!("B  {} ({})\n", first.head.b, device(&first.device_b))
+}
+
+/// How the intervals were found, and what the verdicts mean.
+fn how(first: &TimeComparison) -> String {
+    let how = &first.judgement;
+    let (share, resamples, seed) = (how.confidence * 100.0, how.resamples, how.seed);
+    let found = if first.paired {
+        format!(
+            "A and B were timed in turn: the medians over the turns of B over A, with the {share} % interval of {resamples} \
+             bootstrap resamples of the turns, seed {seed}."
+        )
+    } else {
+        format!(
+            "Medians, B over A, with the {share} % interval of {resamples} bootstrap resamples, seed {seed}.\n\
+             The interval knows the spread within each side, not what changed on the machine between them."
+        )
+    };
+    let bound = percent(how.threshold);
+    format!(
+        "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
+         where one was measured.\nUNDECIDED: neither; n is about how many samples would decide.\n\n"
+    )
+}
+
+/// What only one side has.
+fn only_in_one(records: &[TimeComparison], all: bool) -> String {
+    let mut text = String::new();
+    for (side, name) in [(Side::A, "A"), (Side::B, "B")] {
+        let is_shown = |r: &&TimeComparison| r.only_in == Some(side) && (all || r.part_of.is_none());
+        let only: Vec<_> = records.iter().filter(is_shown).collect();
+        if !only.is_empty() {
+            text += &format!("\nOnly in {name}:\n");
+            for r in only {
+                text += &format!("  {}\n", r.labels().join("  "));
+                let differs = r.differs.iter().filter(|_| r.pass == TOTAL);
+                text.extend(differs.map(|d| format!("    the other has it with {d}\n")));
+            }
+        }
+    }
+    text
+}
+
 /// A share as a percentage without the noise of binary fractions.
 fn percent(share: f64) -> f64 {
     (share * 1e6).round() / 1e4
-}
-
-fn labels(r: &TimeComparison) -> [String; 7] {
-    let [place, size, roughness, normals, method, preset] = subject_labels(&r.subject);
-    [place, size, roughness, normals, method, preset, r.pass.clone()]
-}
-
-/// The names of the columns of [`subject_labels`].
-pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];
-
-/// What was timed, in a few words a column.
-pub fn subject_labels(s: &Subject) -> [String; 6] {
-    let own = |name: &str| match s.get(name) {
-        "" => "own".to_owned(),
-        value => value.to_owned(),
-    };
-    let place = format!("{} {}", s.get("scene"), s.get("view"));
-    let size = format!("{}x{}", s.get("width"), s.get("height"));
-    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned()]
-}
-
-/// A method with the parameters that are not those of its preset.
-fn method(s: &Subject) -> String {
-    let name = s.get("method");
-    let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
-    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::reads);
-    let values: Vec<_> = rows.iter().filter_map(|row| differing(row, preset, s.get(row.name))).collect();
-    if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
-}
-
-fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
-    let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor", "n", "verdict"];
-    let mut rows = vec![[&SUBJECT_COLUMNS[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
-    for r in records.iter().filter(|r| r.only_in.is_none()) {
-        let mut row = labels(r).to_vec();
-        row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
-        row.push(r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0)));
-        row.push(format!("{}/{}", r.samples_a, r.samples_b));
-        row.push(r.verdict.map_or("-", Verdict::name).to_owned());
-        rows.push(row);
-    }
-    rows
 }
 
 /// A difference with six digits behind the point; one of 0 is named, and a lesser one is not shown as 0.

@@ -1,16 +1,25 @@
-//! Two runs of the time study, or two images, beside each other (docs/definitions.md, "Time" and "Image
-//! error"). Times are compared pass by pass from their raw samples.
+//! Two runs of the time study, two settings of one, or two images, beside each other (docs/definitions.md, "Verdicts" and
+//! "Image error"). Times are compared pass by pass from their raw samples.
 
-use super::error::display;
+mod images;
+mod rows;
+mod samples;
+mod settings;
+mod subject;
+
+pub use self::images::{ImageComparison, LinearImage, images};
+pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, shown_drift, subject_labels};
+pub use self::samples::{Run, TimeSample};
+pub use self::settings::{Selection, in_turns, settings};
+pub use self::subject::Subject;
+
+use self::samples::{Group, Samples, groups};
 use super::record::{DEFINITIONS, Provenance, Stats};
 use crate::gpu::DeviceInfo;
-use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES, Verdict, ratio_of_medians};
-use crate::metrics::flip::FlipMap;
-use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
-use serde::{Serialize, Serializer};
-use serde_json::Value as Json;
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use crate::metrics::bootstrap::{
+    CONFIDENCE, MIN_SAMPLES, RESAMPLES, Ratio, Verdict, median_of_ratios, ratio_of_medians, samples_to_decide,
+};
+use serde::Serialize;
 
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";
@@ -18,121 +27,8 @@ pub const TOTAL: &str = "total";
 /// Seed of every interval's resamples.
 pub const SEED: u64 = 1;
 
-/// What a frame was of: scene, view, method and everything that was set, by name. What the method does not have, and what
-/// a file does not say, is not there.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Subject(pub BTreeMap<String, String>);
-
-impl Subject {
-    /// A value as its file has it; nothing where it is null or not known.
-    pub fn get(&self, name: &str) -> &str {
-        self.0.get(name).map_or("", String::as_str)
-    }
-
-    /// Whether two are of the same scene, view and method.
-    fn is_like(&self, other: &Self) -> bool {
-        LIKE.iter().all(|name| self.get(name) == other.get(name))
-    }
-
-    /// In what two differ, as "cone_samples 7 in A, 3 in B".
-    fn differences(&self, b: &Self) -> Vec<String> {
-        let value = |of: &Self, name: &str| match of.get(name) {
-            "" => "not set".to_owned(),
-            value => value.to_owned(),
-        };
-        let names: BTreeSet<&String> = self.0.keys().chain(b.0.keys()).collect();
-        let differ = names.into_iter().filter(|name| self.get(name) != b.get(name));
-        differ.map(|name| format!("{name} {} in A, {} in B", value(self, name), value(b, name))).collect()
-    }
-}
-
-/// What makes two subjects alike enough to say in what they differ.
-const LIKE: [&str; 3] = ["scene", "view", "method"];
-
-/// Each value as what it looks like: a number, a truth value, null for nothing, else text.
-impl Serialize for Subject {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let value = |text: &str| match text {
-            "" => Json::Null,
-            "true" | "false" => Json::Bool(text == "true"),
-            _ => serde_json::from_str::<serde_json::Number>(text).map_or_else(|_| text.into(), Json::Number),
-        };
-        serializer.collect_map(self.0.iter().map(|(name, text)| (name, value(text))))
-    }
-}
-
-/// A row of raw samples: the time of one pass in one frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TimeSample {
-    /// What the frame was of; rows that follow each other share it.
-    pub subject: Arc<Subject>,
-    /// Number of the frame among those of its subject.
-    pub sample: u64,
-    /// Label.
-    pub pass: String,
-    /// Whether the pass counts towards the total.
-    pub counted: bool,
-    /// Milliseconds, finite and ≥ 0.
-    pub ms: f64,
-    /// Noise floors, as shares: of the pass, and of the total; where they were measured.
-    pub floors: [Option<f64>; 2],
-}
-
-/// A run of the time study, as its files tell it.
-#[derive(Debug, Clone)]
-pub struct Run {
-    /// What the user calls it.
-    pub name: String,
-    /// The device, if the run's records are there to say it.
-    pub device: Option<DeviceInfo>,
-    /// Raw samples, those of a frame one after the other.
-    pub samples: Vec<TimeSample>,
-}
-
-impl Run {
-    /// The names of what its file says of a method's frames; `None` if it has none.
-    fn told(&self, method: &str) -> Option<BTreeSet<&String>> {
-        let of = |s: &&TimeSample| s.subject.get("method") == method;
-        self.samples
-            .iter()
-            .any(|s| of(&s))
-            .then(|| self.samples.iter().filter(of).flat_map(|s| s.subject.0.keys()).collect())
-    }
-
-    /// Its samples, of each method with what both this and another run's file say.
-    fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
-        let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
-        let mut samples = self.samples.clone();
-        let mut last: Option<[Arc<Subject>; 2]> = None;
-        for s in &mut samples {
-            let stripped = match &last {
-                Some([from, to]) if Arc::ptr_eq(from, &s.subject) => Arc::clone(to),
-                _ => {
-                    let method = s.subject.get("method").to_owned();
-                    match known.entry(method).or_insert_with_key(|method| other.told(method)) {
-                        None => Arc::clone(&s.subject),
-                        Some(told) => {
-                            let values = s.subject.0.iter().filter(|(name, _)| told.contains(name));
-                            Arc::new(Subject(values.map(|(name, text)| (name.clone(), text.clone())).collect()))
-                        }
-                    }
-                }
-            };
-            last = Some([std::mem::replace(&mut s.subject, Arc::clone(&stripped)), stripped]);
-        }
-        samples
-    }
-
-    /// What another run's file says of the methods that both have, and this one's does not.
-    fn untold(&self, other: &Self) -> BTreeSet<String> {
-        let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
-        let of = |method: &&str| {
-            let (mine, theirs) = (self.told(method)?, other.told(method)?);
-            Some(theirs.difference(&mine).map(|name| (*name).clone()).collect::<Vec<_>>())
-        };
-        methods.iter().filter_map(of).flatten().collect()
-    }
-}
+/// Change of a time that counts, unless the user says otherwise.
+pub const THRESHOLD: f64 = 0.05;
 
 /// How an interval was found, and what it was held against.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -186,17 +82,27 @@ pub struct TimeComparison {
     /// "compare"; the runs' names.
     #[serde(flatten)]
     pub head: CompareHead,
-    /// What was timed.
+    /// What was timed: everything that was set for both.
     #[serde(flatten)]
     pub subject: Subject,
-    /// Label, or [`TOTAL`].
+    /// The method of A, and what is set otherwise than for B, where two settings are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setting_a: Option<String>,
+    /// The method of B, and what is set otherwise than for A, where two settings are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setting_b: Option<String>,
+    /// Label of a pass, name of a group of passes, or [`TOTAL`].
     pub pass: String,
+    /// The group that the pass is a part of: `hi-z` for `hi-z/3`. The group has a record of its own.
+    pub part_of: Option<String>,
     /// Whether the pass counts towards the total.
     pub counted: bool,
     /// The run that has it, if only one has.
     pub only_in: Option<Side>,
     /// If only one has it: in what the other's frames of the same scene, view and method differ, if it has any.
     pub differs: Option<String>,
+    /// Whether A and B were timed in turn: then the ratio is the median over the turns, else that of the medians.
+    pub paired: bool,
     /// Samples.
     pub samples_a: usize,
     /// Samples.
@@ -205,7 +111,7 @@ pub struct TimeComparison {
     pub median_a_ms: Option<f64>,
     /// Median in milliseconds.
     pub median_b_ms: Option<f64>,
-    /// B's median over A's; null in JSON if infinite, for an A of 0.
+    /// B over A; null in JSON if infinite, for an A of 0.
     pub ratio: Option<f64>,
     /// Lower end of its interval.
     pub low: Option<f64>,
@@ -216,6 +122,11 @@ pub struct TimeComparison {
     pub noise_floor: Option<f64>,
     /// What the interval says; undecided with fewer than [`MIN_SAMPLES`] on a side.
     pub verdict: Option<Verdict>,
+    /// If it is undecided: about how many samples would decide; null if they are too many to say.
+    pub samples_to_decide: Option<u64>,
+    /// Where A and B were timed at different moments: how much longer the scene passes of B took, as a share. Null if they were
+    /// timed in turn, and if the files say nothing of scene passes.
+    pub drift: Option<f64>,
     /// How.
     #[serde(flatten)]
     pub judgement: Judgement,
@@ -227,47 +138,45 @@ pub struct TimeComparison {
     pub warning: Option<String>,
 }
 
-/// The samples of one pass.
-struct Samples {
-    pass: String,
-    counted: bool,
-    ms: Vec<f64>,
-    noise_floor: Option<f64>,
+/// Two runs, or two settings, that are compared.
+struct Comparison<'a> {
+    a: &'a Run,
+    b: &'a Run,
+    judgement: Judgement,
+    warning: Option<String>,
 }
 
-/// Everything of one subject: its passes in order, the total last.
-type Group = (Subject, Vec<Samples>);
+impl<'a> Comparison<'a> {
+    fn new(a: &'a Run, b: &'a Run, threshold: f64) -> Self {
+        let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
+        Self { a, b, judgement, warning: warning(a, b) }
+    }
 
-/// Compares every pass and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
-/// Frames are a pair only if everything that was set is the same. What one run's file does not say is left out of account,
-/// and the warning names it.
-pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
-    let warning = warning(a, b);
-    let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
-    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
-    let compared = |subject: &Subject, of_a: Option<&Samples>, of_b: Option<&Samples>| {
-        let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
+    /// The record of a pass, which one side may lack; `paired` if frames of one number were timed in turn.
+    fn record(&self, subject: &Subject, sides: [Option<&Samples>; 2], paired: bool) -> TimeComparison {
+        let [of_a, of_b] = sides;
+        let [ms_a, ms_b] = sides.map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
-        let ratio = ratio_of_medians(ms_a, ms_b, SEED);
-        let floors = [of_a, of_b].into_iter().flatten().filter_map(|s| s.noise_floor);
+        let found = ratio(sides, paired);
+        let ratio = found.map(|(ratio, _)| ratio);
+        let floors = sides.into_iter().flatten().filter_map(|s| s.noise_floor);
         let noise_floor = floors.reduce(f64::max);
-        let threshold = threshold.max(noise_floor.unwrap_or(0.0));
-        let enough = ms_a.len().min(ms_b.len()) >= MIN_SAMPLES;
+        let judged = found.map(|(ratio, n)| self.judgement.on(&ratio, n, noise_floor.unwrap_or(0.0)));
         TimeComparison {
-            head: CompareHead::new("compare", &a.name, &b.name),
+            head: CompareHead::new("compare", &self.a.name, &self.b.name),
             subject: subject.clone(),
+            setting_a: None,
+            setting_b: None,
             pass: of_a.or(of_b).map(|s| s.pass.clone()).unwrap_or_default(),
+            part_of: of_a.or(of_b).and_then(|s| s.part_of.clone()),
             counted: of_a.or(of_b).is_some_and(|s| s.counted),
-            only_in: match (of_a, of_b) {
-                (Some(_), None) => Some(Side::A),
-                (None, Some(_)) => Some(Side::B),
+            only_in: match sides {
+                [Some(_), None] => Some(Side::A),
+                [None, Some(_)] => Some(Side::B),
                 _ => None,
             },
-            differs: match (of_a, of_b) {
-                (Some(_), None) => nearest(&groups_b, subject).map(|b| subject.differences(b).join("; ")),
-                (None, Some(_)) => nearest(&groups_a, subject).map(|a| a.differences(subject).join("; ")),
-                _ => None,
-            },
+            differs: None,
+            paired,
             samples_a: ms_a.len(),
             samples_b: ms_b.len(),
             median_a_ms: median(ms_a),
@@ -276,23 +185,95 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
             low: ratio.map(|r| r.low),
             high: ratio.map(|r| r.high),
             noise_floor,
-            verdict: ratio.map(|r| if enough { Verdict::of(&r, threshold) } else { Verdict::Undecided }),
-            judgement,
-            device_a: a.device.clone(),
-            device_b: b.device.clone(),
-            warning: warning.clone(),
+            verdict: judged.map(|(verdict, _)| verdict),
+            samples_to_decide: judged.and_then(|(_, samples)| samples),
+            drift: None,
+            judgement: self.judgement,
+            device_a: self.a.device.clone(),
+            device_b: self.b.device.clone(),
+            warning: self.warning.clone(),
         }
-    };
+    }
+
+    /// The records of every pass of two subjects, in A's order; what only B has comes last.
+    fn records(&self, subject: &Subject, [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
+        let first = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
+        let missing = b.iter().filter(|s| find(a, s).is_none());
+        let all = first.chain(missing.map(|s| self.record(subject, [None, Some(s)], paired)));
+        let drift = if paired { None } else { drift([a, b]) };
+        all.map(|record| TimeComparison { drift: drift.filter(|_| record.only_in.is_none()), ..record }).collect()
+    }
+}
+
+impl Judgement {
+    /// The verdict on a ratio of `n` samples, and if it is open, about how many would decide.
+    fn on(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
+        let verdict = if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::of(ratio, self.threshold, floor) };
+        let is_open = verdict == Verdict::Undecided;
+        (verdict, is_open.then(|| samples_to_decide(ratio, n, self.threshold, floor)).flatten())
+    }
+}
+
+/// B over A with its interval, and of how many samples it is: of frames that were timed in turn, the median of their
+/// ratios; of others, the ratio of the medians.
+fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
+    let [Some(a), Some(b)] = sides else { return None };
+    if paired {
+        let pairs = a.beside(b);
+        return Some((median_of_ratios(&pairs, SEED)?, pairs.len()));
+    }
+    Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
+}
+
+/// How much longer the passes that do not count took in B, as a share: they draw the scene, which is the same work on both
+/// sides, so that the machine alone makes the difference. `None` if the two have no such pass in common.
+fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
+    let is_work = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
+    let both = a.iter().filter(is_work).filter_map(|s| Some([s, find(b, s)?]));
+    let medians = both.map(|pair| pair.map(|s| Stats::of(&s.ms).median_ms));
+    let [of_a, of_b] = medians.reduce(|sum, pair| [sum[0] + pair[0], sum[1] + pair[1]])?;
+    Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
+}
+
+/// Compares every pass, group and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
+/// Frames are a pair only if everything that was set is the same. What one run's file does not say is left out of account,
+/// and the warning names it.
+pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
+    let comparison = Comparison::new(a, b, threshold);
+    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let passes_in = |groups: &'_ [Group], subject: &Subject| groups.iter().position(|(s, _)| s == subject);
     let mut records = Vec::new();
+    let mut only_in_b = Vec::new();
     for (subject, passes) in &groups_a {
-        records.extend(passes.iter().map(|s| compared(subject, Some(s), find(&groups_b, subject, &s.pass))));
+        let other = passes_in(&groups_b, subject).map_or(&[][..], |n| &groups_b[n].1);
+        let differs = nearest(&groups_b, subject).map(|b| subject.differences(b).join("; "));
+        for record in comparison.records(subject, [passes, other], false) {
+            let is_of_b = record.only_in == Some(Side::B);
+            let differs = differs.clone().filter(|_| record.only_in.is_some());
+            let to = if is_of_b { &mut only_in_b } else { &mut records };
+            to.push(TimeComparison { differs, ..record });
+        }
     }
-    for (subject, passes) in &groups_b {
-        let missing = passes.iter().filter(|s| find(&groups_a, subject, &s.pass).is_none());
-        records.extend(missing.map(|s| compared(subject, None, Some(s))));
+    for (subject, passes) in groups_b.iter().filter(|(s, _)| passes_in(&groups_a, s).is_none()) {
+        let differs = nearest(&groups_a, subject).map(|a| a.differences(subject).join("; "));
+        let of_b = comparison.records(subject, [&[], passes], false).into_iter();
+        only_in_b.extend(of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
     }
+    records.extend(only_in_b);
     records
 }
+
+/// How two settings are named that two runs have instead of one in common: the values of the options `--a` and `--b`. The
+/// second value says whether they are of one place, so that one run can time both in turn.
+pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
+    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let (first, _) = groups_a.first()?;
+    let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(s, _)| s))?;
+    Some(([first.told_from(other, "--"), other.told_from(first, "--")], first.place() == other.place()))
+}
+
+/// What is wrong with a comparison of something with itself.
+const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
 
 /// Why two runs may be no fair pair.
 fn warning(a: &Run, b: &Run) -> Option<String> {
@@ -311,7 +292,9 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         let names: Vec<_> = names.into_iter().collect();
         format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });
-    let all: Vec<_> = device.into_iter().chain(settings).collect();
+    let is_same = !std::ptr::eq(a, b) && !a.samples.is_empty() && a.samples == b.samples;
+    let same = is_same.then(|| format!("A and B are one run, {SAME_SAMPLES}"));
+    let all: Vec<_> = same.into_iter().chain(device).chain(settings).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 
@@ -322,103 +305,9 @@ fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
     like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
 }
 
-fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Samples> {
-    let (_, passes) = groups.iter().find(|(s, _)| s == subject)?;
-    passes.iter().find(|s| s.pass == pass)
-}
-
-/// Samples by subject and pass, both in order of appearance. Rows of one subject and sample number
-/// that follow each other are one frame; its counted passes add up to a sample of the total.
-fn groups(rows: &[TimeSample]) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
-    for frame in rows.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
-        let Some(first) = frame.first() else { continue };
-        let at = groups.iter().rposition(|(s, _)| *s == *first.subject).unwrap_or_else(|| {
-            groups.push(((*first.subject).clone(), Vec::new()));
-            groups.len() - 1
-        });
-        let passes = &mut groups[at].1;
-        let mut add = |pass: &str, counted, ms, noise_floor| match passes.iter_mut().find(|s| s.pass == pass) {
-            Some(s) => s.ms.push(ms),
-            None => passes.push(Samples { pass: pass.to_owned(), counted, ms: vec![ms], noise_floor }),
-        };
-        for row in frame {
-            add(&row.pass, row.counted, row.ms, row.floors[0]);
-        }
-        if frame.iter().any(|r| r.counted) {
-            add(TOTAL, true, frame.iter().filter(|r| r.counted).map(|r| r.ms).sum(), first.floors[1]);
-        }
-    }
-    for (_, passes) in &mut groups {
-        passes.sort_by_key(|s| s.pass == TOTAL);
-    }
-    groups
-}
-
-/// A linear image, rows from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinearImage {
-    /// Width in pixels, ≥ 1.
-    pub width: u32,
-    /// Height in pixels, ≥ 1.
-    pub height: u32,
-    /// `width · height` colours: red, green, blue.
-    pub rgb: Vec<[f32; 3]>,
-}
-
-/// How far two images are apart. A figure is null in JSON where an image holds what is no number.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ImageComparison {
-    /// "compare-images"; the images' names.
-    #[serde(flatten)]
-    pub head: CompareHead,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Root mean square error of the linear values.
-    pub rmse: f64,
-    /// Mean square error over the reference's mean square; null if the reference is black.
-    pub rel_mse: Option<f64>,
-    /// Mean FLIP of the display images, 0…1.
-    pub flip: f64,
-    /// The greatest RMSE of a pixel, of those that are numbers.
-    pub greatest: f32,
-    /// Column and row of that pixel, from the top left.
-    pub greatest_at: [u32; 2],
-    /// RMSE of each pixel.
-    #[serde(skip)]
-    pub rmse_map: Vec<f32>,
-    /// FLIP of each pixel as a picture: 3 bytes a pixel.
-    #[serde(skip)]
-    pub flip_picture: Vec<u8>,
-}
-
-/// Compares an image with a reference; `None` if their sizes differ.
-pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Option<ImageComparison> {
-    let ((a_name, a), (b_name, b)) = (reference, test);
-    let (width, height) = (a.width, a.height);
-    if (width, height) != (b.width, b.height) {
-        return None;
-    }
-    let all = vec![true; a.rgb.len()];
-    let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
-    let rmse_map = error_map(&a.rgb, &b.rgb, &all);
-    let greater =
-        |(n, most): (usize, f32), (i, error): (usize, &f32)| if *error > most { (i, *error) } else { (n, most) };
-    let (at, greatest) = rmse_map.iter().enumerate().fold((0, 0.0), greater);
-    Some(ImageComparison {
-        head: CompareHead::new("compare-images", a_name, b_name),
-        width,
-        height,
-        rmse: masked_rmse(&a.rgb, &b.rgb, &all),
-        rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &all),
-        flip: flip.mean(),
-        greatest,
-        greatest_at: [at as u32 % width, at as u32 / width],
-        rmse_map,
-        flip_picture: flip.picture(),
-    })
+/// The pass of the same name in the same group.
+fn find<'g>(passes: &'g [Samples], like: &Samples) -> Option<&'g Samples> {
+    passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ pub use self::pictures::{flip_file, picture_file};
 pub use self::row::{Against, ErrorRecord, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
+use super::compare::SEED;
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
 use super::record::{Of, Stats};
@@ -23,6 +24,7 @@ use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{OracleVersion, display_byte};
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
+use crate::metrics::bootstrap::interval_of_median;
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::error_map;
 use crate::passes::Hits;
@@ -189,7 +191,7 @@ fn measure(
                 ends: gbuffer::ray_ends(&p, &truth.data),
             });
         }
-        let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
+        let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(&time));
         head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
         let is_same = |other: &&Variant| other.method.name == variant.method.name;
@@ -276,6 +278,13 @@ fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
     pixels.map(|(i, (lit, [r, g, b, fade]))| *lit + share(i) * fade * Vec3::new(*r, *g, *b)).collect()
 }
 
+/// The time of a variant in a cell, in milliseconds.
+struct Timed {
+    median_ms: f64,
+    /// Both ends of the interval of the median over resamples of the frames; `None` with too few frames.
+    interval: Option<[f64; 2]>,
+}
+
 /// Totals of the shots, timed in turn.
 fn totals(
     (gpu, spec): (&Gpu, &ErrorSpec),
@@ -283,14 +292,18 @@ fn totals(
     shots: &mut [Shot],
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<Vec<Stats>> {
+) -> Result<Vec<Timed>> {
     let cell = spec.digest(gpu);
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, shots, &rounds, &key, journal, go_on)?;
     let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
-    Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
+    let timed = |samples: Vec<f64>| Timed {
+        median_ms: Stats::of(&samples).median_ms,
+        interval: interval_of_median(&samples, SEED),
+    };
+    Ok((0..shots.len()).map(|m| timed(all(m))).collect())
 }
 
 /// A method without what lies behind it, whose rays go where they go in front of that.

@@ -312,8 +312,13 @@ impl TimeRecord {
 
     /// Medians of the counted passes with the levels of a chain added up, in order.
     pub fn stages(&self) -> Vec<(String, f64)> {
+        self.grouped(true)
+    }
+
+    /// Medians of the passes that count, or of those that do not, with the levels of a chain added up, in order.
+    pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
         let mut stages: Vec<(String, f64)> = Vec::new();
-        for pass in self.passes.iter().filter(|p| p.counted) {
+        for pass in self.passes.iter().filter(|p| p.counted == counted) {
             let name = pass.name.split('/').next().unwrap_or(&pass.name);
             match stages.iter_mut().find(|(n, _)| n == name) {
                 Some((_, ms)) => *ms += pass.stats.median_ms,

@@ -1,8 +1,11 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
+use super::compare::shown_drift;
 use super::record::TimeRecord;
+use super::timing::drift;
 use crate::methods::{METHODS, MethodInfo};
 use crate::stage::Globals;
+use crate::study::exhibit::distinct;
 use serde::Serialize;
 
 /// A row of table 5.8 (thesis ch. 5, below figure 5.8; NVIDIA GeForce GTX 670), milliseconds.
@@ -57,6 +60,21 @@ pub fn sizes() -> Vec<[u32; 2]> {
     sizes
 }
 
+/// Seconds that each size took with the command's own numbers of frames where the table was measured on two cores of a
+/// CPU, by the records in benches/runs/2026-11-26-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
+pub const SECONDS: [u32; 5] = [15, 21, 24, 39, 75];
+
+/// What can be measured of the table, and how long it takes, as the end of a sentence.
+pub fn rows_and_seconds() -> String {
+    let size = |([width, height], seconds): ([u32; 2], u32)| format!("{width}x{height} ({seconds} s)");
+    let sizes: Vec<String> = sizes().into_iter().zip(SECONDS).map(size).collect();
+    let roughness = ROUGHNESS.map(|r| r.to_string()).join(" and ");
+    format!(
+        "its sizes are {}, each with rows of roughness {roughness}; the seconds are those of two cores of a CPU without a GPU",
+        sizes.join(", ")
+    )
+}
+
 /// The table's roughness values.
 pub const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
@@ -79,6 +97,9 @@ pub struct Compared {
     pub height: u32,
     /// Roughness, and normal deviation.
     pub roughness: f32,
+    /// How much longer the scene passes took than in the first row of this size, as a share, if several rows have it
+    /// ([`drift`]).
+    pub drift: Option<f64>,
     /// Per method: name, published and measured milliseconds, and both over `ssct`'s.
     pub columns: Vec<Column>,
 }
@@ -88,49 +109,71 @@ pub struct Compared {
 pub struct Column {
     /// Method.
     pub method: String,
-    /// Milliseconds in print.
-    pub published_ms: f64,
+    /// Milliseconds in print; null for a size that has no row there.
+    pub published_ms: Option<f64>,
     /// Median milliseconds here.
     pub measured_ms: f64,
-    /// Published, over SSCT's; null for SSCT itself.
+    /// Published, over SSCT's; null for SSCT itself, and for a size that has no row in print.
     pub published_ratio: Option<f64>,
     /// Measured, over SSCT's; null for SSCT itself or where SSCT was not measured.
     pub measured_ratio: Option<f64>,
 }
 
-/// Sets measured records beside the table's rows; sizes and roughness values that are in only one
-/// of them are left out.
+/// The size and the roughness of each row of the table for some records: those of the print first, in its order, and then
+/// sizes that have no row there.
+fn rows_of(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Published>)> {
+    let printed = TABLE_5_8.iter().map(|row| (row.size, row.roughness, Some(row)));
+    let known = sizes();
+    let unprinted = |r: &TimeRecord| {
+        let (size, roughness) = ([r.head.width, r.head.height], r.head.roughness?);
+        (!known.contains(&size) && ROUGHNESS.contains(&roughness)).then_some((size, roughness, None))
+    };
+    printed.chain(distinct(records.iter().filter_map(unprinted))).collect()
+}
+
+impl Column {
+    /// Whether it has ratios: SSCT itself has none.
+    fn is_over_ssct(&self) -> bool {
+        self.method != "ssct"
+    }
+}
+
+/// Sets measured records beside the table's rows. Rows that were not measured are left out, and so are roughness values
+/// that the table does not have. A size that it does not have gets rows without figures in print.
 pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
-    let rows = TABLE_5_8.iter().filter_map(|published| {
-        let here: Vec<_> = records
-            .iter()
-            .filter(|r| {
-                [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness)
-            })
-            .collect();
+    let drifts = drift(records);
+    let rows = rows_of(records).into_iter().filter_map(|(size, roughness, published)| {
+        let is_here = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
+        let here: Vec<_> = records.iter().filter(|r| is_here(r)).collect();
+        let drift = records.iter().zip(&drifts).find(|(r, _)| is_here(r)).and_then(|(_, drift)| *drift);
         let ssct = here.iter().find(|r| r.head.method == "ssct").map(|r| r.total.median_ms);
         let columns: Vec<_> = here
             .iter()
             .filter_map(|r| {
-                let published_ms = published.of(&r.head.method)?;
+                TABLE_5_8[0].of(&r.head.method)?;
+                let published_ms = published.and_then(|row| row.of(&r.head.method));
                 let other = r.head.method != "ssct";
                 Some(Column {
                     method: r.head.method.clone(),
                     published_ms,
                     measured_ms: r.total.median_ms,
-                    published_ratio: other.then_some(published_ms / published.ssct),
+                    published_ratio: published_ms.zip(published).filter(|_| other).map(|(ms, row)| ms / row.ssct),
                     measured_ratio: ssct.filter(|_| other).map(|s| r.total.median_ms / s),
                 })
             })
             .collect();
-        let [width, height] = published.size;
-        (!columns.is_empty()).then_some(Compared { width, height, roughness: published.roughness, columns })
+        let [width, height] = size;
+        (!columns.is_empty()).then_some(Compared { width, height, roughness, drift, columns })
     });
     rows.collect()
 }
 
 /// The title of the table beside our times.
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
+
+/// What the table says.
+pub const ABOUT: &str = "Medians of the effect without the scene passes. Drift is how much longer the passes of the scene, the same \
+    work in each row of a size, took than in the first row: by as much the machine had changed between the two moments.";
 
 /// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
 pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
@@ -140,20 +183,23 @@ pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
         let name = c.method.to_uppercase();
         header.extend([format!("{name} thesis ms"), format!("{name} here ms")]);
     }
-    for c in first.columns.iter().filter(|c| c.published_ratio.is_some()) {
+    for c in first.columns.iter().filter(|c| c.is_over_ssct()) {
         let name = c.method.to_uppercase();
         header.extend([format!("{name}/SSCT thesis"), format!("{name}/SSCT here")]);
     }
+    let has_drift = rows.iter().any(|row| row.drift.is_some());
+    header.extend(has_drift.then(|| "drift".to_owned()));
     let mut cells = vec![header];
-    let ratio = |r: Option<f64>| r.map_or_else(|| "-".into(), |r| format!("{r:.2}"));
+    let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.2}"));
     for row in rows {
         let mut line = vec![format!("{} x {}", row.width, row.height), format!("{:.1}", row.roughness)];
         for c in &row.columns {
-            line.extend([format!("{:.2}", c.published_ms), format!("{:.2}", c.measured_ms)]);
+            line.extend([number(c.published_ms), number(Some(c.measured_ms))]);
         }
-        for c in row.columns.iter().filter(|c| c.published_ratio.is_some()) {
-            line.extend([ratio(c.published_ratio), ratio(c.measured_ratio)]);
+        for c in row.columns.iter().filter(|c| c.is_over_ssct()) {
+            line.extend([number(c.published_ratio), number(c.measured_ratio)]);
         }
+        line.extend(has_drift.then(|| shown_drift(row.drift)));
         cells.push(line);
     }
     cells

@@ -91,8 +91,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
         (aimed(&["--march-stride", "0"]), 2, "it takes numbers above 0 and at most 1"),
         (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
-        (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
-        (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
+        (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "no row for 10x10; its sizes are 640x480 ("),
+        (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "each with rows of roughness 0 and 0.1"),
         (vec!["time", "--scene", "room.obj", "--method", "ssct,magic"], 2, "no method \"magic\""),
         (vec!["study", "--samples", "0", "-o", "out"], 2, "--samples 0"),
     ]

@@ -15,7 +15,8 @@ pub fn table_5_8(times: &Times) -> Markup {
         p {
             "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside this device's, for the effect "
             "without the scene passes. What carries over between machines is the ratio. The normal deviation is the "
-            "roughness, as in the thesis."
+            "roughness, as in the thesis. Drift is how much longer the passes of the scene, the same work in each row of a size, "
+            "took than in the first row: by as much the machine had changed meanwhile."
         }
         (grid(&table::cells(times.table)))
         @if let Some((least, greatest)) = sum_over_frame(times.table_records) {

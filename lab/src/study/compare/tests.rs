@@ -1,6 +1,7 @@
 //! Comparisons of small made-up runs and images.
 
 use super::*;
+use std::sync::Arc;
 
 fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
     let set = [
@@ -54,10 +55,10 @@ fn nothing_within_the_noise_floor_is_faster_or_slower() {
         let records = times(&run("ssct", 1.0), &with_floor(1.2, floors), 0.05);
         ["trace", TOTAL].map(|pass| records.iter().find(|r| r.pass == pass).expect(pass).verdict)
     };
-    let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
+    let (open, slower) = (Some(Verdict::Undecided), Some(Verdict::Slower));
     assert_eq!(verdicts([None, None]), [slower, slower]);
-    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [same, slower]);
-    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, same]);
+    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [open, slower]);
+    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, open]);
 }
 
 #[test]
@@ -147,4 +148,146 @@ fn images_are_held_against_the_first() {
     assert_eq!(images(("a", &flat(0.5)), ("b", &flat(0.5))).map(|c| (c.rmse, c.flip)), Some((0.0, 0.0)));
     let wide = LinearImage { width: 16, height: 4, rgb: vec![[0.0; 3]; 64] };
     assert_eq!(images(("a", &flat(0.5)), ("b", &wide)), None);
+}
+
+/// Samples with one value of their subject changed.
+fn with(mut run: Run, name: &str, value: &str) -> Run {
+    for s in &mut run.samples {
+        Arc::make_mut(&mut s.subject).0.insert(name.into(), value.into());
+    }
+    run
+}
+
+/// A run of two settings in turn, of which the second takes a fifth longer; a load doubles both of each third turn.
+fn two_settings() -> Run {
+    let loaded = |mut run: Run, factor: f64| {
+        for s in &mut run.samples {
+            s.ms *= if s.sample % 3 == 0 { 2.0 * factor } else { factor };
+        }
+        run
+    };
+    let first = loaded(with(run("ssct", 1.0), "iterations", "1024"), 1.0);
+    let second = loaded(with(run("ssct", 1.0), "iterations", "64"), 1.2);
+    Run { samples: [first.samples, second.samples].concat(), ..run("ssct", 1.0) }
+}
+
+fn selection(text: &str) -> Selection {
+    text.parse().expect(text)
+}
+
+#[test]
+fn settings_of_one_run_are_compared_turn_by_turn() {
+    let run = two_settings();
+    let chosen = ["ssct --iterations 1024", "--iterations=64"].map(selection);
+    let records = settings(&run, &run, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert_eq!(records.len(), 4);
+    for r in &records {
+        let [ratio, low, high] = [r.ratio, r.low, r.high].map(|v| v.expect("a ratio"));
+        assert!([ratio, low, high].iter().all(|v| (v - 1.2).abs() < 1e-9), "{r:?}");
+        assert!(r.paired && r.verdict == Some(Verdict::Slower) && r.only_in.is_none());
+        assert_eq!(r.setting_a.as_deref(), Some("ssct iterations 1024"));
+        assert_eq!(r.setting_b.as_deref(), Some("ssct iterations 64"));
+        assert_eq!((r.subject.get("scene"), r.subject.get("iterations")), ("rooms", ""));
+    }
+    // Two runs have no turns in common.
+    let other = run.clone();
+    let apart = settings(&run, &other, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(apart.iter().all(|r| !r.paired && r.high.is_some_and(|high| high > 2.0)), "{apart:?}");
+}
+
+#[test]
+fn a_selection_means_one_setting_or_says_why_not() {
+    // The preset's own value is meant where none is named.
+    let run = two_settings();
+    let [plain, few] = ["ssct", "ssct --iterations 64"].map(selection);
+    let records = settings(&run, &run, [&plain, &few], 0.05).expect("both are there");
+    assert_eq!(records[0].setting_a.as_deref(), Some("ssct iterations 1024"));
+    let said = |a: &str, run: &Run| settings(run, run, [&selection(a), &plain], 0.05).expect_err(a);
+    assert!(said("hzct", &run).contains("--a \"hzct\": ssct has no such setting; its methods are ssct"));
+    assert!(said("ssct --iteration 64", &run).contains("have no iteration"));
+    let odd = |n: &str| with(two_settings(), "cone_samples", n).samples;
+    let several = Run { samples: [odd("3"), odd("5")].concat(), ..two_settings() };
+    let wrong = said("ssct --iterations 64", &several);
+    assert!(wrong.contains("\"ssct --cone-samples 3\" and \"ssct --cone-samples 5\""), "{wrong}");
+    for (text, why) in [("", "neither a method"), ("ssct 64", "no option stands before"), ("ssct -- 3", "no option")] {
+        assert!(text.parse::<Selection>().expect_err(text).contains(why), "{text}");
+    }
+}
+
+#[test]
+fn settings_may_differ_in_their_place_where_it_is_named() {
+    let [smooth, rough] = ["0", "0.1"].map(|r| with(run("ssct", 1.0), "roughness", r).samples);
+    let both = Run { samples: [smooth, rough].concat(), ..run("ssct", 1.0) };
+    let chosen = ["--roughness 0", "--roughness 0.1"].map(selection);
+    let records = settings(&both, &both, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(records.iter().all(|r| !r.paired), "they were not timed in turn");
+    assert_eq!(records[0].setting_b.as_deref(), Some("ssct roughness 0.1"));
+    // Without it, places are compared with themselves alone, each with itself.
+    let any = selection("ssct");
+    assert_eq!(settings(&both, &both, [&any, &any], 0.05).expect("both are there").len(), 8);
+}
+
+#[test]
+fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
+    let levels = |name: &str, trace: f64| {
+        let passes = [("lit", false, 9.0), ("hi-z/1", true, 2.0), ("hi-z/2", true, 1.0), ("copy", true, 4.0)];
+        let frame = |n| {
+            let all = passes.into_iter().chain([("trace", true, trace)]);
+            all.map(|(pass, counted, ms)| row("ssct", n, pass, counted, ms)).collect::<Vec<_>>()
+        };
+        Run { name: name.into(), device: None, samples: (0..6).flat_map(frame).collect() }
+    };
+    let records = times(&levels("a", 2.0), &levels("b", 3.0), 0.05);
+    let group = records.iter().find(|r| r.pass == "hi-z").expect("a group");
+    assert_eq!((group.median_a_ms, group.ratio, &group.part_of), (Some(3.0), Some(1.0), &None));
+    let shown = |all| ordered(&records, all).iter().map(|r| r.pass.as_str()).collect::<Vec<_>>();
+    assert_eq!(shown(false), ["total", "trace", "copy", "hi-z", "lit"]);
+    assert_eq!(shown(true), ["total", "trace", "copy", "hi-z", "hi-z/1", "hi-z/2", "lit"]);
+}
+
+#[test]
+fn an_open_verdict_says_how_many_samples_would_decide() {
+    let mut wide = run("ssct", 1.0);
+    wide.samples.iter_mut().filter(|s| s.pass == "trace").for_each(|s| s.ms *= [0.7, 1.0, 1.3][s.sample as usize % 3]);
+    let records = times(&run("ssct", 1.0), &wide, 0.05);
+    let named = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
+    let trace = named("trace");
+    assert_eq!(trace.verdict, Some(Verdict::Undecided));
+    assert!(trace.samples_to_decide.is_some_and(|n| n > 6), "{trace:?}");
+    assert_eq!((named("composite").verdict, named("composite").samples_to_decide), (Some(Verdict::Same), None));
+    let shown = cells(&records, false);
+    let row = shown.iter().find(|row| row[6] == "trace").expect("a row");
+    let expected = format!("UNDECIDED, n about {}", trace.samples_to_decide.expect("a number"));
+    assert_eq!(row.last(), Some(&expected));
+}
+
+#[test]
+fn a_run_beside_itself_says_so() {
+    let (a, b) = (run("ssct", 1.0), run("ssct", 1.0));
+    let warning = |records: &[TimeComparison]| records[0].warning.clone().unwrap_or_default();
+    assert!(warning(&times(&a, &b, 0.05)).contains("A and B are one run, with the same samples"));
+    assert!(!warning(&times(&a, &run("ssct", 1.5), 0.05)).contains("one run"));
+    let one = selection("ssct");
+    let itself = settings(&a, &a, [&one, &one], 0.05).expect("it is there");
+    assert!(warning(&itself).contains("A and B are one setting of one run"), "{itself:?}");
+    let turns = two_settings();
+    let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
+    let others = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(!warning(&others).contains("one"), "{:?}", others[0].warning);
+}
+
+#[test]
+fn sides_of_different_moments_carry_their_drift() {
+    // The whole machine is a quarter slower in B, scene passes, too.
+    let slow = |mut run: Run| {
+        run.samples.iter_mut().for_each(|s| s.ms *= 1.25);
+        run
+    };
+    let records = times(&run("ssct", 1.0), &slow(run("ssct", 1.0)), 0.05);
+    assert!(records.iter().all(|r| r.drift.is_some_and(|drift| (drift - 0.25).abs() < 1e-9)), "{records:?}");
+    assert!(cells(&records, false)[1].contains(&"+25 %".to_owned()));
+    let turns = two_settings();
+    let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
+    let in_turn = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(in_turn.iter().all(|r| r.drift.is_none()), "what was timed in turn has none");
 }

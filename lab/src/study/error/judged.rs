@@ -1,7 +1,7 @@
 //! The records of a variant: its image and its hits compared with the references of a cell.
 
 use super::truth::{Reference, Truth};
-use super::{Against, ErrorRecord, ErrorSpec, display};
+use super::{Against, ErrorRecord, ErrorSpec, Timed, display};
 use crate::gpu::Gpu;
 use crate::math::OracleVersion;
 use crate::methods::Setup;
@@ -71,14 +71,16 @@ pub(super) struct Record {
 }
 
 impl Record {
-    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
+    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time: Option<&Timed>) -> Self {
         let setup = setup.at(spec.extent);
         let head = Head::new("error", gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
         Self {
             oracle: setup.effect().oracle,
             record: ErrorRecord {
                 head,
-                time_ms,
+                time_ms: time.map(|time| time.median_ms),
+                time_low_ms: time.and_then(|time| time.interval).map(|[low, _]| low),
+                time_high_ms: time.and_then(|time| time.interval).map(|[_, high]| high),
                 against: Against::Screen,
                 hits: HitAgreement::default(),
                 image: ImageError::default(),

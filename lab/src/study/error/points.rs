@@ -1,8 +1,9 @@
 //! What the rows of the error study come to over its cells: a point for each variant, and the parts of the error.
 
 use super::{Against, ErrorRecord, ImageError};
-use crate::metrics::pareto;
+use crate::metrics::pareto::{self, Measured};
 use crate::study::columns::{Column, Columns};
+use crate::study::compare::THRESHOLD;
 use crate::study::exhibit::pivot;
 use crate::study::names::roughness;
 use crate::study::record::Stats;
@@ -27,6 +28,8 @@ pub struct Point {
     pub prepared: Option<(f64, f64)>,
     /// Means over the cells of [`more_columns`].
     pub more: Vec<Option<f64>>,
+    /// By how much the time may be smaller or greater, as a share.
+    pub noise: f64,
     /// Whether no other variant beats it.
     pub on_front: bool,
 }
@@ -55,8 +58,24 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
-/// The values of a variant over the cells: times, errors, places, bytes, milliseconds, and those of [`more_columns`].
-type Found = (String, [Vec<f64>; 5], Vec<Vec<f64>>);
+/// The values of a variant over the cells: times, their noise, errors, places, bytes, milliseconds, and those of
+/// [`more_columns`].
+type Found = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
+
+/// Half the width of the interval of a record's time, as a share of the time.
+fn noise_of(record: &ErrorRecord) -> Option<f64> {
+    let half = (record.time_high_ms? - record.time_low_ms?) / 2.0;
+    Some(half / record.time_ms?).filter(|share| share.is_finite())
+}
+
+/// By how much the median time over some cells may be off, as a share: what strays in each cell by itself strays less over
+/// many. Records that do not say it, of few frames or of an earlier version, are taken to differ by what counts for a verdict.
+fn noise(of_cells: &[f64], cells: usize) -> f64 {
+    if of_cells.len() < cells {
+        return THRESHOLD / 2.0;
+    }
+    Stats::of(of_cells).median_ms / (cells as f64).sqrt()
+}
 
 /// One point a variant against a reference, over some records, in order of time. A variant with an
 /// error that is not finite is left out.
@@ -70,8 +89,9 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
         if known == all.len() {
             all.push((name, Default::default(), vec![Vec::new(); columns.len()]));
         }
-        let [times, errors, places, bytes, prepared_ms] = &mut all[known].1;
+        let [times, noises, errors, places, bytes, prepared_ms] = &mut all[known].1;
         times.push(time);
+        noises.extend(noise_of(r));
         errors.push(error);
         places.extend(r.place_agreement);
         bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
@@ -82,9 +102,10 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
     }
     let mut points: Vec<Point> = all
         .into_iter()
-        .map(|(name, [times, errors, places, bytes, prepared_ms], more)| Point {
+        .map(|(name, [times, noises, errors, places, bytes, prepared_ms], more)| Point {
             name,
             time_ms: Stats::of(&times).median_ms,
+            noise: noise(&noises, times.len()),
             error: mean(&errors).unwrap_or(f64::NAN),
             place_agreement: mean(&places),
             prepared: (!bytes.is_empty()).then(|| (Stats::of(&bytes).median_ms, Stats::of(&prepared_ms).median_ms)),
@@ -93,7 +114,11 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
         })
         .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
         .collect();
-    for index in pareto::front(&points.iter().map(|p| (p.time_ms, p.error)).collect::<Vec<_>>()) {
+    let measured = |p: &Point| {
+        let [least, most] = [1.0 - p.noise, 1.0 + p.noise].map(|factor| p.time_ms * factor);
+        Measured { least, most, error: p.error }
+    };
+    for index in pareto::front_of_measured(&points.iter().map(measured).collect::<Vec<_>>()) {
         points[index].on_front = true;
     }
     points.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));

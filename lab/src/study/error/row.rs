@@ -48,6 +48,12 @@ columns! {
         pub head: Head = part(),
         /// Median of the method's total; null for what is no method.
         pub time_ms: Option<f64> = time(""),
+        /// Lower end of the interval of that median over resamples of the frames; null with fewer than five frames.
+        #[serde(default)]
+        pub time_low_ms: Option<f64> = time(""),
+        /// Upper end of that interval.
+        #[serde(default)]
+        pub time_high_ms: Option<f64> = time(""),
         /// The reference.
         pub against: Against = figure(""),
         /// Hits against the oracle's, or (without distances) against the world's.
@@ -78,8 +84,9 @@ const WORLD_AXIS: &str = "RMSE against the world reference";
 /// The horizontal axis of run time against error.
 const TIME_AXIS: &str = "milliseconds, median";
 
-const ABOUT: &str = "The error is the mean over the cells, the time the median. No other point is better in both than a point \
-    on the front (marked by *, and red in the charts).";
+const ABOUT: &str = "The error is the mean over the cells, the time the median. A point is on the front (marked by *, and red in \
+    the charts) unless another one has no greater error, is not slower, and is better in one of the two. A time is smaller than \
+    another where their intervals lie apart: two copies of a method are both on the front, or neither is.";
 
 const ABOUT_SOURCES: &str = "RMSE of the reflection colour, median over the views. Against the screen reference, the row \
     exact-hits+cone has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it \

@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded};
+use super::{TimeSpec, Timer, drift, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
@@ -8,6 +8,7 @@ use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
+use crate::study::compare::{TOTAL, shown_drift};
 use crate::study::engine::{Bench, Planned, Row, Study, kept};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
@@ -57,11 +58,14 @@ pub struct TimeSettings {
     pub samples: usize,
     /// Whether methods are timed against themselves.
     pub a_a: bool,
+    /// Whether each setting is judged beside the first, with which it was timed in turn.
+    #[serde(default)]
+    pub judges: bool,
 }
 
 impl TimeSettings {
     fn of(list: &CellList) -> Self {
-        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false };
+        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
     }
 }
@@ -235,12 +239,13 @@ impl Row for TimeRow {
 
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let records = methods(rows);
-        let beside = TimeSettings::deserialize(settings).map_or(Beside::Nothing, |settings| settings.beside);
-        let first = match beside {
+        let settings = TimeSettings::deserialize(settings).ok();
+        let first = match settings.map_or(Beside::Nothing, |settings| settings.beside) {
             Beside::Nothing => None,
             Beside::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
-                Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), cells, ..Table::default() })
+                let about = table_5_8::ABOUT.to_owned();
+                Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), about, cells, ..Table::default() })
             }
             Beside::Captions => {
                 let of = |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
@@ -248,7 +253,8 @@ impl Row for TimeRow {
             }
         };
         let every = Table { id: "table", cells: cells(&records), ..Table::default() };
-        first.into_iter().chain([every]).collect()
+        let verdicts = settings.filter(|settings| settings.judges).and_then(|_| verdicts::table(&records));
+        first.into_iter().chain([every]).chain(verdicts).collect()
     }
 
     fn charts(rows: &[Self]) -> Vec<Chart> {
@@ -256,7 +262,11 @@ impl Row for TimeRow {
     }
 
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
-        vec![Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&methods(rows)) }]
+        let records = methods(rows);
+        vec![
+            Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&records) },
+            Sheet { file: MEDIANS.to_owned(), cells: median_cells(&records) },
+        ]
     }
 
     fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
@@ -277,6 +287,11 @@ impl Row for TimeRow {
 
 /// The file of raw samples.
 pub const SAMPLES: &str = "time-samples.csv";
+/// The file of medians, in the groups of the printed table.
+pub const MEDIANS: &str = "pass-medians.csv";
+/// Its columns.
+pub const MEDIAN_COLUMNS: [&str; 9] =
+    ["scene", "view", "width", "height", "roughness", "method", "pass", "counted", "median_ms"];
 /// The columns of a sample that say what it is of, before everything that was set.
 pub const PLACE: [&str; 3] = ["scene", "view", "method"];
 /// The columns of a sample that say what was measured, after everything that was set.
@@ -307,16 +322,38 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     cells
 }
 
+/// Medians in milliseconds: a row for each group of passes of each record, those that do not count among them, and one for
+/// the total. The method is named as the printed table names it.
+fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+    let mut rows = vec![MEDIAN_COLUMNS.map(str::to_owned).to_vec()];
+    for r in records {
+        let Head { scene, view, width, height, .. } = &r.head;
+        let place = [scene.clone(), view.clone(), width.to_string(), height.to_string(), r.head.setting("roughness")];
+        let subject: Vec<String> = place.into_iter().chain([r.head.variant()]).collect();
+        let groups =
+            [false, true].map(|counted| r.grouped(counted).into_iter().map(move |(name, ms)| (name, counted, ms)));
+        let total = (TOTAL.to_owned(), true, r.total.median_ms);
+        let row = |(name, counted, ms): (String, bool, f64)| {
+            [subject.clone(), vec![name, counted.to_string(), format!("{ms:.6}")]].concat()
+        };
+        rows.extend(groups.into_iter().flatten().chain([total]).map(row));
+    }
+    rows
+}
+
 /// Medians of each stage of each record, and the totals.
 fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let stages = distinct(records.iter().flat_map(|r| r.stages()).map(|(name, _)| name));
     let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
     header.extend(stages.iter().cloned());
     header.extend(["total ms", "min", "p95", "n", "frame ms"].map(str::to_owned));
+    let drifts = drift(records);
+    let has_drift = drifts.iter().any(Option::is_some);
+    header.extend(has_drift.then(|| "drift".to_owned()));
     let has_floor = records.iter().any(|r| r.noise_floor.is_some());
     header.extend(has_floor.then(|| "floor".to_owned()));
     let mut rows = vec![header];
-    for r in records {
+    for (r, drift) in records.iter().zip(drifts) {
         let mut row = vec![
             format!("{} {}", r.head.scene, r.head.view),
             format!("{}x{}", r.head.width, r.head.height),
@@ -330,6 +367,7 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         }));
         row.extend([r.total.median_ms, r.total.min_ms, r.total.p95_ms].map(|ms| format!("{ms:.3}")));
         row.extend([r.total.samples.to_string(), format!("{:.3}", r.frame.median_ms)]);
+        row.extend(has_drift.then(|| shown_drift(drift)));
         let floor = r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0));
         row.extend(has_floor.then_some(floor));
         rows.push(row);

@@ -33,9 +33,9 @@ pub struct Ratio {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
-    /// The whole interval lies below 1 − threshold.
+    /// The whole interval lies below 1 − bound.
     Faster,
-    /// The whole interval lies above 1 + threshold.
+    /// The whole interval lies above 1 + bound.
     Slower,
     /// The whole interval lies within 1 ± threshold.
     Same,
@@ -47,13 +47,14 @@ impl Verdict {
     /// All verdicts, in the order in which a summary lists them.
     pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
 
-    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %).
-    pub fn of(ratio: &Ratio, threshold: f64) -> Self {
-        let (least, most) = (1.0 - threshold, 1.0 + threshold);
+    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. Nothing
+    /// within the greater of the two is faster or slower; a floor makes nothing the same.
+    pub fn of(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
+        let bound = threshold.max(floor);
         match (ratio.low, ratio.high) {
-            (_, high) if high < least => Self::Faster,
-            (low, _) if low > most => Self::Slower,
-            (low, high) if low >= least && high <= most => Self::Same,
+            (_, high) if high < 1.0 - bound => Self::Faster,
+            (low, _) if low > 1.0 + bound => Self::Slower,
+            (low, high) if low >= 1.0 - threshold && high <= 1.0 + threshold => Self::Same,
             _ => Self::Undecided,
         }
     }
@@ -69,16 +70,66 @@ impl Verdict {
     }
 }
 
+/// More samples than these are not foretold: the ratio lies too near to the bound.
+pub const MOST_FORETOLD: u64 = 10_000;
+
+/// About how many samples would decide what `n` left undecided, if the ratio stays where it is: the interval and the noise
+/// floor narrow by the root of the number of samples. At least [`MIN_SAMPLES`] and more than `n`; `None` above
+/// [`MOST_FORETOLD`].
+pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) -> Option<u64> {
+    if n < MIN_SAMPLES {
+        return Some(MIN_SAMPLES as u64);
+    }
+    let Ratio { ratio, low, high } = *ratio;
+    let change = (ratio - 1.0).abs();
+    // The end of the interval that is nearer to 1, and how far it may be from the ratio.
+    let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
+    let narrowed = if change > threshold {
+        ((change - threshold) / toward_one).min(change / (toward_one + floor))
+    } else {
+        ((1.0 + threshold - ratio) / (high - ratio)).min((ratio - 1.0 + threshold) / (ratio - low))
+    };
+    let needed = n as f64 / (narrowed * narrowed);
+    let is_foretold = needed.is_finite() && needed <= MOST_FORETOLD as f64;
+    is_foretold.then(|| (needed.ceil() as u64).max(n as u64 + 1))
+}
+
+/// The interval of the median of some samples over [`RESAMPLES`] resamples; `None` with fewer than [`MIN_SAMPLES`].
+pub fn interval_of_median(samples: &[f64], seed: u64) -> Option<[f64; 2]> {
+    if samples.len() < MIN_SAMPLES {
+        return None;
+    }
+    interval([samples], seed, |[samples]| median(samples))
+}
+
 /// The ratio of B's median to A's, with its interval over [`RESAMPLES`] resamples. Both sides are drawn
 /// independently and with replacement. Samples must be finite and ≥ 0. `None` if a side has no samples.
 pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     let ratio = quotient(median(&mut a.to_vec())?, median(&mut b.to_vec())?);
-    let mut drawn = [Vec::with_capacity(a.len()), Vec::with_capacity(b.len())];
-    let mut ratios = Vec::with_capacity(RESAMPLES as usize);
+    let [low, high] = interval([a, b], seed, |[a, b]| Some(quotient(median(a)?, median(b)?)))?;
+    Some(Ratio { ratio, low, high })
+}
+
+/// The median of the ratios b / a of some pairs that were timed in turn, with its interval over [`RESAMPLES`] resamples of
+/// the pairs: what slows both of a pair leaves it as it is. Times must be finite and ≥ 0. `None` of no pairs.
+pub fn median_of_ratios(pairs: &[[f64; 2]], seed: u64) -> Option<Ratio> {
+    let ratios: Vec<f64> = pairs.iter().map(|[a, b]| quotient(*a, *b)).collect();
+    let [low, high] = interval([&ratios], seed, |[ratios]| median(ratios))?;
+    Some(Ratio { ratio: median(&mut ratios.clone())?, low, high })
+}
+
+/// The interval of a statistic over resamples of some series, which are drawn one after the other with replacement.
+fn interval<const N: usize>(
+    series: [&[f64]; N],
+    seed: u64,
+    statistic: impl Fn(&mut [Vec<f64>; N]) -> Option<f64>,
+) -> Option<[f64; 2]> {
+    let mut drawn = series.map(|samples| Vec::with_capacity(samples.len()));
+    let mut found = Vec::with_capacity(RESAMPLES as usize);
     for resample in 0..RESAMPLES {
         let stream = Stream::new(seed, resample.into());
         let mut position = 0;
-        for (drawn, samples) in drawn.iter_mut().zip([a, b]) {
+        for (drawn, samples) in drawn.iter_mut().zip(series) {
             drawn.clear();
             for _ in samples {
                 let n = (stream.uniform(position) * samples.len() as f64) as usize;
@@ -86,12 +137,11 @@ pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
                 position += 1;
             }
         }
-        let [a, b] = &mut drawn;
-        ratios.push(quotient(median(a)?, median(b)?));
+        found.push(statistic(&mut drawn)?);
     }
-    ratios.sort_by(f64::total_cmp);
+    found.sort_by(f64::total_cmp);
     let tail = (1.0 - CONFIDENCE) / 2.0;
-    Some(Ratio { ratio, low: percentile(&ratios, tail)?, high: percentile(&ratios, 1.0 - tail)? })
+    Some([percentile(&found, tail)?, percentile(&found, 1.0 - tail)?])
 }
 
 /// How far a time strays from itself: what two interleaved series of one thing measure is the same, so that whatever their
@@ -132,7 +182,7 @@ mod tests {
     }
 
     fn verdict(a: &[f64], b: &[f64]) -> Verdict {
-        Verdict::of(&ratio_of_medians(a, b, 1).expect("samples"), 0.05)
+        Verdict::of(&ratio_of_medians(a, b, 1).expect("samples"), 0.05, 0.0)
     }
 
     #[test]
@@ -141,7 +191,7 @@ mod tests {
         assert_eq!(ratio(3.0), Ratio { ratio: 1.0, low: 1.0, high: 1.0 });
         assert_eq!(ratio(6.0), Ratio { ratio: 2.0, low: 2.0, high: 2.0 });
         assert_eq!(ratio(1.5), Ratio { ratio: 0.5, low: 0.5, high: 0.5 });
-        let verdicts = [3.0, 6.0, 1.5].map(|b| Verdict::of(&ratio(b), 0.05));
+        let verdicts = [3.0, 6.0, 1.5].map(|b| Verdict::of(&ratio(b), 0.05, 0.0));
         assert_eq!(verdicts, [Verdict::Same, Verdict::Slower, Verdict::Faster]);
     }
 
@@ -189,8 +239,21 @@ mod tests {
     fn zero_medians_and_empty_sides_are_defined() {
         assert_eq!(ratio_of_medians(&[0.0; 5], &[0.0; 5], 1), Some(Ratio { ratio: 1.0, low: 1.0, high: 1.0 }));
         let r = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
-        assert_eq!((r.low, Verdict::of(&r, 0.05)), (f64::INFINITY, Verdict::Slower));
+        assert_eq!((r.low, Verdict::of(&r, 0.05, 0.0)), (f64::INFINITY, Verdict::Slower));
         assert_eq!((ratio_of_medians(&[], &[1.0], 1), ratio_of_medians(&[1.0], &[], 1)), (None, None));
+    }
+
+    #[test]
+    fn what_slows_both_of_a_pair_does_not_widen_the_interval() {
+        // The load doubles each time now and then; the second takes a fifth more at any time.
+        let load = |n: u32| if n.is_multiple_of(3) { 2.0 } else { 1.0 };
+        let pairs: Vec<[f64; 2]> = (0..12).map(|n| [load(n), 1.2 * load(n)]).collect();
+        let r = median_of_ratios(&pairs, 1).expect("pairs");
+        assert!([r.ratio, r.low, r.high].iter().all(|v| (v - 1.2).abs() < 1e-12), "{r:?}");
+        let [a, b] = [0, 1].map(|side| pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>());
+        let apart = ratio_of_medians(&a, &b, 1).expect("samples");
+        assert!(apart.high > 2.0, "{apart:?}");
+        assert_eq!(median_of_ratios(&[], 1), None);
     }
 
     #[test]
@@ -202,10 +265,50 @@ mod tests {
 
     #[test]
     fn verdicts_turn_at_the_threshold() {
-        let of = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25);
+        let of = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25, 0.0);
         assert_eq!(of(0.75, 1.25), Verdict::Same);
         assert_eq!([of(0.7, 0.75), of(0.7, 0.74)], [Verdict::Undecided, Verdict::Faster]);
         assert_eq!([of(1.25, 1.3), of(1.26, 1.3)], [Verdict::Undecided, Verdict::Slower]);
         assert_eq!(of(0.5, 1.5), Verdict::Undecided);
+    }
+
+    #[test]
+    fn a_noise_floor_makes_nothing_the_same() {
+        let of = |low, high, floor| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.05, floor);
+        assert_eq!(of(0.702, 1.082, 0.34), Verdict::Undecided);
+        assert_eq!([of(0.96, 1.04, 0.34), of(0.96, 1.04, 0.0)], [Verdict::Same; 2]);
+        assert_eq!([of(1.2, 1.3, 0.34), of(1.2, 1.3, 0.1)], [Verdict::Undecided, Verdict::Slower]);
+        assert_eq!([of(0.5, 0.6, 0.34), of(0.7, 0.8, 0.34)], [Verdict::Faster, Verdict::Undecided]);
+    }
+
+    #[test]
+    fn as_many_samples_decide_as_are_foretold() {
+        let foretold = |ratio, low, high, floor| samples_to_decide(&Ratio { ratio, low, high }, 10, 0.05, floor);
+        // The lower end is four times as far from the ratio as it may be: sixteen times as many samples.
+        // The last digit of a root may round the number up.
+        let is_about = |found: Option<u64>, n: u64| assert!(found == Some(n) || found == Some(n + 1), "{found:?}, {n}");
+        is_about(foretold(1.1, 0.9, 1.3, 0.0), 160);
+        is_about(foretold(0.9, 0.7, 1.1, 0.0), 160);
+        // Within the bound, the end of the interval that needs more samples counts.
+        is_about(foretold(1.0, 0.9, 1.1, 0.0), 40);
+        is_about(foretold(1.025, 0.925, 1.125, 0.0), 160);
+        // An interval without a width is undecided by its floor alone, which narrows, too.
+        is_about(foretold(1.1, 1.1, 1.1, 0.2), 40);
+        assert_eq!([foretold(1.0501, 0.9, 1.2, 0.0), foretold(f64::INFINITY, 1.0, f64::INFINITY, 0.0)], [None; 2]);
+        assert_eq!(samples_to_decide(&Ratio { ratio: 1.0, low: 0.9, high: 1.1 }, 4, 0.05, 0.0), Some(5));
+        // What is foretold decides, where the noise is what it was.
+        let ratio = |n| ratio_of_medians(&noise(10.0, 8.0, n, 1), &noise(13.0, 8.0, n, 2), 1).expect("samples");
+        let few = ratio(10);
+        assert_eq!(Verdict::of(&few, 0.05, 0.0), Verdict::Undecided);
+        let n = samples_to_decide(&few, 10, 0.05, 0.0).expect("not too many");
+        assert_eq!(Verdict::of(&ratio(2 * n), 0.05, 0.0), Verdict::Slower, "{few:?}: {n}");
+    }
+
+    #[test]
+    fn the_interval_of_a_median_holds_it_and_needs_samples() {
+        let samples = noise(10.0, 4.0, 30, 5);
+        let [low, high] = interval_of_median(&samples, 1).expect("enough");
+        assert!(8.0 < low && low < median_of(samples.clone()) && median_of(samples) < high && high < 12.0);
+        assert_eq!(interval_of_median(&[1.0; 4], 1), None);
     }
 }

@@ -6,6 +6,7 @@
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
 mod blocks;
+mod color_seen;
 mod follow;
 mod gather;
 mod gloss;
@@ -16,7 +17,8 @@ mod surface;
 
 pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
-pub use gloss::{ColorSeen, Footprint, Gloss};
+pub use color_seen::{ColorSeen, Footprint};
+pub use gloss::Gloss;
 pub use gloss_trace::{Aim, Gathered, octahedral};
 pub use lobe::Lobe;
 

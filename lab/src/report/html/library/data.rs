@@ -4,8 +4,7 @@
 use super::LibraryPage;
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES};
-use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
-use crate::study::compare::{Run, SEED, Subject, TimeSample};
+use crate::study::compare::{Run, SEED, SUBJECT_COLUMNS, Subject, TimeSample, subject_labels};
 use crate::study::library::Measurement;
 use crate::study::library::trends::devices;
 use serde_json::{Value as Json, json};

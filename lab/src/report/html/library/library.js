@@ -52,9 +52,10 @@ function ratioOfMedians(a, b) {
   return { ratio, low: percentile(ratios, tail), high: percentile(ratios, 1 - tail) };
 }
 
-function verdict({ low, high }, threshold) {
-  if (high < 1 - threshold) return "FASTER";
-  if (low > 1 + threshold) return "SLOWER";
+function verdict({ low, high }, threshold, floor) {
+  const bound = Math.max(threshold, floor);
+  if (high < 1 - bound) return "FASTER";
+  if (low > 1 + bound) return "SLOWER";
   return low >= 1 - threshold && high <= 1 + threshold ? "SAME" : "UNDECIDED";
 }
 
@@ -86,11 +87,11 @@ function times(a, b) {
     const two = ofB.get(key);
     if (!two) continue;
     const found = ratioOfMedians(one.ms, two.ms);
-    const threshold = Math.max(library.threshold, one.floor ?? 0, two.floor ?? 0);
+    const floor = Math.max(one.floor ?? 0, two.floor ?? 0);
     const enough = Math.min(one.ms.length, two.ms.length) >= library.minSamples;
     const figures = [median([...one.ms]), median([...two.ms]), found.ratio, found.low, found.high];
     rows.push([...one.labels.map(name), ...figures.map((v) => v.toFixed(3)),
-      `${one.ms.length}/${two.ms.length}`, enough ? verdict(found, threshold) : "UNDECIDED"]);
+      `${one.ms.length}/${two.ms.length}`, enough ? verdict(found, library.threshold, floor) : "UNDECIDED"]);
   }
   return rows;
 }

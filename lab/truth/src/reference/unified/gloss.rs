@@ -1,6 +1,7 @@
 //! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
 //! pixels and cells are narrow, wide, or drawn at all.
 
+use super::color_seen::{ColorSeen, Footprint};
 use super::gloss_trace::cell_pixel;
 use super::{Hit, Traversal};
 use crate::math::constants;
@@ -124,7 +125,7 @@ impl<'a> Gloss<'a> {
         let level = level.clamp(0.0, (self.chain.len() - 1) as f32);
         let (low, share) = (level as usize, level.fract());
         let high = (low + 1).min(self.chain.len() - 1);
-        [(bilinear(&self.chain[low], uv), 1.0 - share), (bilinear(&self.chain[high], uv), share)]
+        [(Footprint::at(&self.chain[low], uv), 1.0 - share), (Footprint::at(&self.chain[high], uv), share)]
     }
 
     /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level. The
@@ -162,41 +163,4 @@ impl<'a> Gloss<'a> {
             _ => ColorSeen::Between(self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)),
         }
     }
-}
-
-/// The colour that a glossy ray sees at its hit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ColorSeen {
-    /// Two levels of the chain, with their weights, which a device's filter mixes.
-    Over([(Footprint, f32); 2]),
-    /// A mean of those texels that the ray can have seen.
-    Between(Vec3),
-}
-
-impl ColorSeen {
-    /// The colour, linear.
-    pub fn color(&self) -> Vec3 {
-        match self {
-            Self::Over([(low, _), (high, share)]) => low.mean + (high.mean - low.mean) * *share,
-            Self::Between(color) => *color,
-        }
-    }
-}
-
-/// Four texels that a bilinear lookup mixes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Footprint {
-    /// Their weighted mean.
-    pub mean: Vec3,
-    /// The least and the greatest of them, channel by channel.
-    pub range: [Vec3; 2],
-}
-
-fn bilinear(image: &Level<Vec3>, uv: Vec2) -> Footprint {
-    let side = Vec2::new(image.width as f32, image.height as f32);
-    let place = (uv * side - 0.5).clamp(Vec2::ZERO, side - 1.0);
-    let (first, part) = (place.as_uvec2(), place.fract());
-    let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| image.at_clamped(first.x + x, first.y + y));
-    let (upper, lower) = (a + (b - a) * part.x, c + (d - c) * part.x);
-    Footprint { mean: upper + (lower - upper) * part.y, range: [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))] }
 }

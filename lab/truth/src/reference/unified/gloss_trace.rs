@@ -1,7 +1,7 @@
 //! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
 //! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
 
-use super::gloss::ColorSeen;
+use super::color_seen::ColorSeen;
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
 use super::{Code, Gloss, Hit};
 use crate::math::constants;

@@ -1,0 +1,73 @@
+//! Two images beside each other (docs/definitions.md, "Image error").
+
+use super::CompareHead;
+use crate::metrics::flip::FlipMap;
+use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
+use crate::study::error::display;
+use serde::Serialize;
+
+/// A linear image, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearImage {
+    /// Width in pixels, ≥ 1.
+    pub width: u32,
+    /// Height in pixels, ≥ 1.
+    pub height: u32,
+    /// `width · height` colours: red, green, blue.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+/// How far two images are apart. A figure is null in JSON where an image holds what is no number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImageComparison {
+    /// "compare-images"; the images' names.
+    #[serde(flatten)]
+    pub head: CompareHead,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Root mean square error of the linear values.
+    pub rmse: f64,
+    /// Mean square error over the reference's mean square; null if the reference is black.
+    pub rel_mse: Option<f64>,
+    /// Mean FLIP of the display images, 0…1.
+    pub flip: f64,
+    /// The greatest RMSE of a pixel, of those that are numbers.
+    pub greatest: f32,
+    /// Column and row of that pixel, from the top left.
+    pub greatest_at: [u32; 2],
+    /// RMSE of each pixel.
+    #[serde(skip)]
+    pub rmse_map: Vec<f32>,
+    /// FLIP of each pixel as a picture: 3 bytes a pixel.
+    #[serde(skip)]
+    pub flip_picture: Vec<u8>,
+}
+
+/// Compares an image with a reference; `None` if their sizes differ.
+pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Option<ImageComparison> {
+    let ((a_name, a), (b_name, b)) = (reference, test);
+    let (width, height) = (a.width, a.height);
+    if (width, height) != (b.width, b.height) {
+        return None;
+    }
+    let all = vec![true; a.rgb.len()];
+    let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
+    let rmse_map = error_map(&a.rgb, &b.rgb, &all);
+    let greater =
+        |(n, most): (usize, f32), (i, error): (usize, &f32)| if *error > most { (i, *error) } else { (n, most) };
+    let (worst, greatest) = rmse_map.iter().enumerate().fold((0, 0.0), greater);
+    Some(ImageComparison {
+        head: CompareHead::new("compare-images", a_name, b_name),
+        width,
+        height,
+        rmse: masked_rmse(&a.rgb, &b.rgb, &all),
+        rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &all),
+        flip: flip.mean(),
+        greatest,
+        greatest_at: [worst as u32 % width, worst as u32 / width],
+        rmse_map,
+        flip_picture: flip.picture(),
+    })
+}

@@ -1,0 +1,112 @@
+//! Comparisons of times as rows of a table: what matters first.
+
+use super::{Subject, TOTAL, TimeComparison};
+use crate::methods::{self, MethodInfo};
+use crate::metrics::bootstrap::{MOST_FORETOLD, Verdict};
+use crate::parameter::{Choices, Preset};
+use crate::study::record::differing;
+
+/// The names of the columns of [`subject_labels`].
+pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];
+
+/// What was timed, in a few words a column.
+pub fn subject_labels(s: &Subject) -> [String; 6] {
+    let own = |name: &str| match s.get(name) {
+        "" => "own".to_owned(),
+        value => value.to_owned(),
+    };
+    let place = format!("{} {}", s.get("scene"), s.get("view"));
+    let size = format!("{}x{}", s.get("width"), s.get("height"));
+    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned()]
+}
+
+/// A method with the parameters that are not those of its preset.
+fn method(s: &Subject) -> String {
+    let name = s.get("method");
+    let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
+    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::reads);
+    let values: Vec<_> = rows.iter().filter_map(|row| differing(row, preset, s.get(row.name))).collect();
+    if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
+}
+
+impl TimeComparison {
+    /// What is compared, and the pass: of two settings, their common place and what each is set to.
+    pub fn labels(&self) -> [String; 7] {
+        let [place, size, roughness, normals, method, preset] = subject_labels(&self.subject);
+        let [first, second] = match (&self.setting_a, &self.setting_b) {
+            (Some(a), Some(b)) => [a.clone(), b.clone()],
+            _ => [method, preset],
+        };
+        [place, size, roughness, normals, first, second, self.pass.clone()]
+    }
+
+    /// The verdict; of an open one, with about how many samples would decide.
+    fn shown_verdict(&self) -> String {
+        match (self.verdict, self.samples_to_decide) {
+            (Some(Verdict::Undecided), Some(n)) => format!("UNDECIDED, n about {n}"),
+            (Some(Verdict::Undecided), None) => format!("UNDECIDED, n above {MOST_FORETOLD}"),
+            (verdict, _) => verdict.map_or("-", Verdict::name).to_owned(),
+        }
+    }
+
+    /// Its place in a table: the total, then the passes that became faster or slower, by how much time that is, then the
+    /// other counted ones by their time, and last what does not count.
+    fn rank(&self) -> (u8, f64) {
+        let (a, b) = (self.median_a_ms.unwrap_or(0.0), self.median_b_ms.unwrap_or(0.0));
+        let is_decided = matches!(self.verdict, Some(Verdict::Faster | Verdict::Slower));
+        match (self.pass == TOTAL, self.counted, is_decided) {
+            (true, ..) => (0, 0.0),
+            (_, true, true) => (1, -(b - a).abs()),
+            (_, true, false) => (2, -a.max(b)),
+            (_, false, _) => (3, -a.max(b)),
+        }
+    }
+}
+
+/// How much longer the scene passes took at one moment than at another, as tables show it.
+pub fn shown_drift(drift: Option<f64>) -> String {
+    drift.map_or_else(|| "-".to_owned(), |drift| format!("{:+.0} %", 100.0 * drift))
+}
+
+/// The records that both sides have, in the order of a table: those of one subject together, what matters first. With
+/// `all`, each group is followed by its parts; else these are left out.
+pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
+    let is_one = |a: &&TimeComparison, b: &&TimeComparison| {
+        a.subject == b.subject && a.setting_a == b.setting_a && a.setting_b == b.setting_b
+    };
+    let both: Vec<&TimeComparison> = records.iter().filter(|r| r.only_in.is_none()).collect();
+    let mut rows = Vec::new();
+    for of_one in both.chunk_by(is_one) {
+        let mut first: Vec<_> = of_one.iter().filter(|r| r.part_of.is_none()).collect();
+        first.sort_by(|x, y| x.rank().0.cmp(&y.rank().0).then(x.rank().1.total_cmp(&y.rank().1)));
+        for row in first {
+            rows.push(*row);
+            let is_part = |r: &&&TimeComparison| r.part_of.as_ref() == Some(&row.pass) && r.counted == row.counted;
+            rows.extend(of_one.iter().filter(|_| all).filter(is_part));
+        }
+    }
+    rows
+}
+
+/// A header, and a row for each of [`ordered`].
+pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
+    let has_drift = records.iter().any(|r| r.drift.is_some());
+    let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor"];
+    let figures = figures.into_iter().chain(has_drift.then_some("drift")).chain(["n", "verdict"]).collect::<Vec<_>>();
+    let mut subject = SUBJECT_COLUMNS;
+    if records.iter().any(|r| r.setting_a.is_some()) {
+        [subject[4], subject[5]] = ["A", "B"];
+    }
+    let mut rows = vec![[&subject[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
+    for r in ordered(records, all) {
+        let mut row = r.labels().to_vec();
+        row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
+        row.push(r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0)));
+        row.extend(has_drift.then(|| shown_drift(r.drift)));
+        row.push(format!("{}/{}", r.samples_a, r.samples_b));
+        row.push(r.shown_verdict());
+        rows.push(row);
+    }
+    rows
+}

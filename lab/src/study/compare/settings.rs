@@ -1,0 +1,180 @@
+//! Two settings beside each other: of one run, in which they were timed in turn, or of two.
+
+use super::samples::{Group, groups};
+use super::subject::{NOT_SET, PLACE, Subject};
+use super::{Comparison, Run, SAME_SAMPLES, TimeComparison, TimeSample};
+use crate::methods::{self, MethodInfo};
+use crate::parameter::{Choices, Preset};
+use crate::study::record::differing;
+use std::collections::BTreeSet;
+use std::str::FromStr;
+
+/// Which of a run's settings is meant, by a method and by options as they are typed: `ssct --iterations 64`. What is not
+/// named may be anything, as long as one setting of each place fits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Selection {
+    text: String,
+    /// Names of columns of the samples, and their values.
+    values: Vec<(String, String)>,
+}
+
+impl FromStr for Selection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut values: Vec<(String, String)> = Vec::new();
+        let mut words = text.split_whitespace().peekable();
+        if let Some(method) = words.next_if(|word| !word.starts_with("--")) {
+            values.push(("method".into(), method.into()));
+        }
+        while let Some(word) = words.next() {
+            let option = word.strip_prefix("--").filter(|name| !name.is_empty());
+            let option = option.ok_or_else(|| format!("no option stands before {word:?}"))?;
+            let (name, value) = match option.split_once('=') {
+                Some((name, value)) => (name, value),
+                None => (option, words.next_if(|next| !next.starts_with("--")).unwrap_or("on")),
+            };
+            match (name, value.split_once('x')) {
+                ("size", Some((width, height))) => {
+                    values.extend([("width".into(), width.into()), ("height".into(), height.into())]);
+                }
+                _ => values.push((name.replace('-', "_"), value.to_owned())),
+            }
+        }
+        if values.is_empty() {
+            return Err("it names neither a method nor an option".into());
+        }
+        Ok(Self { text: text.to_owned(), values })
+    }
+}
+
+/// Whether a recorded value is the one that was typed.
+fn is_value(recorded: &str, typed: &str) -> bool {
+    let numbers = recorded.parse::<f64>().ok().zip(typed.parse::<f64>().ok());
+    match (recorded, typed) {
+        ("", NOT_SET) | ("true", "on") | ("false", "off") => true,
+        _ => recorded == typed || numbers.is_some_and(|(a, b)| a == b),
+    }
+}
+
+impl Selection {
+    fn names(&self, name: &str) -> bool {
+        self.values.iter().any(|(known, _)| known == name)
+    }
+
+    fn fits(&self, subject: &Subject) -> bool {
+        self.values.iter().all(|(name, typed)| is_value(subject.get(name), typed))
+    }
+
+    /// How many parameters of a subject that the selection does not name have other values than their preset.
+    fn unnamed(&self, subject: &Subject) -> usize {
+        let preset = Preset::of_name(subject.get("preset")).unwrap_or_default();
+        let rows = methods::find(subject.get("method")).map_or_else(|_| Vec::new(), MethodInfo::reads);
+        let other = rows.iter().filter(|row| differing(row, preset, subject.get(row.name)).is_some());
+        let is_author = !self.names("preset") && preset != Preset::default();
+        other.filter(|row| !self.names(row.name)).count() + usize::from(is_author)
+    }
+
+    /// The groups of a run that fit.
+    ///
+    /// # Errors
+    /// A sentence if there is none, and on an option that no sample of the run has.
+    fn groups_in<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
+        let known: BTreeSet<&str> = all.iter().flat_map(|(s, _)| s.0.keys()).map(String::as_str).collect();
+        if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
+            return Err(format!("{:?}: the samples of {} have no {}", self.text, run.name, name.replace('_', "-")));
+        }
+        let found: Vec<&Group> = all.iter().filter(|(subject, _)| self.fits(subject)).collect();
+        if found.is_empty() {
+            let methods: BTreeSet<&str> = all.iter().map(|(s, _)| s.get("method")).collect();
+            let methods: Vec<&str> = methods.into_iter().collect();
+            let has = methods.join(", ");
+            return Err(format!("{:?}: {} has no such setting; its methods are {has}", self.text, run.name));
+        }
+        Ok(found)
+    }
+
+    /// The one of some groups of one place that is meant: the only one, or the only one in which everything that is not
+    /// named is as its preset has it.
+    ///
+    /// # Errors
+    /// A sentence with two of them if several are meant.
+    fn one<'g>(&self, fitting: &[&'g Group]) -> Result<&'g Group, String> {
+        let least = fitting.iter().map(|(subject, _)| self.unnamed(subject)).min();
+        let meant: Vec<&Group> =
+            fitting.iter().copied().filter(|(subject, _)| Some(self.unnamed(subject)) == least).collect();
+        match meant[..] {
+            [one] => Ok(one),
+            [(first, _), (second, _), ..] => Err(format!(
+                "{:?} means several settings, such as \"{}\" and \"{}\"",
+                self.text,
+                first.told_from(second, "--"),
+                second.told_from(first, "--")
+            )),
+            [] => Err(format!("{:?} means no setting", self.text)),
+        }
+    }
+}
+
+/// A place of a measurement, without the values that a selection names.
+fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
+    let is_free = |name: &&str| !chosen.iter().any(|selection| selection.names(name));
+    PLACE.into_iter().filter(is_free).map(|name| subject.get(name).to_owned()).collect()
+}
+
+/// Compares a setting of A with one of B at every place where both were timed. Where A and B are one run, and the settings
+/// are of one place, their frames are compared turn by turn. Threshold: 0 ≤ t < 1.
+///
+/// # Errors
+/// A sentence on a selection that fits no setting or several, and if no place has both.
+pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
+    let comparison = Comparison::new(a, b, threshold);
+    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let named = |side: &str, e: String| format!("--{side} {e}");
+    let of_a = chosen[0].groups_in(a, &groups_a).map_err(|e| named("a", e))?;
+    let of_b = chosen[1].groups_in(b, &groups_b).map_err(|e| named("b", e))?;
+    let mut records = Vec::new();
+    let mut places: Vec<Vec<String>> = of_a.iter().map(|(subject, _)| place(subject, chosen)).collect();
+    places.dedup();
+    for here in places {
+        let is_here = |group: &&&Group| place(&group.0, chosen) == here;
+        let [fit_a, fit_b] = [&of_a, &of_b].map(|all| all.iter().filter(is_here).copied().collect::<Vec<_>>());
+        if fit_b.is_empty() {
+            continue;
+        }
+        let one_a = chosen[0].one(&fit_a).map_err(|e| named("a", e))?;
+        let one_b = chosen[1].one(&fit_b).map_err(|e| named("b", e))?;
+        let in_turn = std::ptr::eq(a, b) && one_a.0.place() == one_b.0.place();
+        records.extend(pair(&comparison, [one_a, one_b], in_turn));
+    }
+    if records.is_empty() {
+        return Err(format!("{:?} and {:?} were timed at no common place", chosen[0].text, chosen[1].text));
+    }
+    Ok(records)
+}
+
+/// The records of two settings, which say in what these differ.
+fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
+    let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
+    let [setting_a, setting_b] = [a.0.told_from(&b.0, ""), b.0.told_from(&a.0, "")];
+    let same = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
+    let warnings = same.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
+    let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
+    let with = |record| TimeComparison {
+        warning: warning.clone(),
+        setting_a: Some(setting_a.clone()),
+        setting_b: Some(setting_b.clone()),
+        ..record
+    };
+    records.map(with).collect()
+}
+
+/// Compares settings of one run that were timed in turn, each with the first, turn by turn; each is the samples of one
+/// subject. Threshold: 0 ≤ t < 1.
+pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
+    let all: Vec<Vec<Group>> = series.iter().map(|samples| groups(samples)).collect();
+    let comparison = Comparison::new(run, run, threshold);
+    let Some(first) = all.first().and_then(|groups| groups.first()) else { return Vec::new() };
+    let others = all.iter().skip(1).filter_map(|groups| groups.first());
+    others.flat_map(|other| pair(&comparison, [first, other], true)).collect()
+}

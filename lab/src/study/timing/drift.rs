@@ -1,0 +1,36 @@
+//! What changed on the machine between rows that were timed at different moments, by work that is the same in both
+//! (docs/definitions.md, "Drift").
+
+use crate::study::record::TimeRecord;
+
+/// How much longer the scene passes of each record took than those of the first moment at the same view and size, as a share.
+/// Methods that were timed in turn have one value. `None` where there is but one moment, and for records without scene passes.
+pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
+    let since_first = |record: &TimeRecord| {
+        let same_work: Vec<&TimeRecord> = records.iter().filter(|r| work(r) == work(record)).collect();
+        let first = *same_work.first()?;
+        let is_one_moment = same_work.iter().all(|r| moment(r) == moment(first));
+        let here = mean_of_scene_passes(same_work.iter().copied().filter(|r| moment(r) == moment(record)))?;
+        let there = mean_of_scene_passes(same_work.iter().copied().filter(|r| moment(r) == moment(first)))?;
+        (!is_one_moment).then_some(here / there - 1.0).filter(|drift| drift.is_finite())
+    };
+    records.iter().map(since_first).collect()
+}
+
+/// What decides how much work the scene passes are.
+fn work(record: &TimeRecord) -> (&str, &str, u32, u32) {
+    let head = &record.head;
+    (&head.scene, &head.view, head.width, head.height)
+}
+
+/// What tells the moments of one view and size from each other: the factors, with which all methods were timed in turn.
+fn moment(record: &TimeRecord) -> [String; 3] {
+    ["roughness", "normal_deviation", "reflectivity"].map(|name| record.head.setting(name))
+}
+
+/// Milliseconds of the passes that do not count, a mean over records; `None` if there are none.
+fn mean_of_scene_passes<'r>(records: impl Iterator<Item = &'r TimeRecord>) -> Option<f64> {
+    let scene = |r: &TimeRecord| r.passes.iter().filter(|p| !p.counted).map(|p| p.stats.median_ms).sum::<f64>();
+    let all: Vec<f64> = records.map(scene).filter(|ms| *ms > 0.0).collect();
+    (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+}

@@ -1,0 +1,58 @@
+//! Verdicts on settings that were timed in turn: each beside the first of its place (docs/definitions.md, "Verdicts").
+
+use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
+use crate::study::exhibit::Table;
+use crate::study::record::{Head, PassRecord, TimeRecord};
+use std::sync::Arc;
+
+/// The samples of a record, as its file has them.
+fn samples(record: &TimeRecord) -> Vec<TimeSample> {
+    let subject = Arc::new(subject(&record.head));
+    // The file has six digits; what is read from it gets the same verdict.
+    let written = |ms: f64| format!("{ms:.6}").parse().unwrap_or(ms);
+    let frame = |(n, times): (usize, &Vec<f64>)| {
+        let sample = |(pass, ms): (&PassRecord, &f64)| TimeSample {
+            subject: Arc::clone(&subject),
+            sample: n as u64,
+            pass: pass.name.clone(),
+            counted: pass.counted,
+            ms: written(*ms),
+            floors: [pass.noise_floor, record.noise_floor],
+        };
+        record.passes.iter().zip(times).map(sample).collect::<Vec<_>>()
+    };
+    record.samples.iter().enumerate().flat_map(frame).collect()
+}
+
+/// What a record's frames were of.
+fn subject(head: &Head) -> Subject {
+    let place = [("scene", &head.scene), ("view", &head.view), ("method", &head.method)];
+    let place = place.map(|(name, value)| (name.to_owned(), value.clone()));
+    Subject(head.setup.keys().map(|name| (name.clone(), head.setting(name))).chain(place).collect())
+}
+
+/// Each record beside the first of its place. The records of a place follow each other.
+fn verdicts(records: &[TimeRecord]) -> Vec<TimeComparison> {
+    let is_one_place = |a: &TimeRecord, b: &TimeRecord| subject(&a.head).place() == subject(&b.head).place();
+    let of_place = |records: &[TimeRecord]| {
+        let device = records.first().map(|record| record.head.program.device.clone());
+        let series: Vec<_> = records.iter().map(samples).collect();
+        let run = Run { name: String::new(), device, samples: Vec::new() };
+        compare::in_turns(&run, &series, THRESHOLD)
+    };
+    records.chunk_by(is_one_place).flat_map(of_place).collect()
+}
+
+/// The verdicts as a table; `None` where no place has two settings.
+pub fn table(records: &[TimeRecord]) -> Option<Table> {
+    let found = verdicts(records);
+    let bound = 100.0 * THRESHOLD;
+    let title = format!(
+        "B beside A, turn by turn; SAME is within ±{bound:.0} %, FASTER and SLOWER beyond it and beyond the noise floor"
+    );
+    let cells = compare::cells(&found, false);
+    (!found.is_empty()).then(|| Table::new("verdicts", &title, ABOUT, cells))
+}
+
+const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
+    with its interval. ssct compare FOLDER with --a and --b compares any two, and --all shows the parts of passes.";

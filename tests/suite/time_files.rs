@@ -1,0 +1,133 @@
+//! The files that scripts read: their columns are those that docs/definitions.md explains, and its lines of Python plot them. And
+//! what `ssct time --table 5.8` says of its rows.
+
+use crate::common::folder::Folder;
+use crate::common::repository;
+use serde_json::Value;
+use ssct_lab::study::table::{SECONDS, sizes};
+use ssct_lab::study::timing::{MEASURED, MEDIAN_COLUMNS, MEDIANS, PLACE, SAMPLES};
+use std::collections::BTreeMap;
+use std::process::Command;
+
+/// The section of the definitions that explains the files.
+fn section() -> String {
+    let text = std::fs::read_to_string(repository().join("docs/definitions.md")).unwrap();
+    let (_, section) = text.split_once("### Files of times").expect("the section");
+    section.split("\n## ").next().unwrap().to_owned()
+}
+
+/// A run of two methods and its samples.
+fn run() -> Folder {
+    let folder = Folder::new();
+    let time = ["time", "--view", "corridor", "--method", "ssct,environment", "--size", "64x36", "--samples", "5"];
+    folder.write("said.txt", folder.succeed(&[&time[..], &["-o", "run"]].concat()));
+    folder
+}
+
+fn rows(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
+    let text = folder.text(name);
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |row: csv::StringRecord| header.iter().cloned().zip(row.iter().map(str::to_owned)).collect();
+    reader.records().map(|r| row(r.unwrap())).collect()
+}
+
+#[test]
+fn the_columns_are_those_that_the_definitions_explain() {
+    let (folder, section) = (run(), section());
+    for name in PLACE.iter().chain(&MEASURED).chain(&MEDIAN_COLUMNS[6..]).chain(&[SAMPLES, MEDIANS]) {
+        assert!(section.contains(name), "{name}");
+    }
+    let samples = rows(&folder, &format!("run/{SAMPLES}"));
+    let records: Vec<Value> = serde_json::from_str(&folder.text("run/time.json")).unwrap();
+    let set = records.iter().flat_map(|r| r["setup"].as_object().unwrap().keys().cloned());
+    let expected = PLACE.iter().chain(&MEASURED).map(|name| (*name).to_owned()).chain(set);
+    assert_eq!(
+        samples[0].keys().cloned().collect::<Vec<_>>(),
+        expected.collect::<std::collections::BTreeSet<_>>().into_iter().collect::<Vec<_>>()
+    );
+    assert!(samples.iter().all(|row| ["true", "false"].contains(&&*row["counted"]) && row["noise_floor"].is_empty()));
+}
+
+#[test]
+fn medians_are_those_of_the_printed_table_in_its_groups() {
+    let folder = run();
+    let said = folder.text("said.txt");
+    let medians = rows(&folder, &format!("run/{MEDIANS}"));
+    let lines: Vec<Vec<&str>> = said
+        .lines()
+        .skip(1)
+        .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
+        .collect();
+    let (header, methods) = (&lines[0], &lines[1..]);
+    let groups = &header[4..header.iter().position(|title| *title == "total ms").unwrap()];
+    for line in methods {
+        let median = |pass: &str| {
+            let is_it = |row: &&BTreeMap<String, String>| row["method"] == line[3] && row["pass"] == pass;
+            let found = medians.iter().find(|row| is_it(row) && row["counted"] == "true");
+            found.map_or_else(|| "-".to_owned(), |row| format!("{:.3}", row["median_ms"].parse::<f64>().unwrap()))
+        };
+        let found: Vec<String> = groups.iter().chain(&["total"]).map(|pass| median(pass)).collect();
+        assert_eq!(found, line[4..5 + groups.len()], "{said}");
+    }
+    assert!(
+        groups.contains(&"hi-z") && medians.iter().any(|row| row["pass"] == "g-buffer" && row["counted"] == "false")
+    );
+    assert!(medians.iter().all(|row| !row["pass"].contains('/')));
+}
+
+#[test]
+fn ten_lines_of_python_plot_the_samples() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        println!("skipped: there is no python3");
+        return;
+    }
+    let (folder, section) = (run(), section());
+    let (_, code) = section.split_once("```python\n").unwrap();
+    let code = code.split("```").next().unwrap();
+    assert_eq!(code.lines().count(), 10);
+    folder.write("plot.py", code);
+    let samples = folder.path(&format!("run/{SAMPLES}"));
+    let output = Command::new("python3").arg("plot.py").arg(samples).current_dir(folder.root()).output().unwrap();
+    let (svg, wrong) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{wrong}");
+    // A line a method, with a point a frame.
+    let lines: Vec<&str> =
+        svg.split("<polyline points=\"").skip(1).map(|line| line.split('"').next().unwrap()).collect();
+    assert_eq!(lines.iter().map(|line| line.split(' ').count()).collect::<Vec<_>>(), [5, 5], "{svg}");
+    assert!(svg.contains(">ssct</text>") && svg.contains(">environment</text>"), "{svg}");
+}
+
+#[test]
+fn the_seconds_of_table_5_8_are_those_of_the_records() {
+    let path = repository().join("benches/runs/2026-11-26-lavapipe/table-5.8-atrium/time.json");
+    let records: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    // Frames of one row: ten that count, two that warm up, and one whose work is counted.
+    let frames = 10.0 + 2.0 + 1.0;
+    let seconds = sizes().into_iter().map(|[width, height]| {
+        let is_of = |r: &&Value| r["width"] == width && r["height"] == height;
+        let frame = |r: &Value| r["frame"]["median_ms"].as_f64().unwrap();
+        (records.iter().filter(is_of).map(frame).sum::<f64>() * frames / 1e3).round() as u32
+    });
+    assert_eq!(seconds.collect::<Vec<_>>(), SECONDS);
+    let folder = Folder::new();
+    let help = folder.succeed(&["time", "--help"]).split_whitespace().collect::<Vec<_>>().join(" ");
+    for ([width, height], seconds) in sizes().into_iter().zip(SECONDS) {
+        assert!(help.contains(&format!("{width}x{height} ({seconds} s)")), "{width}x{height}");
+    }
+}
+
+#[test]
+fn a_size_without_a_row_stands_beside_one_that_has() {
+    let folder = Folder::new();
+    let table =
+        ["time", "--table", "5.8", "--roughness", "0.1", "--samples", "1", "--warmup", "0", "--method", "ssct,hzct"];
+    let said = folder.succeed(&[&table[..], &["--size", "64x36,640x480"]].concat());
+    let row = |size: &str| {
+        let line = said.lines().find(|line| line.starts_with(size)).unwrap_or_else(|| panic!("{size}: {said}"));
+        line[size.len()..].split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let [printed, own] = ["640 x 480", "64 x 36"].map(row);
+    assert_eq!((&*printed[1], &*own[1], &*own[3], &*own[5]), ("0.81", "-", "-", "-"), "{said}");
+    assert!(own[2].parse::<f64>().is_ok() && own[6].parse::<f64>().is_ok(), "{said}");
+}
