@@ -1,9 +1,11 @@
 #version 460
 #pragma program(Dda)
+#pragma in_either_stage
 // `dda`: every ray by a march over pixels along its longer screen axis, and the colour where it ends: a mirror lookup,
 // whatever the roughness. After the text of McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing" (JCGT 3(4),
 // 2014); ERRATA.md beside this file lists what that leaves open and what differs.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "common/sound.glsl"
@@ -31,8 +33,8 @@ layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, bilinear
 layout(binding = 5) uniform sampler2D behind_depth;    // the same two of the second layer, which are read with two
 layout(binding = 6) uniform sampler2D behind_color;
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 // A ray on the screen. Everything about it is a function of s, the pixels along the longer of its two axes from the
 // centre of the pixel where it starts. Pixels and k = 1 / z are linear in s. The paper interpolates Q k beside k; of Q
@@ -170,22 +172,22 @@ float March(Line line, float shift, out int layer, out int path) {
     return -1.0;
 }
 
-void main() {
+SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
     out_reflection = vec4(0.0);
     if (HITS)
         out_hit = vec4(vec3(-1.0), PATH_NONE);
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (!(depth > 0.0) || !(reflectivity > REFLECTS_ABOVE) || !(dot(normal, normal) > NO_NORMAL))
         return;
 
-    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
     vec3 position = h.xyz / h.w;
     vec3 direction = reflect(normalize(position), normalize(normal));
-    Line line = Project(gl_FragCoord.xy, position, direction);
+    Line line = Project(PIXEL_CENTRE, position, direction);
     int layer, path;
     float s = March(line, Shift(pixel), layer, path);
     if (s < 0.0) {

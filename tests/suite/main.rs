@@ -67,6 +67,7 @@ mod scene_loading;
 mod schmidt;
 mod shaders;
 mod shards;
+mod stages;
 mod stochastic;
 mod stress;
 mod trace_normals;
