@@ -59,28 +59,39 @@ fn run() -> Result<(), String> {
         if named.is_empty() {
             return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
         }
-        for program in named {
+        let in_compute = glsl::in_either_stage(&source, &path)?;
+        let mut interface_of = |program: &Named| -> Result<Interface, String> {
             if !names.insert(program.name.clone()) {
                 return Err(format!("{}: there is another program {}", path.display(), program.name));
             }
-            let words = compiler.words(&path, &program)?;
+            let words = compiler.words(&path, program)?;
             let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
             let binary = modules.join(format!("{}.spv", program.name));
             std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
             let interface = Interface::of(&words, &file)?;
+            collect(&interface, &file, &mut structs)?;
+            Ok(interface)
+        };
+        for program in named {
+            let interface = interface_of(&program)?;
             programs.push_str(&declared_program(&program, &file, &interface));
             let _ = writeln!(all, "    {}::SHADER,", program.name);
-            for (block_name, block) in interface.blocks {
-                match structs.get(&block_name) {
-                    Some(known) if known.fields != block.fields => {
-                        return Err(format!(
-                            "{file}: block {block_name} differs from its declaration for {}",
-                            known.used_in
-                        ));
-                    }
-                    Some(_) => {}
-                    None => drop(structs.insert(block_name, block)),
-                }
+            let mut shaders = String::new();
+            for (n, defines) in in_compute.iter().enumerate() {
+                let twin = program.in_compute(defines);
+                let made = interface_of(&twin)?;
+                let stored =
+                    stored(&interface, &made).map_err(|e| format!("{}: {}: {e}", path.display(), twin.name))?;
+                let _ = writeln!(shaders, "    {},", declared_shader(&twin, &file, &made, &stored));
+                let _ = writeln!(all, "    &{}::COMPUTE[{n}],", program.name);
+            }
+            if !in_compute.is_empty() {
+                let generics = if interface.bindings.is_empty() && interface.push.is_none() { "" } else { "<'_>" };
+                let _ = writeln!(
+                    programs,
+                    "impl InEitherStage for {}{generics} {{\n    const COMPUTE: &'static [Shader] = &[\n{shaders}    ];\n}}",
+                    program.name
+                );
             }
         }
     }
@@ -92,6 +103,40 @@ fn run() -> Result<(), String> {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
     Ok(())
+}
+
+/// Adds the blocks of a program to those that are known. A block has one declaration, whoever uses it.
+fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
+    for (name, block) in &interface.blocks {
+        match structs.get(name) {
+            Some(known) if known.fields != block.fields => {
+                return Err(format!("{file}: block {name} differs from its declaration for {}", known.used_in));
+            }
+            Some(_) => {}
+            None => drop(structs.insert(name.clone(), block.clone())),
+        }
+    }
+    Ok(())
+}
+
+/// Binding and format of the images that a compute program stores to, in the order of the outputs of the fragment program of the
+/// same source. Apart from them, both read the same.
+fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'static str)>, String> {
+    let is_read = |bound: &&Bound| fragment.bindings.contains(bound);
+    let outputs: Vec<&Bound> = compute.bindings.iter().filter(|bound| !is_read(bound)).collect();
+    let read = compute.bindings.len() - outputs.len();
+    let reads_alike = read == fragment.bindings.len()
+        && compute.push == fragment.push
+        && compute.constants == fragment.constants
+        && outputs.len() == fragment.outputs.len();
+    if !reads_alike {
+        return Err("its fragment program and its compute program differ in more than where they write".into());
+    }
+    let format = |bound: &&Bound| {
+        let found = compute.formats.get(&bound.binding).map(|format| (bound.binding, *format));
+        found.ok_or_else(|| format!("the output {} has no format", bound.name))
+    };
+    outputs.iter().map(format).collect()
 }
 
 /// Hashes the paths and texts of all sources (FNV-1a).
@@ -169,8 +214,8 @@ impl Compiler {
 /// A program's struct, with what the pipeline and the frame ask of it (`src/gpu/program.rs`).
 fn declared_program(program: &Named, file: &str, interface: &Interface) -> String {
     let name = &program.name;
-    let Interface { bindings, push, outputs, constants, local_size, .. } = interface;
-    let (mut fields, mut resources, mut listed) = (String::new(), String::new(), String::new());
+    let Interface { bindings, push, outputs, constants, .. } = interface;
+    let (mut fields, mut resources) = (String::new(), String::new());
     for Bound { binding, name: field, kind, count, block, read_only } in bindings {
         let (ty, resource) = match (*kind, *count, *read_only) {
             ("SampledImage", 1, _) => ("Sampled<'a>".to_owned(), format!("Sampled(self.{field})")),
@@ -185,19 +230,14 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
         };
         let _ = writeln!(fields, "    /// Binding {binding}.\n    pub {field}: {ty},");
         let _ = write!(resources, "Resource::{resource}, ");
-        let _ = writeln!(
-            listed,
-            "            Binding {{ name: {field:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }},"
-        );
     }
     if let Some(push) = push {
         let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
     }
     let (generics, of, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
-    let push_size = push.as_ref().map_or(0, |p| p.size);
     let pushed = push.as_ref().map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
     let title = [&[file.to_owned()], &program.defines[..]].concat().join(" ");
-    let defines = &program.defines;
+    let shader = declared_shader(program, file, interface, &[]);
     let (constants_type, constants) = declared_constants(name, constants);
     let kind = match Path::new(file).extension().and_then(|e| e.to_str()) {
         Some("frag") => format!("Fragment for {name}{of} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
@@ -214,11 +254,28 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
     format!(
         "/// What `{ROOT}/{title}` reads.{written}\n#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
          impl Program for {name}{of} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
-         const SHADER: &'static Shader = &Shader {{\n        name: {title:?},\n        file: {file:?},\n        \
-         defines: &{defines:?},\n        spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{MODULES}/{name}.spv\")),\n        \
-         push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[\n{listed}        ],\n    }};\n    \
+         const SHADER: &'static Shader = &{shader};\n    \
          fn resources(&self) -> Vec<Resource<'_>> {{ vec![{resources}] }}\n    \
          fn push(&self) -> &[u8] {{ {pushed} }}\n}}\nimpl {kind}\n{constants}"
+    )
+}
+
+/// A program's `Shader`, with binding and format of what it stores to in place of a fragment program.
+fn declared_shader(program: &Named, file: &str, interface: &Interface, stored: &[(u32, &str)]) -> String {
+    let Named { name, defines } = program;
+    let title = [&[file.to_owned()], &defines[..]].concat().join(" ");
+    let (push_size, local_size) = (interface.push.as_ref().map_or(0, |p| p.size), interface.local_size);
+    let binding = |Bound { binding, name, kind, count, .. }: &Bound| {
+        format!("Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }}, ")
+    };
+    let bindings: String = interface.bindings.iter().map(binding).collect();
+    let stored: String =
+        stored.iter().map(|(binding, format)| format!("({binding}, vk::Format::{format}), ")).collect();
+    format!(
+        "Shader {{\n        name: {title:?},\n        file: {file:?},\n        defines: &{defines:?},\n        \
+         spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{MODULES}/{name}.spv\")),\n        \
+         push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[{bindings}],\n        \
+         stored: &[{stored}],\n    }}"
     )
 }
 

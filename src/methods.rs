@@ -345,6 +345,8 @@ impl MethodInfo {
             "tracer" | "own_rays" => self.takes_triangles,
             "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
+            // Methods among triangles alone are compute shaders throughout.
+            "stage" => self.is_screen_space() || !self.takes_triangles,
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain(self.own_parameters()).collect()

@@ -51,7 +51,7 @@ pub mod visibility;
 use crate::error::Result;
 use crate::gpu::programs::LinearConstants;
 use crate::gpu::shader::{CameraBlock, UnifiedBlock};
-use crate::gpu::{Frame, Gpu, Image, ImageDesc, Target};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Target};
 use crate::math::constants;
 use crate::parameter::choices;
 use crate::scene::{Aabb, Camera, ProjectionKind};
@@ -65,6 +65,9 @@ pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// Format of [`Hits`].
 pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Format of a ray trace colour before it is encoded: all the digits that a fragment program hands to the encoding.
+pub const UNENCODED_COLOR: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// What [`Hits`] hold of a pixel in which no ray begins.
 pub const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
@@ -316,6 +319,17 @@ pub struct RayTraceColor<'a> {
     pub color: &'a Image,
     /// 1 where a ray hit, else 0. R8.
     pub mask: &'a Image,
+    /// The colour before it is encoded, where compute programs make it: none can store to an sRGB format.
+    /// [`UNENCODED_COLOR`], of the levels of the chain.
+    pub unencoded: Option<&'a Image>,
+}
+
+impl RayTraceColor<'_> {
+    /// Pass "NAME/encode", where a level was made by a compute program: its colour as the image has it whose level is given.
+    fn encode(&self, frame: &mut Frame, name: &str, to: ImageSlice) -> Result<()> {
+        let Some(unencoded) = self.unencoded else { return Ok(()) };
+        frame.convert(&format!("{name}/encode"), unencoded.level(to.base_level()), to)
+    }
 }
 
 /// The poster's G-buffer, pre-filtered: mip chains, or volumes whose slices stand for the levels.

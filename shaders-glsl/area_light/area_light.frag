@@ -1,8 +1,10 @@
 #version 460
 #pragma program(AreaLight)
+#pragma in_either_stage
 // `area-light`: highlights of lights with an extent, by the roughness of each pixel (thesis 3.1.1). Direct
 // light only: nothing hides a light, and nothing else is reflected.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "area_light/share.glsl"
@@ -23,16 +25,16 @@ layout(binding = 2) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 3) uniform sampler2D normal_buffer;
 layout(binding = 4) uniform sampler2D material_buffer; // reflectivity, roughness
 
-layout(location = 0) out vec4 out_reflection;
+OUTPUT(0, rgba16f, vec4, out_reflection);
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     if (depth <= 0.0 || material.r <= REFLECTS_ABOVE)
         return;
-    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
     vec3 position = h.xyz / h.w;
     vec3 n = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
@@ -54,5 +56,6 @@ void main() {
             share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
         sum += share * light.radiance.rgb;
     }
-    out_reflection = vec4(sum, sum == vec3(0.0) ? 0.0 : 1.0);
+    // Devices may take numbers below the least normal one for 0 in one stage and not in the other.
+    out_reflection = vec4(sum, all(lessThan(abs(sum), vec3(LEAST_NORMAL))) ? 0.0 : 1.0);
 }

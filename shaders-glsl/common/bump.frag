@@ -1,8 +1,10 @@
 #version 460
 #pragma program(Bump)
+#pragma in_either_stage
 // Bump mapping after the tracing (thesis 4.4, after the game Thief): each pixel shows the reflection of a pixel beside it,
 // displaced by how far the normal of shading deviates from the one that rays were reflected at.
 
+#include "common/either_stage.glsl"
 #include "common/constants.glsl"
 
 layout(push_constant) uniform BumpBlock {
@@ -14,13 +16,13 @@ layout(binding = 1) uniform sampler2D normal_buffer;       // of shading, view s
 layout(binding = 2) uniform sampler2D trace_normal_buffer; // that rays were reflected at
 layout(binding = 3) uniform sampler2D material_buffer;     // reflectivity, roughness
 
-layout(location = 0) out vec4 out_reflection;
+OUTPUT(0, rgba16f, vec4, out_reflection);
 
 // Least cosine between the traced normals of two pixels that are taken to lie on one surface.
 #define ONE_SURFACE 0.9
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     if (texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)
         return;
@@ -28,7 +30,7 @@ void main() {
     vec3 traced = texelFetch(trace_normal_buffer, pixel, 0).xyz;
     vec2 deviation = (texelFetch(normal_buffer, pixel, 0).xyz - traced).xy;
     vec2 shift = deviation * vec2(1.0, -1.0) * bump.strength * float(size.y);
-    ivec2 beside = clamp(ivec2(floor(gl_FragCoord.xy + shift)), ivec2(0), size - 1);
+    ivec2 beside = clamp(ivec2(floor(PIXEL_CENTRE + shift)), ivec2(0), size - 1);
     // What lies on another surface, or does not reflect, has no reflection to lend.
     bool fits = texelFetch(material_buffer, beside, 0).r > REFLECTS_ABOVE
              && dot(texelFetch(trace_normal_buffer, beside, 0).xyz, traced) > ONE_SURFACE;

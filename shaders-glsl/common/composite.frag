@@ -1,7 +1,9 @@
 #version 460
 #pragma program(Composite)
+#pragma in_either_stage
 // Composite: lit colour + reflectivity * fade * reflection (docs/definitions.md, "Surfaces").
 
+#include "common/either_stage.glsl"
 #include "common/constants.glsl"
 #include "common/sound.glsl"
 
@@ -12,10 +14,10 @@ layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughn
 // The image stands for the lit colour of another bounce: it is reflected, and keeps in a what is lit.
 layout(constant_id = 0) const bool LIT = false;
 
-layout(location = 0) out vec4 out_color;
+OUTPUT(0, rgba16f, vec4, out_color);
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_color) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec4 lit = texelFetch(color_buffer, pixel, 0);
     vec3 color = lit.rgb;
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;

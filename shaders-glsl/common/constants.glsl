@@ -67,6 +67,7 @@ const int FACE_LEVEL = 4;         // Level of the cell that a walk over a face l
 const float GOLDEN_ANGLE = 2.399963229728653; // 2 pi (1 - 1 / golden ratio): a turn that spreads any number of points.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 
+const float LEAST_NORMAL = 1.17549435e-38; // The least normal number of 32-bit floats.
 const float ROUNDING = 5.9604645e-8; // Half a unit in the last place of 1, in 32-bit floats.
 const int TREE_DEPTH = 32;        // The most levels of a tree of triangles: a walk has room for so many.
 const uint NO_TRIANGLE = 0xffffffffu; // The number of no triangle.
@@ -95,8 +96,10 @@ const int MIRROR_LIST = 0;        // The list of tiles with mirrors.
 const int NARROW_LIST = 1;        // The list of tiles with narrow lobes.
 const int WIDE_LIST = 2;          // The list of tiles with wide lobes.
 const int LISTS = 3;              // Lists that the classification writes.
-// Threads along a side of a workgroup of the compute programs over tiles. It divides a tile's side and half of it.
+// Threads along a side of a workgroup of compute programs over images. It divides a tile's side and half of it.
 const int GROUP_SIDE = 8;
+// The binding of the first image that a compute program stores to in place of a fragment program's first output.
+const int FIRST_OUTPUT = 24;
 // Tiles in a row of workgroups over a list. Every device takes 65535 rows, enough for images of 46000 pixels a side.
 const int TILES_TO_A_ROW = 128;
 // Pixels along a side of what a workgroup makes of the pyramid of `unified`.

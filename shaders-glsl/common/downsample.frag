@@ -1,9 +1,12 @@
 #version 460
 #pragma program(Downsample)
 #pragma program(DownsampleNumbered, NUMBERED)
+#pragma in_either_stage
 // A smaller G-buffer: of each block the texel at its top left stands for depth, normal and material,
 // because a mean of two surfaces lies on neither; the colour is the block's mean. NUMBERED also writes which triangle that texel
 // shows.
+
+#include "common/either_stage.glsl"
 
 layout(push_constant) uniform DownsampleBlock {
     int divisor; // full pixels a side of a block
@@ -16,16 +19,19 @@ layout(binding = 3) uniform sampler2D color_buffer;
 
 #ifdef NUMBERED
 layout(binding = 4, r32ui) uniform readonly uimage2D triangle_buffer;
-layout(location = 4) out uint out_triangle;
+OUTPUT_UINT(4, r32ui, out_triangle);
+#define STORE_TRIANGLE STORE(out_triangle)
+#else
+#define STORE_TRIANGLE
 #endif
 
-layout(location = 0) out float out_depth;
-layout(location = 1) out vec4 out_normal;
-layout(location = 2) out vec2 out_material;
-layout(location = 3) out vec4 out_color;
+OUTPUT(0, r32f, float, out_depth);
+OUTPUT(1, rgba16f, vec4, out_normal);
+OUTPUT(2, rg16f, vec2, out_material);
+OUTPUT(3, rgba16f, vec4, out_color);
 
-void main() {
-    ivec2 first = ivec2(gl_FragCoord.xy) * block.divisor;
+SHADE_ALL(out_depth, STORE(out_normal) STORE(out_material) STORE(out_color) STORE_TRIANGLE) {
+    ivec2 first = ivec2(PIXEL_CENTRE) * block.divisor;
     ivec2 end = min(first + block.divisor, textureSize(color_buffer, 0));
     vec3 sum = vec3(0.0);
     for (int y = first.y; y < end.y; ++y)

@@ -1,15 +1,18 @@
 #version 460
 #pragma program(Fallback)
+#pragma in_either_stage
 // A reflection with another behind it: the fallback is faded in where the local reflection is faded
 // out (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result fades only where the fallback shows nothing.
+
+#include "common/either_stage.glsl"
 
 layout(binding = 0) uniform sampler2D reflection_buffer; // of the method: rgb, and the fade in a
 layout(binding = 1) uniform sampler2D fallback_buffer;   // of the fallback: rgb, and 1 in a, or 0s
 
-layout(location = 0) out vec4 out_reflection;
+OUTPUT(0, rgba16f, vec4, out_reflection);
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
     vec4 behind = texelFetch(fallback_buffer, pixel, 0);
     // A colour that is faded out wholly counts for nothing, not even if it is no number.

@@ -1,8 +1,10 @@
 #version 460
 #pragma program(TraceNormals)
+#pragma in_either_stage
 // The normals that rays are reflected at, in place of those of shading (thesis 4.4, after the game Thief): of the
 // geometry, from depth, or one vector for all pixels.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 
@@ -10,7 +12,7 @@ layout(constant_id = 0) const int KIND = TRACE_GEOMETRIC; // TRACE_…
 
 layout(binding = 1) uniform sampler2D depth_buffer; // reversed
 
-layout(location = 0) out vec4 out_normal; // view space, unit
+OUTPUT(0, rgba16f, vec4, out_normal); // view space, unit
 
 float Depth(ivec2 pixel) {
     return texelFetch(depth_buffer, pixel, 0).r;
@@ -18,8 +20,8 @@ float Depth(ivec2 pixel) {
 
 #include "common/normal_of_depth.glsl"
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_normal) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     float depth = Depth(pixel);
     vec3 normal = KIND == TRACE_UP ? normalize(camera.world_to_view[1].xyz) : NormalOfDepth(pixel, depth);
     out_normal = vec4(depth > 0.0 ? normal : vec3(0.0), 0.0);

@@ -1,8 +1,10 @@
 #version 460
 #pragma program(Upsample)
+#pragma in_either_stage
 // A smaller reflection brought to full size: bilinear between the four blocks around a pixel, but
 // only as far as they lie in its plane and face its way (joint bilateral upsampling; Kopf et al. 2007).
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "common/sight.glsl"
@@ -16,7 +18,7 @@ layout(binding = 2) uniform sampler2D normal_buffer;
 layout(binding = 3) uniform sampler2D material_buffer;
 layout(binding = 4) uniform sampler2D small_reflection;
 
-layout(location = 0) out vec4 out_reflection;
+OUTPUT(0, rgba16f, vec4, out_reflection);
 
 // Power of the agreement of two normals; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
@@ -31,8 +33,8 @@ bool Reflects(ivec2 pixel) {
     return texelFetch(material_buffer, pixel, 0).r > REFLECTS_ABOVE && texelFetch(depth_buffer, pixel, 0).r > 0.0;
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     if (!Reflects(pixel))
         return;

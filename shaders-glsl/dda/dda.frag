@@ -1,9 +1,11 @@
 #version 460
 #pragma program(Dda)
+#pragma in_either_stage
 // `dda`: every ray by a march over pixels along its longer screen axis, and the colour where it ends: a mirror lookup,
 // whatever the roughness. After the text of McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing" (JCGT 3(4),
 // 2014); ERRATA.md beside this file lists what that leaves open and what differs.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "common/sound.glsl"
@@ -31,8 +33,8 @@ layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, bilinear
 layout(binding = 5) uniform sampler2D behind_depth;    // the same two of the second layer, which are read with two
 layout(binding = 6) uniform sampler2D behind_color;
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 // A ray on the screen. Everything about it is a function of s, the pixels along the longer of its two axes from the
 // centre of the pixel where it starts. Pixels and k = 1 / z are linear in s. The paper interpolates Q k beside k; of Q
@@ -173,17 +175,18 @@ float March(Line line, float shift, out int layer, out int path) {
 // Where a direction in view space goes on for ever on the screen, in texture coordinates. False where that is not on the
 // screen, or where the screen shows something in front of the sky there.
 bool MeetsSky(vec3 direction, out vec2 uv) {
-    vec4 clip = camera.view_to_clip * vec4(direction, 0.0);
-    uv = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;
+    precise vec4 clip = camera.view_to_clip * vec4(direction, 0.0);
+    precise vec2 place = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;
+    uv = place;
     bool is_inside = direction.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
     return is_inside && texelFetch(depth_buffer, ivec2(uv * camera.resolution), 0).r == 0.0;
 }
 
 // The colour of the sky at a place on the screen: between those of the four pixels around it that show sky, one of which does.
 vec3 SkyShown(vec2 uv) {
-    vec2 corner = uv * camera.resolution - 0.5;
+    precise vec2 corner = uv * camera.resolution - 0.5;
     vec2 low = floor(corner), part = corner - low;
-    vec4 sum = vec4(0.0);
+    precise vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 pixel = clamp(ivec2(low) + next, ivec2(0), ivec2(camera.resolution) - 1);
@@ -194,22 +197,22 @@ vec3 SkyShown(vec2 uv) {
     return sum.rgb / sum.a;
 }
 
-void main() {
+SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
     out_reflection = vec4(0.0);
     if (HITS)
         out_hit = vec4(vec3(-1.0), PATH_NONE);
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (!(depth > 0.0) || !(reflectivity > REFLECTS_ABOVE) || !(dot(normal, normal) > NO_NORMAL))
         return;
 
-    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
     vec3 position = h.xyz / h.w;
     vec3 direction = reflect(normalize(position), normalize(normal));
-    Line line = Project(gl_FragCoord.xy, position, direction);
+    Line line = Project(PIXEL_CENTRE, position, direction);
     int layer, path;
     float s = March(line, Shift(pixel), layer, path);
     if (s < 0.0) {

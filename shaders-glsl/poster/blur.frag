@@ -1,15 +1,23 @@
 #version 460
 #pragma program(PosterBlurAcross, ACROSS)
 #pragma program(PosterBlurDown)
+#pragma in_either_stage
 // One direction of one slice: a Gaussian of depth, normal and colour at once. Across, from a slice of the volumes into
 // plain images; down, from these into the next slice. Taps are those of thesis 4.3.2, `blur.direction` apart.
 
+#if defined(COMPUTE) && !defined(ACROSS)
+#define OUTPUT_IMAGE image3D
+#define OUTPUT_TEXEL ivec3(ivec2(gl_GlobalInvocationID.xy), blur.into)
+#endif
+
+#include "common/either_stage.glsl"
 #include "thesis/gaussian_blur.glsl"
 
 layout(push_constant) uniform PosterBlurBlock {
     vec2 inverse_size; // 1 / pixels
     vec2 direction;    // from tap to tap, in texture coordinates
     float slice;       // texture coordinate of the slice that is read
+    int into;          // the slice that is written
 } blur;
 
 #ifdef ACROSS
@@ -24,9 +32,9 @@ layout(binding = 0) uniform SOURCE depth_source;
 layout(binding = 1) uniform SOURCE normal_source;
 layout(binding = 2) uniform SOURCE color_source;
 
-layout(location = 0) out float out_depth;
-layout(location = 1) out vec4 out_normal;
-layout(location = 2) out vec4 out_color;
+OUTPUT(0, r32f, float, out_depth);
+OUTPUT(1, rgba16f, vec4, out_normal);
+OUTPUT(2, rgba16f, vec4, out_color);
 
 float Depth(vec2 texCoord) {
     return READ(depth_source, texCoord).r;
@@ -40,8 +48,8 @@ vec4 Color(vec2 texCoord) {
     return READ(color_source, texCoord);
 }
 
-void main() {
-    vec2 texCoord = gl_FragCoord.xy * blur.inverse_size;
+SHADE_ALL(out_depth, STORE(out_normal) STORE(out_color)) {
+    vec2 texCoord = PIXEL_CENTRE * blur.inverse_size;
     out_depth = GAUSSIAN_BLUR(Depth, texCoord, blur.direction);
     out_normal = GAUSSIAN_BLUR(Normal, texCoord, blur.direction);
     out_color = GAUSSIAN_BLUR(Color, texCoord, blur.direction);

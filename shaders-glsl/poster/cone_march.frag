@@ -1,11 +1,13 @@
 #version 460
 #pragma program(ConeMarchMip)
 #pragma program(ConeMarchVolume, VOLUME)
+#pragma in_either_stage
 // The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along
 // the reflected view direction through the pre-filtered G-buffer, whose filter level follows the cone.
 // VOLUME reads the volumes instead of the mip chains. With LAYERS there is a second layer of depth behind the first
 // (the poster's conclusion): a layer then has a thickness, and what goes behind both meets the second one.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "thesis/cone_angle.glsl"
@@ -45,8 +47,8 @@ layout(constant_id = 23) const float SEARCH_DECREASE = 0.5;
 layout(constant_id = 0) const bool HITS = false;   // whether out_hit is wanted
 layout(constant_id = 1) const bool LAYERS = false; // whether there is a second layer
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 vec4 Filtered(FILTERED tex, vec2 texCoord, float level) {
 #ifdef VOLUME
@@ -185,11 +187,11 @@ float ConeMarch(Cone cone, out int layer) {
     return -1.0;
 }
 
-void main() {
+SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
     out_reflection = vec4(0.0);
     if (HITS)
         out_hit = vec4(vec3(-1.0), PATH_NONE);
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     if (material.r <= REFLECTS_ABOVE || dot(normal, normal) <= NO_NORMAL)
@@ -197,7 +199,7 @@ void main() {
 
     // 1: "we reconstruct the position P of each pixel in world space and its normal N from the GBuffer"
     // Departure: in view space, along the pixel's line of sight.
-    vec2 texCoord = gl_FragCoord.xy / camera.resolution;
+    vec2 texCoord = PIXEL_CENTRE / camera.resolution;
     vec4 sight = camera.clip_to_view * vec4(texCoord * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.5, 1.0);
     float z = Filtered(filtered_depth, texCoord, 0.0).r;
     Cone cone;

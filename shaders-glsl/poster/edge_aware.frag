@@ -1,7 +1,10 @@
 #version 460
 #pragma program(EdgeAware)
+#pragma in_either_stage
 // A level of the poster's G-buffer from the level below it, edge-aware as its conclusion asks for: of the texels below,
 // those count that lie on the surface that most of them lie on, so that no depth is a mean of two surfaces.
+
+#include "common/either_stage.glsl"
 
 layout(push_constant) uniform EdgeAwareBlock {
     float tolerance; // texels lie on one surface if their depths differ by no more than this part of the lesser one
@@ -12,17 +15,17 @@ layout(binding = 0) uniform sampler2D depth_source; // view-space z, metres
 layout(binding = 1) uniform sampler2D normal_source;
 layout(binding = 2) uniform sampler2D color_source;
 
-layout(location = 0) out float out_depth;
-layout(location = 1) out vec4 out_normal;
-layout(location = 2) out vec4 out_color;
+OUTPUT(0, r32f, float, out_depth);
+OUTPUT(1, rgba16f, vec4, out_normal);
+OUTPUT(2, rgba16f, vec4, out_color);
 
 bool SameSurface(float a, float b) {
     return abs(a - b) <= edge.tolerance * min(a, b);
 }
 
-void main() {
+SHADE_ALL(out_depth, STORE(out_normal) STORE(out_color)) {
     ivec2 size = textureSize(depth_source, 0);
-    ivec2 here = ivec2(gl_FragCoord.xy);
+    ivec2 here = ivec2(PIXEL_CENTRE);
     ivec2 first = 2 * here;
     // The last texel takes the row or column that is left over where a size is odd.
     ivec2 last = mix(first + 1, size - 1, greaterThanEqual(here + 1, max(size / 2, ivec2(1))));

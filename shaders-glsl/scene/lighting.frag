@@ -1,7 +1,9 @@
 #version 460
 #pragma program(Lighting)
+#pragma in_either_stage
 // Lit colour of what the G-buffer shows (lit.glsl); the sky where nothing stands or where a surface shows it.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "common/sight.glsl"
@@ -14,13 +16,13 @@ layout(binding = 5) uniform samplerCube environment;
 
 layout(constant_id = 0) const bool SKY_APART = false; // the sky is left out: black
 
-layout(location = 0) out vec4 out_color; // in a, 1 for what is lit and 0 where the sky is seen
+OUTPUT(0, rgba16f, vec4, out_color); // in a, 1 for what is lit and 0 where the sky is seen
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_color) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec4 albedo = texelFetch(albedo_buffer, pixel, 0);
-    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
 
     if (depth <= 0.0 || albedo.a < 0.5) {
         vec4 along = camera.clip_to_view * vec4(ndc, 0.5, 1.0);

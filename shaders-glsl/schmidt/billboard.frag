@@ -1,9 +1,11 @@
 #version 460
 #pragma program(Billboard)
+#pragma in_either_stage
 // `billboard`: impostor quads traced per pixel from the G-buffer, "in the G-buffer stage" (Schmidt 2013,
 // section 5.3). Mirrors, unless `blur` asks for more: the listings know no roughness. `ibr` draws its planes by the same
 // program, with images captured from the scene (thesis 3.1.4).
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "thesis/cone_angle.glsl"
 #include "schmidt/billboard_reflections.glsl"
@@ -12,7 +14,7 @@ layout(binding = 3) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 4) uniform sampler2D normal_buffer;
 layout(binding = 5) uniform sampler2D material_buffer;
 
-layout(location = 0) out vec4 out_reflection;
+OUTPUT(0, rgba16f, vec4, out_reflection);
 
 // Pixels that a ray passes at most; a longer one is sampled as often.
 #define MARCH_MAX 512
@@ -110,15 +112,15 @@ float BillboardLod(int i, vec3 wsPosition, float t) {
     return log2(max(width * max(texels.x, texels.y), 1.0));
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     if (depth <= 0.0 || material.r <= REFLECTS_ABOVE)
         return;
     roughness = material.g;
-    vec3 position = ViewPosition(gl_FragCoord.xy, depth);
+    vec3 position = ViewPosition(PIXEL_CENTRE, depth);
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     vec3 reflected = reflect(normalize(position), normal);
     vec3 wsPosition = (camera.view_to_world * vec4(position, 1.0)).xyz;

@@ -1,8 +1,10 @@
 #version 460
 #pragma program(Pccm)
+#pragma in_either_stage
 // `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), and between two maps
 // the blending that its section 6 suggests. `local-map` is the same without the correction (thesis 3.1.3).
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/reflecting_pixel.glsl"
 #include "common/cube_map.glsl"
@@ -22,7 +24,7 @@ layout(binding = 6) uniform samplerCube second_map;
 
 layout(constant_id = 0) const bool CORRECTED = true; // else the map is looked up by the direction alone
 
-layout(location = 0) out vec4 out_reflection; // colour, and 1 in a: nothing fades
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and 1 in a: nothing fades
 
 struct Box {
     vec3 min;
@@ -57,8 +59,8 @@ bool IsInside(vec3 position, Box box) {
     return all(greaterThanEqual(position, box.min - 0.05)) && all(lessThanEqual(position, box.max + 0.05));
 }
 
-void main() {
-    ReflectingPixel pixel = FetchReflectingPixel(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ReflectingPixel pixel = FetchReflectingPixel(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     if (!pixel.reflects) {
         return;

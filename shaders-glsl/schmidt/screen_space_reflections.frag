@@ -1,10 +1,12 @@
 #version 460
 #pragma program(ScreenSpaceReflections)
+#pragma in_either_stage
 // Screen space reflections (Schmidt 2013, section 5.4.1): listing 4, and with OPTIMIZED the march of
 // listing 5 in place of its own. Spaces here: texture coordinates from the top left and standard depth,
 // which are the listing's 0.5 * ndc + 0.5 but for the direction of y. With LAYERS what a ray that went behind the first
 // layer of depth meets is the second one (section 6): SampleDepth and SampleDiffuse alone know of it.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 
@@ -234,18 +236,18 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
     return vec4(reflectedColor.rgb, fadeToScreenEdge.x * fadeToScreenEdge.y);
 }
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     float depth = texelFetch(DepthTex, pixel, 0).r;
     float reflectivity = texelFetch(materialBuffer, pixel, 0).r;
     out_reflection = vec4(0.0);
     hit = vec4(vec3(-1.0), PATH_NONE);
     if (reflectivity > REFLECTS_ABOVE && depth > 0.0) {
         // Departure: the listing's G-buffer keeps positions; here they come from the depth.
-        vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+        vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
         vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
         vec3 vsPosition = h.xyz / h.w;
         vec3 vsNormal = normalize(texelFetch(normalBuffer, pixel, 0).xyz);

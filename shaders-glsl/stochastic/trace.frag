@@ -1,8 +1,11 @@
 #version 460
 #pragma program(StochasticExact, EXACT)
 #pragma program(StochasticThesis)
+#pragma in_either_stage
 // One ray for each pixel that reflects, in a direction drawn from its lobe (Stachowiak 2015), and what it saw. It is
 // walked over the pyramid of `unified`, or as `ssct` walks: over the Hi-Z buffer, by a march towards the camera.
+
+#include "common/either_stage.glsl"
 
 #ifdef EXACT
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
@@ -24,10 +27,10 @@ layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 #include "unified/surface.glsl"
 #endif
 
-layout(location = 0) out vec4 out_place; // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm
-                                         // of the density, negative for a miss; 0 for no ray
-layout(location = 1) out vec4 out_color; // lit colour there, and fade in a; a miss is 0
-layout(location = 2) out vec4 out_hit;   // of a mirror: texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba32f, vec4, out_place); // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm
+                                     // of the density, negative for a miss; 0 for no ray
+OUTPUT(1, rgba16f, vec4, out_color); // lit colour there, and fade in a; a miss is 0
+OUTPUT(2, rgba32f, vec4, out_hit);   // of a mirror: texture coordinates, standard depth, PATH_*
 
 // Where a ray ended.
 struct End {
@@ -82,8 +85,8 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mir
 #endif
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE_ALL(out_place, STORE(out_color) STORE_IF(HITS, out_hit)) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     out_place = vec4(0.0);
     out_color = vec4(0.0);
     if (HITS)

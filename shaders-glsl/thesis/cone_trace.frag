@@ -1,7 +1,9 @@
 #version 460
 #pragma program(ConeTrace)
+#pragma in_either_stage
 // `ssct` and `hzct`, split in two (4.2.3): the cone trace alone, from the ray trace's hits.
 
+#include "common/either_stage.glsl"
 #include "thesis/parameters.glsl"
 
 layout(binding = 1) uniform sampler2D hitBuffer;       // texture coordinates, standard depth, PATH_*
@@ -12,12 +14,12 @@ layout(binding = 6) uniform sampler2D hiZBuffer;       // standard depth
 #include "thesis/reflection_ray.glsl"
 #include "thesis/cone_trace.glsl"
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec4 hit = texelFetch(hitBuffer, pixel, 0);
-    vec2 texCoord = gl_FragCoord.xy / thesis.resolution;
+    vec2 texCoord = PIXEL_CENTRE / thesis.resolution;
     vec3 reflectionVS = vec3(0.0, 0.0, 1.0);
     if (thesis.fade_towards_camera > 0.0) {
         float depth = texelFetch(hiZBuffer, pixel, 0).r;

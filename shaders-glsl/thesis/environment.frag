@@ -1,18 +1,20 @@
 #version 460
 #pragma program(Environment)
+#pragma in_either_stage
 // `environment`: a pre-filtered cube map by the direction of the reflection alone (thesis 3.1.3), as
 // if all that is seen were infinitely far: right for the sky, and for nothing else.
 
+#include "common/either_stage.glsl"
 #include "common/camera.glsl"
 #include "common/reflecting_pixel.glsl"
 #include "common/cube_map.glsl"
 
 layout(binding = 4) uniform samplerCube environment;
 
-layout(location = 0) out vec4 out_reflection; // colour, and 1 in a: nothing fades
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and 1 in a: nothing fades
 
-void main() {
-    ReflectingPixel pixel = FetchReflectingPixel(gl_FragCoord.xy);
+SHADE(out_reflection) {
+    ReflectingPixel pixel = FetchReflectingPixel(PIXEL_CENTRE);
     out_reflection = vec4(0.0);
     if (pixel.reflects) {
         out_reflection = vec4(SampleCube(environment, pixel.reflection, pixel.roughness).rgb, 1.0);

@@ -1,11 +1,13 @@
 #version 460
 #pragma program(GaussianBlur)
 #pragma program(GaussianBlurMasked, MASKED)
+#pragma in_either_stage
 // The Gaussian of thesis 4.3.2, which 4.2.6 names as the alternative to the hardware's mip chain. One
 // direction; the horizontal pass also halves the level, as its bilinear taps lie at the coarse
 // level's texel centres. Masked, it is what chapter 6 proposes: "a mask buffer in the blur pass for the color
 // buffer". The mask is read from the Hi-Z buffer, whose texels of the level that is written lie where the taps do.
 
+#include "common/either_stage.glsl"
 #include "thesis/gaussian_blur.glsl"
 
 layout(binding = 0) uniform sampler2D tex; // the level below (horizontal), or the horizontal result
@@ -53,10 +55,10 @@ vec4 Color(vec2 texCoord) {
 }
 #endif
 
-layout(location = 0) out vec4 color;
+OUTPUT(0, rgba16f, vec4, color);
 
-void main() {
-    vec2 texCoord = gl_FragCoord.xy * blur.invSize;
+SHADE(color) {
+    vec2 texCoord = PIXEL_CENTRE * blur.invSize;
 #ifdef MASKED
     central = textureLod(tex, texCoord, 0.0);
     centralDepth = textureLod(hiZ, texCoord, 0.0).r;

@@ -1,7 +1,18 @@
 #version 460
 #pragma program(HiZ)
+#pragma in_either_stage
+#pragma in_either_stage(MINIMUM)
 // Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). The
 // author's program keeps the maximum beside the minimum; so does this if the target has a second channel.
+
+#include "common/either_stage.glsl"
+
+// The format of the chain in compute shaders: of two channels, or with MINIMUM of one.
+#ifdef MINIMUM
+#define OUTPUT_FORMAT r32f
+#else
+#define OUTPUT_FORMAT rg32f
+#endif
 
 layout(binding = 0) uniform sampler2D Tex; // the level below, as a view of one level
 
@@ -9,7 +20,7 @@ layout(push_constant) uniform HiZBlock {
     ivec2 Offset; // Eq. 4.1: 1 where the level below has an even side, else 2
 } hiz;
 
-layout(location = 0) out vec2 z_min_max; // g is lost in a target of one channel
+OUTPUT(0, OUTPUT_FORMAT, vec2, z_min_max); // g is lost in a target of one channel
 
 vec2 ReadDepth(ivec2 p) {
     // Departure: the level below may be one texel wide, and a fetch outside an image has no
@@ -19,9 +30,9 @@ vec2 ReadDepth(ivec2 p) {
 
 // Print: §4.2.4, Alg. 3.
 // 1: HiZPixelShader(Tex, P_pixel, Offset); Input parameters for the Hi-Z pixel shader
-void main() {
+SHADE(z_min_max) {
     // 2: P_sample <- P_pixel * 2; Sample position is twice the pixel coordinate
-    ivec2 P_sample = ivec2(gl_FragCoord.xy) * 2;
+    ivec2 P_sample = ivec2(PIXEL_CENTRE) * 2;
     // 3: z_0 <- ReadDepth(Tex, P_sample + (0, 0))
     vec2 z0 = ReadDepth(P_sample + ivec2(0, 0));
     // 4: z_1 <- ReadDepth(Tex, P_sample + (Offset_x, 0))

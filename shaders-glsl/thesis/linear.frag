@@ -1,8 +1,10 @@
 #version 460
 #pragma program(Linear)
+#pragma in_either_stage
 // `linear`: every ray by one of the marches of thesis 4.2.2, and the colour where it ends: a mirror
 // lookup, whatever the roughness.
 
+#include "common/either_stage.glsl"
 #include "thesis/parameters.glsl"
 #include "thesis/pixel.glsl"
 #include "thesis/linear_ray_march.glsl"
@@ -13,14 +15,14 @@ layout(binding = 4) uniform sampler2D colorBuffer; // lit colour, bilinear
 layout(constant_id = 0) const bool FIXED = false; // the first listing, of a constant stride; else the second
 layout(constant_id = 1) const bool HITS = false;  // whether out_hit is wanted
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
-void main() {
+SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
     out_reflection = vec4(0.0);
     if (HITS)
         out_hit = vec4(INVALID_RAY, PATH_NONE);
-    Pixel pixel = ReadPixel(gl_FragCoord.xy);
+    Pixel pixel = ReadPixel(PIXEL_CENTRE);
     if (!pixel.reflects)
         return;
 

@@ -1,8 +1,10 @@
 #version 460
 #pragma program(SslrBlur)
+#pragma in_either_stage
 // `sslr`: one direction of one level of both chains (thesis 4.3.2): the ray trace colour, weighted by
 // the mask, and the mask itself.
 
+#include "common/either_stage.glsl"
 #include "thesis/gaussian_blur.glsl"
 
 layout(binding = 0) uniform sampler2D tex;  // ray trace colour, the level below or the horizontal result
@@ -13,8 +15,8 @@ layout(push_constant) uniform BlurBlock {
     vec2 direction; // (invTexWidth, 0) or (0, invTexHeight)
 } blur;
 
-layout(location = 0) out vec4 color;
-layout(location = 1) out float coarseMask;
+OUTPUT(0, rgba32f, vec4, color);
+OUTPUT(1, r8, float, coarseMask);
 
 vec4 central;
 
@@ -27,8 +29,8 @@ vec4 Color(vec2 texCoord) {
     return Mask(texCoord) > 0.0 ? textureLod(tex, texCoord, 0.0) : central;
 }
 
-void main() {
-    vec2 texCoord = gl_FragCoord.xy * blur.invSize;
+SHADE_ALL(color, STORE(coarseMask)) {
+    vec2 texCoord = PIXEL_CENTRE * blur.invSize;
     central = textureLod(tex, texCoord, 0.0);
     color = GAUSSIAN_BLUR(Color, texCoord, blur.direction);
     coarseMask = GAUSSIAN_BLUR(Mask, texCoord, blur.direction);

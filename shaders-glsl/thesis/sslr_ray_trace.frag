@@ -1,9 +1,11 @@
 #version 460
 #pragma program(SslrRayTrace)
+#pragma in_either_stage
 // `sslr`, stage 1: uniform ray march, with the step chosen by roughness and no refinement (thesis
 // 4.3.1). Writes the colour at the intersection with the ray's length in a, and the mask; and if it is wanted
 // the intersection itself, which the method has no need of.
 
+#include "common/either_stage.glsl"
 #include "thesis/parameters.glsl"
 #include "thesis/pixel.glsl"
 #include "thesis/linear_ray_march.glsl"
@@ -12,16 +14,16 @@ layout(binding = 4) uniform sampler2D colorBuffer; // lit colour
 
 layout(constant_id = 0) const bool HITS = false; // whether out_hit is wanted
 
-layout(location = 0) out vec4 rayTraceColor;
-layout(location = 1) out float rayTraceMask;
-layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, PATH_*
+OUTPUT(0, rgba32f, vec4, rayTraceColor);
+OUTPUT(1, r8, float, rayTraceMask);
+OUTPUT(2, rgba32f, vec4, out_hit); // texture coordinates, standard depth, PATH_*
 
-void main() {
+SHADE_ALL(rayTraceColor, STORE(rayTraceMask) STORE_IF(HITS, out_hit)) {
     rayTraceColor = vec4(0.0);
     rayTraceMask = 0.0;
     if (HITS)
         out_hit = vec4(INVALID_RAY, PATH_NONE);
-    Pixel pixel = ReadPixel(gl_FragCoord.xy);
+    Pixel pixel = ReadPixel(PIXEL_CENTRE);
     if (!pixel.reflects)
         return;
 

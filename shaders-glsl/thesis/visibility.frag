@@ -1,7 +1,10 @@
 #version 460
 #pragma program(Visibility)
+#pragma in_either_stage
 // Pre-integration: one level of the visibility buffer from the level below (thesis 4.2.5 and its
 // listing, Eq. 4.2).
+
+#include "common/either_stage.glsl"
 
 layout(binding = 0) uniform sampler2D depthMap;      // Hi-Z, the level below
 layout(binding = 1) uniform sampler2D visibilityMap; // visibility, the level below
@@ -11,7 +14,7 @@ layout(push_constant) uniform VisibilityBlock {
     float far_plane;
 } range;
 
-layout(location = 0) out float coarseVisibility;
+OUTPUT(0, r8, float, coarseVisibility);
 
 // Print: §4.2.5, Eq. 4.2.
 // 1: Linearize(z) = 2 P_near / (P_far + P_near - z * (P_far - P_near))
@@ -21,11 +24,11 @@ float Linearize(float z) {
 }
 
 // Print: §4.2.5, listing.
-void main() {
+SHADE(coarseVisibility) {
     // 1-5: Fetch texels from previous depth map LOD
     // Departure: clamped, as in hi_z.frag; and both maps are bound as views of that one level, so that the listing's
     // mipPrevious is level 0 here.
-    ivec2 coordCoarse = ivec2(gl_FragCoord.xy);
+    ivec2 coordCoarse = ivec2(PIXEL_CENTRE);
     ivec2 coordFine = coordCoarse * ivec2(2);
     ivec2 last = textureSize(depthMap, 0) - 1;
 

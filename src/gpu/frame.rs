@@ -7,6 +7,7 @@
 mod bind;
 mod context;
 mod draw;
+mod pixels;
 mod quirks;
 mod rays;
 mod sets;

@@ -8,11 +8,17 @@
 //! #pragma program(BlurAcross, ACROSS)
 //! #pragma program(BlurDown)
 //! ```
+//!
+//! A `.frag` file with the line `#pragma in_either_stage` is compiled as compute shaders, too: each of its programs once more, with
+//! COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further ones with MINIMUM defined, for images of other formats.
 
 use std::path::{Path, PathBuf};
 
 /// Where the sources are, in the repository.
 pub const FOLDER: &str = "shaders-glsl";
+
+/// The macro that is defined for a compute program of a `.frag` file.
+pub const COMPUTE: &str = "COMPUTE";
 
 /// Extensions of the files of a shader stage.
 pub const STAGES: &[&str] = &["vert", "frag", "comp"];
@@ -57,6 +63,50 @@ pub struct Named {
     pub defines: Vec<String>,
 }
 
+impl Named {
+    /// The compute program of this fragment program, with further macros.
+    pub fn in_compute(&self, defines: &[String]) -> Self {
+        let name = format!("{}Compute{}", self.name, defines.concat());
+        let own = [self.defines.clone(), vec![COMPUTE.to_owned()]].concat();
+        Self { name, defines: [&own[..], defines].concat() }
+    }
+}
+
+/// The pragma of a source whose fragment programs are compute programs, too.
+const IN_EITHER_STAGE: &str = "in_either_stage";
+
+/// What is defined beside COMPUTE for each of the compute programs that a fragment program of a source has.
+///
+/// # Errors
+/// A sentence on a pragma that is none of ours.
+pub fn in_either_stage(source: &str, path: &Path) -> Result<Vec<Vec<String>>, String> {
+    let mut found = Vec::new();
+    for (line, text) in source.lines().enumerate() {
+        let Some(rest) = text.strip_prefix("#pragma ").and_then(|text| text.strip_prefix(IN_EITHER_STAGE)) else {
+            continue;
+        };
+        let defines = match rest {
+            "" => Some(Vec::new()),
+            _ => rest.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).and_then(words),
+        };
+        found.push(defines.ok_or_else(|| {
+            format!(
+                "{}:{}: {text:?} should be `#pragma {IN_EITHER_STAGE}` or `#pragma {IN_EITHER_STAGE}(DEFINED, …)`",
+                path.display(),
+                line + 1
+            )
+        })?);
+    }
+    Ok(found)
+}
+
+/// The words of a list with commas; `None` if one of them is no word.
+fn words(list: &str) -> Option<Vec<String>> {
+    let words: Vec<&str> = list.split(',').map(str::trim).collect();
+    let is_word = |w: &&str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    words.iter().all(is_word).then(|| words.into_iter().map(str::to_owned).collect())
+}
+
 /// The programs that a stage's source names, in order.
 ///
 /// # Errors
@@ -65,18 +115,19 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
         let Some(pragma) = text.strip_prefix("#pragma ") else { continue };
-        let words = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
-        let words: Vec<&str> = words.unwrap_or_default().split(',').map(str::trim).collect();
-        let is_word = |w: &&str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !words.iter().all(is_word) {
-            return Err(format!(
+        if pragma.starts_with(IN_EITHER_STAGE) {
+            continue;
+        }
+        let list = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
+        let mut words = list.and_then(words).ok_or_else(|| {
+            format!(
                 "{}:{}: {text:?} should be `#pragma program(Name)` or `#pragma program(Name, DEFINED, …)`",
                 path.display(),
                 line + 1
-            ));
-        }
-        let defines = words[1..].iter().map(|w| (*w).to_owned()).collect();
-        found.push(Named { name: words[0].to_owned(), defines });
+            )
+        })?;
+        let name = words.remove(0);
+        found.push(Named { name, defines: words });
     }
     Ok(found)
 }
@@ -110,7 +161,8 @@ pub fn compile<D: AsRef<str>>(
         included.borrow_mut().push(path.clone());
         Ok(shaderc::ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content })
     });
-    let stage = kind(path).ok_or("not a stage")?;
+    let is_compute = defines.iter().any(|define| define.as_ref() == COMPUTE);
+    let stage = if is_compute { shaderc::ShaderKind::Compute } else { kind(path).ok_or("not a stage")? };
     let words = compiler
         .compile_into_spirv(&source, stage, &path.to_string_lossy(), "main", Some(&options))
         .map(|artifact| artifact.as_binary().to_vec())
@@ -131,6 +183,21 @@ pub struct Compiled {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
+        let path = Path::new("a.frag");
+        let source = "#version 460\n#pragma program(A, B)\n#pragma in_either_stage\n#pragma in_either_stage(C)\n";
+        let twins = in_either_stage(source, path).unwrap();
+        let program = programs(source, path).unwrap().remove(0);
+        let named: Vec<_> =
+            twins.iter().map(|t| program.in_compute(t)).map(|n| (n.name, n.defines.join(" "))).collect();
+        assert_eq!(named, [("ACompute".into(), "B COMPUTE".into()), ("AComputeC".into(), "B COMPUTE C".into())]);
+        for wrong in ["#pragma in_either_stage()", "#pragma in_either_stage(A", "#pragma in_either_stages"] {
+            let message = in_either_stage(wrong, path).unwrap_err();
+            assert!(message.starts_with("a.frag:1: ") && message.contains(wrong), "{message}");
+        }
+    }
 
     #[test]
     fn programs_are_read_off_their_pragmas() {

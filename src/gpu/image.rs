@@ -2,6 +2,7 @@
 
 use super::device::{Gpu, vulkan};
 use super::memory::{self, Allocation, MemoryPlace};
+use super::pixels::ShaderStage;
 use super::sync::{State, Tracked};
 use crate::error::{Error, Result};
 use ash::vk;
@@ -252,6 +253,16 @@ impl Image {
         Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
     }
 
+    /// An image as [`Self::target`] makes it, that programs of a stage write.
+    pub fn target_in(gpu: &Gpu, stage: ShaderStage, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        if stage == ShaderStage::Fragment {
+            return Self::target(gpu, name, format, extent);
+        }
+        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+    }
+
     /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
     pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
         gpu.name(handle, "swapchain");
@@ -416,6 +427,12 @@ impl<'a> ImageSlice<'a> {
     /// The image.
     pub fn image(&self) -> &'a Image {
         self.image
+    }
+
+    /// What a compute program stores to: the slice itself, or of a volume's slice the whole volume, since no view of one slice can
+    /// be stored to on every device.
+    pub(crate) fn stored(&self) -> Self {
+        if self.slice.is_some() { self.image.all() } else { *self }
     }
 
     /// The first level.

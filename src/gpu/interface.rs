@@ -2,7 +2,7 @@
 //! includes this file, as it includes `glsl.rs`.
 
 use rspirv::dr::{Module, Operand};
-use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
+use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, ImageFormat, Op, StorageClass, Word};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a stage asks of its pipeline, and how its blocks lie in memory.
@@ -20,6 +20,9 @@ pub struct Interface {
     pub local_size: [u32; 3],
     /// Uniform and push-constant blocks and the structs in them, by name.
     pub blocks: BTreeMap<String, Block>,
+    /// Formats of the images that it loads from and stores to, by binding, as Vulkan names them; an image without a format that
+    /// the programs store to is left out.
+    pub formats: BTreeMap<u32, &'static str>,
 }
 
 /// One binding of a stage.
@@ -73,6 +76,20 @@ impl Interface {
         let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
         Reflection::new(&module, name, local_size).interface()
     }
+}
+
+/// The name that Vulkan has for a format of an image, if programs store to such images.
+fn format_name(format: ImageFormat) -> Option<&'static str> {
+    Some(match format {
+        ImageFormat::Rgba32f => "R32G32B32A32_SFLOAT",
+        ImageFormat::Rgba16f => "R16G16B16A16_SFLOAT",
+        ImageFormat::Rg32f => "R32G32_SFLOAT",
+        ImageFormat::R32f => "R32_SFLOAT",
+        ImageFormat::Rg16f => "R16G16_SFLOAT",
+        ImageFormat::R8 => "R8_UNORM",
+        ImageFormat::R32ui => "R32_UINT",
+        _ => return None,
+    })
 }
 
 /// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
@@ -209,6 +226,7 @@ impl<'a> Reflection<'a> {
                 None => [1; 3],
             },
             blocks: BTreeMap::new(),
+            formats: BTreeMap::new(),
         };
         let is_fragment = self.is_fragment();
         let mut outputs = BTreeMap::new();
@@ -247,6 +265,9 @@ impl<'a> Reflection<'a> {
                 (StorageClass::StorageBuffer, _) => "StorageBuffer",
                 other => return Err(format!("{}: binding {binding} has an unknown kind {other:?}", self.name)),
             };
+            if let ("StorageImage", Some(Operand::ImageFormat(format))) = (kind, definition.operands.get(6)) {
+                found.formats.extend(format_name(*format).map(|name| (binding, name)));
+            }
             found.bindings.push(Bound { binding, name, kind, count, block, read_only: self.is_read_only(id, pointee) });
         }
         found.bindings.sort();

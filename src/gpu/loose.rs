@@ -60,6 +60,7 @@ pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'s
         push_constant_size: interface.push.as_ref().map_or(0, |p| p.size),
         local_size: interface.local_size,
         bindings,
+        stored: &[],
     })))
 }
 

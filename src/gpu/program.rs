@@ -34,6 +34,12 @@ pub trait Fragment: Program {
     type Outputs<T>: AsRef<[T]>;
 }
 
+/// A fragment program that exists as a compute program, too, made from the same source (`#pragma in_either_stage`).
+pub trait InEitherStage: Fragment {
+    /// The compute programs: one for each choice of formats of its outputs.
+    const COMPUTE: &'static [Shader];
+}
+
 /// A program that is dispatched.
 pub trait Compute: Program {}
 

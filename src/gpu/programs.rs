@@ -40,8 +40,9 @@
 use super::frame::Resource;
 use super::image::ImageSlice;
 use super::memory::{Buffer, TexelBuffer};
-use super::program::{Compute, Constants, Fragment, Program, Sampled, VertexProgram};
+use super::program::{Compute, Constants, Fragment, InEitherStage, Program, Sampled, VertexProgram};
 use super::ray_structure::RayStructure;
 use super::shader::*;
+use ash::vk;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));

@@ -17,6 +17,9 @@ pub struct Shader {
     pub local_size: [u32; 3],
     /// What it binds in descriptor set 0.
     pub bindings: &'static [Binding],
+    /// Binding and format of the image for each output, by location, of a compute program that stores what a fragment program
+    /// of the same source draws; else empty.
+    pub stored: &'static [(u32, ash::vk::Format)],
 }
 
 /// One descriptor of a shader.

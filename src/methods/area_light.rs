@@ -2,7 +2,7 @@
 //! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
 use super::needs::Need;
-use super::{Input, Method, MethodInfo, SceneInput, Traced};
+use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
@@ -14,7 +14,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "area-light",
         "analytic area lights (direct highlights)",
         "Hermanns 2015, §3.1.1; Karis 2013",
-        |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
+        |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, &making.setup)?)),
     )
 };
 
@@ -22,8 +22,8 @@ pub const INFO: MethodInfo = MethodInfo {
 struct AreaLightMethod(AreaLightPass);
 
 impl AreaLightMethod {
-    fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Ok(Self(AreaLightPass::new(gpu, extent)?))
+    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        Ok(Self(AreaLightPass::new(gpu, setup.stage(), setup.extent)?))
     }
 }
 

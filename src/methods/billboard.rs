@@ -25,7 +25,8 @@ pub const INFO: MethodInfo = MethodInfo {
         "Schmidt 2013, §5.3, listings 2 and 3",
         |gpu, making| {
             let parameters: BillboardParams = making.setup.of();
-            let pass = BillboardPass::new(gpu, making.setup.extent, parameters.billboard_glow > 0.0)?;
+            let pass =
+                BillboardPass::new(gpu, making.setup.stage(), making.setup.extent, parameters.billboard_glow > 0.0)?;
             Ok(Box::new(BillboardMethod { pass, parameters }))
         },
     )

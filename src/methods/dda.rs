@@ -78,7 +78,14 @@ impl DdaMethod {
         let (setup, p) = (&making.setup, making.setup.of::<DdaParams>());
         let [fade_start, fade_end] = p.border.ends();
         Ok(Self {
-            trace: DdaTracePass::new(gpu, setup.extent, [p.dda_jitter, p.dda_refine], p.layers.layers, making.hits)?,
+            trace: DdaTracePass::new(
+                gpu,
+                setup.stage(),
+                setup.extent,
+                [p.dda_jitter, p.dda_refine],
+                p.layers.layers,
+                making.hits,
+            )?,
             parameters: DdaBlock {
                 stride: p.dda_stride as f32,
                 thickness: p.dda_thickness,

@@ -186,7 +186,7 @@ impl Effect {
     ) -> Result<Self> {
         let (name, effect) = (info.name, setup.effect());
         let Setup { extent, projection, .. } = *setup;
-        let divisor = effect.divisor();
+        let (divisor, stage) = (effect.divisor(), setup.stage());
         // A method that follows rays in captures or among triangles needs no scene if they are made already.
         let is_given =
             |m: &MethodInfo| (m.takes_captures && captured.is_some()) || (m.takes_triangles && triangles.is_some());
@@ -247,11 +247,11 @@ impl Effect {
                 triangles: None,
                 behind: true,
             };
-            Ok((behind.make(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
+            Ok((behind.make(&gpu, &making)?, FallbackPass::new(&gpu, stage, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
         let bounces = (effect.bounces > 1)
-            .then(|| Ok::<_, Error>((effect.bounces, CompositePass::for_bounces(&gpu, extent)?)))
+            .then(|| Ok::<_, Error>((effect.bounces, CompositePass::for_bounces(&gpu, stage, extent)?)))
             .transpose()?;
         let composite =
             wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped && bounces.is_none();
@@ -268,34 +268,34 @@ impl Effect {
         };
         if divisor != 1 {
             inner.setup.extent = resolution::divided(extent, divisor);
-            let downsample = DownsamplePass::new(&gpu, extent, divisor)?;
+            let downsample = DownsamplePass::new(&gpu, stage, extent, divisor)?;
             let is_numbered = triangles.is_some() && gpu.numbers_triangles();
-            let downsample = if is_numbered { downsample.numbered(&gpu)? } else { downsample };
-            scaled = Some((downsample, UpsamplePass::new(&gpu, extent, projection, divisor)?));
+            let downsample = if is_numbered { downsample.numbered(&gpu, stage)? } else { downsample };
+            scaled = Some((downsample, UpsamplePass::new(&gpu, stage, extent, projection, divisor)?));
         }
         let effect = Self {
             method: info.make(&gpu, &inner)?,
             projection,
             trace_normals: other_normals
                 .then(|| -> Result<_> {
-                    let bump = is_bumped.then(|| BumpPass::new(&gpu, extent, effect.bump_after)).transpose()?;
-                    Ok((TraceNormalsPass::new(&gpu, extent, projection, effect.trace_normals)?, bump))
+                    let bump = is_bumped.then(|| BumpPass::new(&gpu, stage, extent, effect.bump_after)).transpose()?;
+                    Ok((TraceNormalsPass::new(&gpu, stage, extent, projection, effect.trace_normals)?, bump))
                 })
                 .transpose()?,
             second_layer: has_layers
-                .then(|| SecondLayer::new(&gpu, extent, divisor, setup.of::<LayerParams>()))
+                .then(|| SecondLayer::new(&gpu, stage, extent, divisor, setup.of::<LayerParams>()))
                 .transpose()?,
             scaled,
             fallback: fallback.transpose()?,
             history: history
                 .then(|| {
                     let averaged = (effect.history_frames, effect.history_deviations);
-                    let stage = effect.history_stage.on(&gpu);
+                    let stage = effect.history_stage.on(&gpu, effect.stage);
                     HistoryPass::new(&gpu, (extent, projection), averaged, stage, wants.composite)
                 })
                 .transpose()?,
             bounces,
-            composite: (wants.composite && !history).then(|| CompositePass::new(&gpu, extent)).transpose()?,
+            composite: (wants.composite && !history).then(|| CompositePass::new(&gpu, stage, extent)).transpose()?,
             captures: captured,
             triangles: triangles.map(|reading| PreparedTriangles { reading, table: None }),
             prepared: Prepared::default(),

@@ -33,7 +33,7 @@ pub struct EnvironmentMethod {
 impl EnvironmentMethod {
     /// Without a map; preparing makes it.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self { pass: EnvironmentPass::new(gpu, setup.extent, setup.projection)?, map: None })
+        Ok(Self { pass: EnvironmentPass::new(gpu, setup.stage(), setup.extent, setup.projection)?, map: None })
     }
 }
 

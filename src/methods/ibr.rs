@@ -29,7 +29,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hermanns 2015, §3.1.4",
         |gpu, making| {
             Ok(Box::new(IbrMethod {
-                pass: BillboardPass::new(gpu, making.setup.extent, false)?.labelled("planes"),
+                pass: BillboardPass::new(gpu, making.setup.stage(), making.setup.extent, false)?.labelled("planes"),
                 parameters: making.setup.of(),
                 images: Vec::new(),
                 captured: Vec::new(),

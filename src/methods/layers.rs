@@ -3,7 +3,7 @@
 
 use super::SceneInput;
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu};
+use crate::gpu::{Frame, Gpu, ShaderStage};
 use crate::parameter::{Parameter, parameters};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::{GBufferPass, Peel};
@@ -48,11 +48,11 @@ impl SecondLayer {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32, parameters: LayerParams) -> Result<Self> {
-        let downsample = (divisor != 1).then(|| DownsamplePass::new(gpu, extent, divisor)).transpose()?;
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], divisor: u32, parameters: LayerParams) -> Result<Self> {
+        let downsample = (divisor != 1).then(|| DownsamplePass::new(gpu, stage, extent, divisor)).transpose()?;
         Ok(Self {
             gbuffer: GBufferPass::behind(gpu, extent)?.labelled("layer/g-buffer"),
-            lighting: LightingPass::new(gpu)?.labelled("layer/lighting"),
+            lighting: LightingPass::in_stage(gpu, stage)?.labelled("layer/lighting"),
             downsample: downsample.map(|pass| pass.labelled("layer/downsample")),
             separation_m: parameters.layer_separation,
         })

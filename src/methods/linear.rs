@@ -51,10 +51,18 @@ struct LinearMethod {
 
 impl LinearMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (extent, parameters) = (making.setup.extent, making.setup.of::<LinearParams>());
+        let (extent, stage) = (making.setup.extent, making.setup.stage());
+        let parameters: LinearParams = making.setup.of();
         Ok(Self {
-            depth: HiZPass::depth_alone(gpu, extent)?,
-            trace: LinearTracePass::new(gpu, extent, parameters.march, parameters.numbers.numbers(), making.hits)?,
+            depth: HiZPass::depth_alone(gpu, stage, extent)?,
+            trace: LinearTracePass::new(
+                gpu,
+                stage,
+                extent,
+                parameters.march,
+                parameters.numbers.numbers(),
+                making.hits,
+            )?,
             numbers: parameters.numbers,
             border: parameters.border,
             fade: making.setup.effect().fade,

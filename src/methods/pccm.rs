@@ -34,7 +34,7 @@ pub struct PccmMethod {
 impl PccmMethod {
     /// Without maps; preparing captures them. Whether they are corrected for parallax tells `pccm` from `local-map`.
     pub fn new(gpu: &Gpu, setup: &Setup, corrected: bool) -> Result<Self> {
-        let pass = PccmPass::new(gpu, setup.extent, setup.projection, corrected)?;
+        let pass = PccmPass::new(gpu, setup.stage(), setup.extent, setup.projection, corrected)?;
         Ok(Self { pass, maps: Vec::new(), captured: Vec::new() })
     }
 }

@@ -70,8 +70,8 @@ impl PlanarMethod {
         };
         Ok(Self {
             scene: scene.labelled("mirrored g-buffer"),
-            lighting: LightingPass::new(gpu)?.labelled("mirrored lighting"),
-            planar: PlanarPass::new(gpu, setup.extent, DEPTH_STENCIL)?,
+            lighting: LightingPass::in_stage(gpu, setup.stage())?.labelled("mirrored lighting"),
+            planar: PlanarPass::new(gpu, setup.stage(), setup.extent, DEPTH_STENCIL)?,
             parameters,
             candidates: Vec::new(),
         })

@@ -79,11 +79,11 @@ impl PosterMethod {
             search_count: p.search_steps as i32,
             search_decrease: p.search_decrease,
         };
-        let filter = || FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter, p.edge_tolerance);
+        let filter = || FilteredGBufferPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, p.edge_tolerance);
         Ok(Self {
             filter: filter()?,
             behind_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
-            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, steps, making.hits, layers)?,
+            march: ConeMarchPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, steps, making.hits, layers)?,
             parameters: PosterBlock {
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,

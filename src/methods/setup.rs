@@ -2,12 +2,11 @@
 
 use super::{METHODS, MethodInfo};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, ShaderStage};
 use crate::math::OracleVersion;
 use crate::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
 };
-use crate::passes::tiles::TileStage;
 use crate::passes::trace_normals::TraceNormals;
 use crate::scene::ProjectionKind;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
@@ -52,13 +51,36 @@ choices! {
 }
 
 impl StageChoice {
-    /// The stage that passes have on a device.
-    pub(super) fn on(self, gpu: &Gpu) -> TileStage {
+    /// The stage that passes have on a device, where all of the frame are asked for in some stage.
+    pub(super) fn on(self, gpu: &Gpu, all: Stage) -> ShaderStage {
+        match (self, all) {
+            (Self::Fragment, _) | (Self::Auto, Stage::Fragment) => ShaderStage::Fragment,
+            (Self::Compute, _) | (Self::Auto, Stage::Compute) => ShaderStage::Compute,
+            (Self::Auto, Stage::Published) if gpu.info().is_cpu() => ShaderStage::Fragment,
+            (Self::Auto, Stage::Published) => ShaderStage::Compute,
+        }
+    }
+}
+
+choices! {
+    /// The shaders in which the passes over the whole image run.
+    pub enum Stage {
+        /// Fragment shaders in published methods and around every method; the passes of `unified` and the history as their own
+        /// parameters say.
+        Published = "published",
+        /// Fragment shaders.
+        Fragment = "fragment",
+        /// Compute shaders, a thread a pixel.
+        Compute = "compute",
+    }
+}
+
+impl Stage {
+    /// The stage of passes that are published as fragment shaders.
+    pub fn of_pixels(self) -> ShaderStage {
         match self {
-            Self::Fragment => TileStage::Fragment,
-            Self::Compute => TileStage::Compute,
-            Self::Auto if gpu.info().is_cpu() => TileStage::Fragment,
-            Self::Auto => TileStage::Compute,
+            Self::Published | Self::Fragment => ShaderStage::Fragment,
+            Self::Compute => ShaderStage::Compute,
         }
     }
 }
@@ -206,6 +228,11 @@ parameters! {
         /// Trace at a lower resolution and bring the reflection back to full size: traced pixels a side over pixels.
         resolution_scale: f32 =
             Parameter::new(1.0).one_of(&[1.0, 0.5, 0.25]).sweep(Preset::Published, &[0.5]).source("Hermanns 2015, §4.4"),
+        /// The shaders in which all passes over the whole image run, of the method and around it. The image is the same, and a
+        /// GPU runs the two at different speeds: methods are compared fairly in one stage. As published, all methods but unified,
+        /// traced and captures run in fragment shaders. With a stage, the trace-stage, resolve-stage and history-stage that are auto
+        /// are that stage. What draws triangles stays as it is (docs/devices.md).
+        stage: Stage = Parameter::new(Stage::Published).source("as published: fragment shaders"),
         /// What rays of screen-space methods are reflected at: the normals of shading, those of the geometry, or the
         /// world's up.
         trace_normals: TraceNormals = Parameter::new(TraceNormals::Shading).source("Hermanns 2015, §4.4"),
@@ -351,6 +378,11 @@ impl Setup {
     /// The parameters of what surrounds a method.
     pub fn effect(&self) -> EffectParams {
         self.of()
+    }
+
+    /// The stage of passes that are published as fragment shaders.
+    pub fn stage(&self) -> ShaderStage {
+        self.effect().stage.of_pixels()
     }
 
     /// The setup in records: size, preset, and the value of every parameter of the effect and of a method.

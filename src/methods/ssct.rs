@@ -93,17 +93,18 @@ impl ThesisMethod {
         march: Option<MarchNumbers>,
         fill: Fill,
     ) -> Result<Self> {
-        let extent = making.setup.extent;
+        let (extent, stage) = (making.setup.extent, making.setup.stage());
         Ok(Self {
-            hi_z: HiZPass::new(gpu, extent, drawn.hi_z_maximum)?,
-            visibility: VisibilityPass::new(gpu, extent)?,
+            hi_z: HiZPass::new(gpu, stage, extent, drawn.hi_z_maximum)?,
+            visibility: VisibilityPass::new(gpu, stage, extent)?,
             color: ColorChainPass::masked(
                 gpu,
+                stage,
                 extent,
                 drawn.chain_filter,
                 (drawn.chain_mask, drawn.chain_mask_tolerance),
             )?,
-            trace: ThesisTracePass::new(gpu, extent, march, drawn.split, making.hits)?,
+            trace: ThesisTracePass::new(gpu, stage, extent, march, drawn.split, making.hits)?,
             fade: making.setup.effect().fade,
             fill,
         })

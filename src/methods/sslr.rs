@@ -64,13 +64,14 @@ struct SslrMethod {
 
 impl SslrMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (extent, parameters) = (making.setup.extent, making.setup.of::<SslrParams>());
-        let trace = SslrTracePass::new(gpu, extent, parameters.march.uniform_steps, making.hits)?;
+        let (extent, stage) = (making.setup.extent, making.setup.stage());
+        let parameters: SslrParams = making.setup.of();
+        let trace = SslrTracePass::new(gpu, stage, extent, parameters.march.uniform_steps, making.hits)?;
         Ok(Self {
-            depth: HiZPass::depth_alone(gpu, extent)?,
-            chain: MaskChainPass::new(gpu, extent, trace.formats(), parameters.mask_filter)?,
+            depth: HiZPass::depth_alone(gpu, stage, extent)?,
+            chain: MaskChainPass::new(gpu, stage, extent, trace.formats(), parameters.mask_filter)?,
             trace,
-            reflection: SslrReflectionPass::new(gpu, extent)?,
+            reflection: SslrReflectionPass::new(gpu, stage, extent)?,
             parameters,
         })
     }

@@ -59,13 +59,13 @@ impl SchmidtMethod {
         pixel_step: u32,
         blur: Option<ChainFilter>,
     ) -> Result<Self> {
-        let (extent, fade) = (making.setup.extent, making.setup.effect().fade);
+        let (extent, fade, stage) = (making.setup.extent, making.setup.effect().fade, making.setup.stage());
         let layers = making.setup.of::<LayerParams>().has_second();
-        let chain = || blur.map(|filter| ColorChainPass::new(gpu, extent, LIT_COLOR, filter)).transpose();
+        let chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
             chain: chain()?,
             behind_chain: if layers { chain()? } else { None },
-            trace: SchmidtTracePass::new(gpu, extent, march, making.hits, layers)?,
+            trace: SchmidtTracePass::new(gpu, stage, extent, march, making.hits, layers)?,
             parameters: SchmidtBlock {
                 user_pixelStepSize: pixel_step as f32,
                 fadeToEdges: i32::from(fade),

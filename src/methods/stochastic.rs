@@ -98,19 +98,21 @@ enum Walk {
 
 impl StochasticMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (setup, extent) = (&making.setup, making.setup.extent);
+        let (setup, extent, stage) = (&making.setup, making.setup.extent, making.setup.stage());
         let parameters: StochasticParams = setup.of();
         let effect = setup.effect();
         let walk = match parameters.stochastic_walk {
             StochasticWalk::Exact => {
                 let strip = pyramid::strip(extent);
-                let trace = StochasticTrace::<StochasticExact>::new(gpu, extent, strip, effect.oracle, making.hits)?;
+                let trace =
+                    StochasticTrace::<StochasticExact>::new(gpu, stage, extent, strip, effect.oracle, making.hits)?;
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
                 let ssct: SsctParams = setup.of();
-                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, ssct.march.numbers(), making.hits)?;
-                Walk::Thesis(HiZPass::new(gpu, extent, false)?, ssct, trace)
+                let trace =
+                    StochasticTrace::<StochasticThesis>::new(gpu, stage, extent, ssct.march.numbers(), making.hits)?;
+                Walk::Thesis(HiZPass::new(gpu, stage, extent, false)?, ssct, trace)
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;

@@ -60,7 +60,7 @@
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
 //! The two make the same images to the bit on a device that computes alike in both stages; which is faster depends on
-//! the device. [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and only the
+//! the device. [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, or `--stage` one for all, and only the
 //! pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute program runs in
 //! as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
@@ -75,12 +75,12 @@
 
 mod beyond;
 
-use super::setup::{HistoryUse, StageChoice};
+use super::setup::{HistoryUse, Stage, StageChoice};
 use super::thesis::FadeParams;
 use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image, Precision, Sampled};
+use crate::gpu::{Frame, Gpu, Image, Precision, Sampled, ShaderStage};
 use crate::math::OracleVersion;
 use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
@@ -89,7 +89,7 @@ use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{Listed, LostRays, capture_block};
 use crate::passes::own_rays::{OwnRaysInput, OwnRaysPass};
 use crate::passes::pyramid::{self, PyramidPass};
-use crate::passes::tiles::{TileStage, UnifiedSetup};
+use crate::passes::tiles::UnifiedSetup;
 use crate::passes::triangle_scene::{AmongTriangles, TriangleReading};
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
@@ -212,20 +212,20 @@ impl UnifiedMethod {
         let triangles = making
             .triangles
             .map(|triangles| TriangleReading { screen_colors: hit_color.is_of_screen(triangles), ..triangles });
-        let stages = [trace_stage, resolve_stage].map(|stage| stage.on(gpu));
+        let stages = [trace_stage, resolve_stage].map(|choice| choice.on(gpu, making.setup.effect().stage));
         Self::with(gpu, making, (screen, triangles), stages)
     }
 
     /// Makes it without a walk over the screen: every ray goes among the triangles.
     pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
-        Self::with(gpu, making, (false, making.triangles), [StageChoice::Auto.on(gpu); 2])
+        Self::with(gpu, making, (false, making.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
     }
 
     fn with(
         gpu: &Gpu,
         making: &Making,
         (screen, triangles): (bool, Option<TriangleReading>),
-        [trace, resolve]: [TileStage; 2],
+        [trace, resolve]: [ShaderStage; 2],
     ) -> Result<Self> {
         let Setup { extent, projection, .. } = making.setup;
         let (effect, hits) = (making.setup.effect(), making.hits);

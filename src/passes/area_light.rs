@@ -5,7 +5,7 @@ use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{AreaLightBlock, AreaLightData};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 use crate::math::constants::{self, SHAPE_CAPSULE, SHAPE_CUBOID, SHAPE_CYLINDER, SHAPE_RECTANGLE, SHAPE_SPHERE};
 use crate::scene::{AreaLight, AreaShape, Camera};
 
@@ -14,16 +14,16 @@ pub const MAX_AREA_LIGHTS: usize = constants::MAX_AREA_LIGHTS as usize;
 
 /// Pipeline and image of one size.
 pub struct AreaLightPass {
-    pipeline: GraphicsPipeline<programs::AreaLight<'static>>,
+    pipeline: PixelPipeline<programs::AreaLight<'static>>,
     reflection: Image,
 }
 
 impl AreaLightPass {
     /// An image of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            reflection: Image::target(gpu, "area lights", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
+            reflection: Image::target_in(gpu, stage, "area lights", LIT_COLOR, extent)?,
         })
     }
 
@@ -45,7 +45,7 @@ impl AreaLightPass {
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let lights = light_block(&scene.area_lights, camera);
-        frame.fullscreen(
+        frame.pixels(
             "area lights",
             &self.pipeline,
             [Target::overwrite(self.reflection.all())],

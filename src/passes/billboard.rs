@@ -7,7 +7,7 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{Billboard, BillboardConstants};
 use crate::gpu::shader::{BillboardBlock, ImpostorData};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use crate::math::constants::{
     self, BLUR_DISTANCE, BLUR_NONE, BLUR_ROUGHNESS, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN,
 };
@@ -70,17 +70,17 @@ pub struct Drawing {
 
 /// Pipeline and image of one size.
 pub struct BillboardPass {
-    pipeline: GraphicsPipeline<Billboard<'static>>,
+    pipeline: PixelPipeline<Billboard<'static>>,
     reflection: Image,
     label: &'static str,
 }
 
 impl BillboardPass {
     /// An image of a size in pixels; with a glow ([`Drawing::glow`]) or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], glow: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], glow: bool) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &BillboardConstants { glow })?,
-            reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &BillboardConstants { glow })?,
+            reflection: Image::target_in(gpu, stage, "billboard reflection", LIT_COLOR, extent)?,
             label: "billboards",
         })
     }
@@ -128,7 +128,7 @@ impl BillboardPass {
             *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
             *texture = Sampled::trilinear(image(n, impostor).all());
         }
-        frame.fullscreen(
+        frame.pixels(
             self.label,
             &self.pipeline,
             [Target::overwrite(self.reflection.all())],

@@ -4,21 +4,21 @@
 use super::{GBuffer, LIT_COLOR, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::BumpBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 
 /// Pipeline and image of one size.
 pub struct BumpPass {
-    pipeline: GraphicsPipeline<programs::Bump<'static>>,
+    pipeline: PixelPipeline<programs::Bump<'static>>,
     reflection: Image,
     strength: f32,
 }
 
 impl BumpPass {
     /// For a size in pixels; the strength is in screen heights for a deviation of 1.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], strength: f32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], strength: f32) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            reflection: Image::target(gpu, "bumped reflection", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
+            reflection: Image::target_in(gpu, stage, "bumped reflection", LIT_COLOR, extent)?,
             strength,
         })
     }
@@ -38,7 +38,7 @@ impl BumpPass {
             material_buffer: Sampled::nearest(shading.material.all()),
             bump: &BumpBlock { strength: self.strength },
         };
-        frame.fullscreen("bump", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.pixels("bump", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

@@ -6,7 +6,9 @@ use super::{ColorChain, GBuffer, HiZ, LIT_COLOR};
 use crate::error::{Error, Result};
 use crate::gpu::programs::{ColorCoarse, GaussianBlur, GaussianBlurMasked, GaussianBlurMaskedConstants};
 use crate::gpu::shader::{BlurBlock, MaskedBlurBlock};
-use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
+use crate::gpu::{
+    ComputePipeline, Frame, Gpu, Image, ImageDesc, ImageSlice, PixelPipeline, Sampled, ShaderStage, Target, image,
+};
 use crate::parameter::choices;
 use crate::scene::Lens;
 use ash::vk;
@@ -40,9 +42,9 @@ enum Make {
     /// A blit each, the last [`COARSE`] of them in one dispatch.
     Coarse(ComputePipeline<ColorCoarse<'static>>),
     /// Two passes each, with the image between the two directions.
-    Gaussian(GraphicsPipeline<GaussianBlur<'static>>, Box<Image>),
+    Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
     /// Two masked passes each, with the greatest difference of depths that counts as one surface, as a part of the lesser.
-    Masked(GraphicsPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
+    Masked(PixelPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
 /// Levels that `color_coarse.comp` makes.
@@ -53,11 +55,17 @@ pub struct ColorChainPass(Make);
 
 impl ColorChainPass {
     /// For lit colours of a size and format.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], format: vk::Format, filter: ChainFilter) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        format: vk::Format,
+        filter: ChainFilter,
+    ) -> Result<Self> {
         Ok(Self(match filter {
             ChainFilter::Hardware => Make::Blits,
             ChainFilter::Gaussian => {
-                Make::Gaussian(GraphicsPipeline::fullscreen(gpu, [format])?, between(gpu, extent, format)?)
+                Make::Gaussian(PixelPipeline::new(gpu, stage, [format], &())?, between(gpu, stage, extent, format)?)
             }
         }))
     }
@@ -66,16 +74,17 @@ impl ColorChainPass {
     /// [`Self::new`] has it. `tolerance` is how far depths of one surface differ, as a part of the lesser one.
     pub fn masked(
         gpu: &Gpu,
+        stage: ShaderStage,
         extent: [u32; 2],
         filter: ChainFilter,
         (mask, tolerance): (ChainMask, f32),
     ) -> Result<Self> {
         if mask == ChainMask::None {
-            return Self::new(gpu, extent, LIT_COLOR, filter);
+            return Self::new(gpu, stage, extent, LIT_COLOR, filter);
         }
         let constants = GaussianBlurMaskedConstants { surface: mask == ChainMask::Surface };
-        let pipeline = GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?;
-        Ok(Self(Make::Masked(pipeline, between(gpu, extent, LIT_COLOR)?, tolerance)))
+        let pipeline = PixelPipeline::new(gpu, stage, [LIT_COLOR], &constants)?;
+        Ok(Self(Make::Masked(pipeline, between(gpu, stage, extent, LIT_COLOR)?, tolerance)))
     }
 
     /// Makes the chain that [`ChainFilter::Hardware`] makes, in fewer passes.
@@ -132,7 +141,7 @@ impl ColorChainPass {
                     hiZ: Sampled::nearest(hi_z.0.level(level)),
                     blur: &blur,
                 };
-                frame.fullscreen(&format!("color/{level}{name}"), pipeline, [Target::overwrite(to)], &program)?;
+                frame.pixels(&format!("color/{level}{name}"), pipeline, [Target::overwrite(to)], &program)?;
             }
         }
         Ok(ColorChain(chain))
@@ -140,9 +149,9 @@ impl ColorChainPass {
 }
 
 /// The image between the two directions of the Gaussian.
-fn between(gpu: &Gpu, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
+fn between(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
     use vk::ImageUsageFlags as U;
-    let (levels, usage) = (image::full_chain(extent), U::COLOR_ATTACHMENT | U::SAMPLED);
+    let (levels, usage) = (image::full_chain(extent), stage.target_usage() | U::SAMPLED);
     let described = ImageDesc { name: "horizontal blur", format, extent, levels, layers: 1, usage };
     Ok(Box::new(Image::new(gpu, &described)?))
 }
@@ -177,12 +186,12 @@ fn coarse(
 fn gaussian(
     frame: &mut Frame,
     level: u32,
-    pipeline: &GraphicsPipeline<GaussianBlur<'static>>,
+    pipeline: &PixelPipeline<GaussianBlur<'static>>,
     [below, between, here]: [ImageSlice; 3],
 ) -> Result<()> {
     let [w, h] = here.extent().map(|v| 1.0 / v as f32);
     for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
-        frame.fullscreen(
+        frame.pixels(
             &format!("color/{level}{name}"),
             pipeline,
             [Target::overwrite(to)],

@@ -2,43 +2,39 @@
 
 use super::{GBuffer, LIT_COLOR, Reflection};
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use ash::vk;
 
 /// Pipeline and image of one size.
 pub struct CompositePass {
-    pipeline: GraphicsPipeline<programs::Composite<'static>>,
+    pipeline: PixelPipeline<programs::Composite<'static>>,
     image: Image,
 }
 
 impl CompositePass {
     /// An image of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(
-                gpu,
-                [LIT_COLOR],
-                &programs::CompositeConstants { lit: false },
-            )?,
-            image: Image::target(gpu, "composite", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &programs::CompositeConstants { lit: false })?,
+            image: Image::target_in(gpu, stage, "composite", LIT_COLOR, extent)?,
         })
     }
 
     /// An image of a size in pixels that stands for the lit colour of another bounce, with room for its chain.
-    pub fn for_bounces(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn for_bounces(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let usage = stage.target_usage() | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
         let levels = image::full_chain(extent);
         let described = ImageDesc { name: "bounce", format: LIT_COLOR, extent, levels, layers: 1, usage };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &programs::CompositeConstants { lit: true })?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &programs::CompositeConstants { lit: true })?,
             image: Image::new(gpu, &described)?,
         })
     }
 
     /// Pass "composite"; the image is linear, in level 0.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, reflection: Reflection) -> Result<&'a Image> {
-        frame.fullscreen(
+        frame.pixels(
             "composite",
             &self.pipeline,
             [Target::overwrite(self.image.level(0))],

@@ -5,7 +5,7 @@ use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, camera_blo
 use crate::error::Result;
 use crate::gpu::programs::{ConeMarchMip, ConeMarchMipConstants, ConeMarchVolume, ConeMarchVolumeConstants};
 use crate::gpu::shader::PosterBlock;
-use crate::gpu::{Frame, Gpu, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
 use crate::scene::Camera;
 
 /// The numbers of the march that the poster prints.
@@ -33,6 +33,7 @@ impl ConeMarchPass {
     /// With an image of the hits, or without; through two layers of depth, or one.
     pub fn new(
         gpu: &Gpu,
+        stage: ShaderStage,
         extent: [u32; 2],
         filter: PosterFilter,
         steps: MarchSteps,
@@ -44,7 +45,7 @@ impl ConeMarchPass {
         macro_rules! pass {
             ($constants:ident) => {{
                 let constants = $constants { hits, layers, step_increase, step_count, search_count, search_decrease };
-                TracedPass::new(gpu, extent, &constants, hits)?
+                TracedPass::new(gpu, stage, extent, &constants, hits)?
             }};
         }
         Ok(match filter {

@@ -5,7 +5,7 @@ use super::{GBuffer, Hits, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{Dda, DdaConstants};
 use crate::gpu::shader::DdaBlock;
-use crate::gpu::{Frame, Gpu, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
 use crate::scene::Camera;
 
 /// Pipeline and images of one size.
@@ -14,9 +14,16 @@ pub struct DdaTracePass(TracedPass<Dda<'static>>);
 impl DdaTracePass {
     /// With samples that are shifted from pixel to pixel (`jitter`), with a search for each hit within its step
     /// (`refine`), through so many layers of depth (1 or 2), with an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], [jitter, refine]: [bool; 2], layers: u32, hits: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        [jitter, refine]: [bool; 2],
+        layers: u32,
+        hits: bool,
+    ) -> Result<Self> {
         let constants = DdaConstants { jitter, refine, hits, layers: layers as i32 };
-        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
+        Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
     /// Pass "ray march". `behind` is the second layer, where there are two.

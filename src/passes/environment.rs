@@ -2,22 +2,22 @@
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 use crate::scene::{Camera, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct EnvironmentPass {
-    pipeline: GraphicsPipeline<programs::Environment<'static>>,
+    pipeline: PixelPipeline<programs::Environment<'static>>,
     reflection: Image,
 }
 
 impl EnvironmentPass {
     /// For a size in pixels and a projection.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
         let constants = programs::EnvironmentConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?,
-            reflection: Image::target(gpu, "environment", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &constants)?,
+            reflection: Image::target_in(gpu, stage, "environment", LIT_COLOR, extent)?,
         })
     }
 
@@ -37,7 +37,7 @@ impl EnvironmentPass {
             material_buffer: Sampled::nearest(gbuffer.material.all()),
             environment: Sampled::trilinear(map.0.all()),
         };
-        frame.fullscreen("environment", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.pixels("environment", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

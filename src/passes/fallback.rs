@@ -3,20 +3,20 @@
 
 use super::{LIT_COLOR, Reflection};
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 
 /// Pipeline and image of one size.
 pub struct FallbackPass {
-    pipeline: GraphicsPipeline<programs::Fallback<'static>>,
+    pipeline: PixelPipeline<programs::Fallback<'static>>,
     reflection: Image,
 }
 
 impl FallbackPass {
     /// For a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            reflection: Image::target(gpu, "with fallback", LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
+            reflection: Image::target_in(gpu, stage, "with fallback", LIT_COLOR, extent)?,
         })
     }
 
@@ -26,7 +26,7 @@ impl FallbackPass {
             reflection_buffer: Sampled::nearest(reflection.0.all()),
             fallback_buffer: Sampled::nearest(behind.0.all()),
         };
-        frame.fullscreen("fallback", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.pixels("fallback", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

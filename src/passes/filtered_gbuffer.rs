@@ -4,9 +4,11 @@
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
-use crate::gpu::programs::{EdgeAware, LinearDepth, PosterBlurAcross, PosterBlurDown};
+use crate::gpu::programs::{EdgeAware, LinearDepth, LinearDepthVolume, PosterBlurAcross, PosterBlurDown};
 use crate::gpu::shader::{EdgeAwareBlock, PosterBlurBlock};
-use crate::gpu::{Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
+use crate::gpu::{
+    Frame, FrameContext, Gpu, Image, ImageDesc, ImageSlice, PixelPipeline, Sampled, ShaderStage, Target, image,
+};
 use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use crate::scene::Camera;
 use ash::vk;
@@ -22,10 +24,16 @@ const NAMES: [&str; 3] = ["filtered depth", "filtered normal", "filtered color"]
 
 /// Pipelines and images of one size.
 pub struct FilteredGBufferPass {
-    linear_depth: GraphicsPipeline<LinearDepth<'static>>,
+    linear_depth: LinearDepths,
     images: Images,
     /// What the names of its passes begin with.
     prefix: &'static str,
+}
+
+/// The program of the linear depth, by the kind of image that it writes.
+enum LinearDepths {
+    Flat(PixelPipeline<LinearDepth<'static>>),
+    Volume(PixelPipeline<LinearDepthVolume<'static>>),
 }
 
 enum Images {
@@ -36,15 +44,15 @@ enum Images {
 }
 
 struct EdgeAwareChains {
-    pipeline: GraphicsPipeline<EdgeAware<'static>>,
+    pipeline: PixelPipeline<EdgeAware<'static>>,
     /// How far depths of one surface differ, as a part of the lesser one.
     tolerance: f32,
     chains: [Image; 3],
 }
 
 struct Volumes {
-    across: GraphicsPipeline<PosterBlurAcross<'static>>,
-    down: GraphicsPipeline<PosterBlurDown<'static>>,
+    across: PixelPipeline<PosterBlurAcross<'static>>,
+    down: PixelPipeline<PosterBlurDown<'static>>,
     /// Between the two directions.
     between: [Image; 3],
     volumes: [Image; 3],
@@ -55,10 +63,10 @@ impl FilteredGBufferPass {
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter 32-bit depth.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, tolerance: f32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], filter: PosterFilter, tolerance: f32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         gpu.require_linear_filter(FORMATS[0])?;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         let levels = image::full_chain(extent);
         let desc = |n: usize| ImageDesc { name: NAMES[n], format: FORMATS[n], extent, levels: 1, layers: 1, usage };
         let images = match filter {
@@ -68,7 +76,7 @@ impl FilteredGBufferPass {
             }
             PosterFilter::EdgeAware => {
                 let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
-                let pipeline = GraphicsPipeline::fullscreen(gpu, FORMATS)?;
+                let pipeline = PixelPipeline::new(gpu, stage, FORMATS, &())?;
                 let chains = [chain(0)?, chain(1)?, chain(2)?];
                 Images::EdgeAware(Box::new(EdgeAwareChains { pipeline, tolerance, chains }))
             }
@@ -81,14 +89,18 @@ impl FilteredGBufferPass {
                 FrameContext::new(gpu)?
                     .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
-                    across: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
-                    down: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
+                    across: PixelPipeline::new(gpu, stage, FORMATS, &())?,
+                    down: PixelPipeline::new(gpu, stage, FORMATS, &())?,
                     between: [plain(0)?, plain(1)?, plain(2)?],
                     volumes,
                 }))
             }
         };
-        Ok(Self { linear_depth: GraphicsPipeline::fullscreen(gpu, [FORMATS[0]])?, images, prefix: "" })
+        let linear_depth = match &images {
+            Images::Volume(_) => LinearDepths::Volume(PixelPipeline::new(gpu, stage, [FORMATS[0]], &())?),
+            _ => LinearDepths::Flat(PixelPipeline::new(gpu, stage, [FORMATS[0]], &())?),
+        };
+        Ok(Self { linear_depth, images, prefix: "" })
     }
 
     /// With passes whose names begin otherwise, for a G-buffer beside another one.
@@ -142,8 +154,16 @@ impl FilteredGBufferPass {
 
     fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
-        let program = LinearDepth { camera: &block, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
-        frame.fullscreen(&format!("{}linear depth", self.prefix), &self.linear_depth, [Target::overwrite(to)], &program)
+        let (camera, depth_buffer) = (&block, Sampled::nearest(gbuffer.depth.all()));
+        let (name, targets) = (format!("{}linear depth", self.prefix), [Target::overwrite(to)]);
+        match &self.linear_depth {
+            LinearDepths::Flat(pipeline) => {
+                frame.pixels(&name, pipeline, targets, &LinearDepth { camera, depth_buffer })
+            }
+            LinearDepths::Volume(pipeline) => {
+                frame.pixels(&name, pipeline, targets, &LinearDepthVolume { camera, depth_buffer })
+            }
+        }
     }
 }
 
@@ -155,7 +175,7 @@ impl EdgeAwareChains {
         let edge = &EdgeAwareBlock { tolerance: self.tolerance };
         let targets = self.chains.each_ref().map(|chain| Target::overwrite(chain.level(level)));
         let program = EdgeAware { depth_source, normal_source, color_source, edge };
-        frame.fullscreen(&format!("{prefix}filter/{level}"), &self.pipeline, targets, &program)
+        frame.pixels(&format!("{prefix}filter/{level}"), &self.pipeline, targets, &program)
     }
 }
 
@@ -168,7 +188,7 @@ impl Volumes {
             inverse_size,
             direction: [direction[0] * step * inverse_size[0], direction[1] * step * inverse_size[1]],
             slice: (slice as f32 - 0.5) / self.volumes[0].depth() as f32,
-            ..PosterBlurBlock::default()
+            into: slice as i32,
         };
         let across = PosterBlurAcross {
             depth_source: Sampled::trilinear(self.volumes[0].all()),
@@ -184,8 +204,8 @@ impl Volumes {
         };
         let between = self.between.each_ref().map(|image| Target::overwrite(image.all()));
         let slices = self.volumes.each_ref().map(|image| Target::overwrite(image.slice(slice)));
-        frame.fullscreen(&format!("{prefix}filter/{slice}h"), &self.across, between, &across)?;
-        frame.fullscreen(&format!("{prefix}filter/{slice}v"), &self.down, slices, &down)
+        frame.pixels(&format!("{prefix}filter/{slice}h"), &self.across, between, &across)?;
+        frame.pixels(&format!("{prefix}filter/{slice}v"), &self.down, slices, &down)
     }
 }
 

@@ -5,7 +5,7 @@
 use super::{GBuffer, HiZ};
 use crate::error::Result;
 use crate::gpu::shader::HiZBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use ash::vk;
 
 /// The minimum alone.
@@ -15,31 +15,31 @@ const BOTH: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// Pipelines and the chain of one size.
 pub struct HiZPass {
-    depth: GraphicsPipeline<programs::Depth<'static>>,
-    reduce: GraphicsPipeline<programs::HiZ<'static>>,
+    depth: PixelPipeline<programs::Depth<'static>>,
+    reduce: PixelPipeline<programs::HiZ<'static>>,
     chain: Image,
 }
 
 impl HiZPass {
     /// A full chain over a size in pixels, with or without maxima.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], maximum: bool) -> Result<Self> {
-        Self::with_levels(gpu, extent, image::full_chain(extent), if maximum { BOTH } else { MINIMUM })
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], maximum: bool) -> Result<Self> {
+        Self::with_levels(gpu, stage, extent, image::full_chain(extent), if maximum { BOTH } else { MINIMUM })
     }
 
     /// Level 0 alone: the depth buffer of the linear marches, which filter it.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter its format.
-    pub fn depth_alone(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn depth_alone(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         gpu.require_linear_filter(MINIMUM)?;
-        Self::with_levels(gpu, extent, 1, MINIMUM)
+        Self::with_levels(gpu, stage, extent, 1, MINIMUM)
     }
 
-    fn with_levels(gpu: &Gpu, extent: [u32; 2], levels: u32, format: vk::Format) -> Result<Self> {
+    fn with_levels(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], levels: u32, format: vk::Format) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            depth: GraphicsPipeline::fullscreen(gpu, [format])?,
-            reduce: GraphicsPipeline::fullscreen(gpu, [format])?,
+            depth: PixelPipeline::new(gpu, stage, [format], &())?,
+            reduce: PixelPipeline::new(gpu, stage, [format], &())?,
             chain: Image::new(
                 gpu,
                 &ImageDesc {
@@ -48,7 +48,7 @@ impl HiZPass {
                     extent,
                     levels,
                     layers: 1,
-                    usage: U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC,
+                    usage: stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC,
                 },
             )?,
         })
@@ -56,7 +56,7 @@ impl HiZPass {
 
     /// Passes "depth" and "hi-z/1" to the coarsest level.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<HiZ<'a>> {
-        frame.fullscreen(
+        frame.pixels(
             "depth",
             &self.depth,
             [Target::overwrite(self.chain.level(0))],
@@ -65,7 +65,7 @@ impl HiZPass {
         for level in 1..self.chain.levels() {
             let below = self.chain.level(level - 1);
             let hiz = HiZBlock { Offset: below.extent().map(offset) };
-            frame.fullscreen(
+            frame.pixels(
                 &format!("hi-z/{level}"),
                 &self.reduce,
                 [Target::overwrite(self.chain.level(level))],

@@ -1,11 +1,10 @@
 //! Temporal filtering (thesis §4.2.11): the reflection of earlier frames, found again in this one, and averaged with it.
 
 use super::scene_data::Standing;
-use super::tiles::TileStage;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::{HistoryBlock, MoverData};
-use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, ShaderStage, Target, programs};
 use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
 use crate::scene::{Camera, Projection, ProjectionKind};
@@ -42,7 +41,7 @@ pub struct HistoryPass {
 /// Which program of the history it is.
 #[derive(Clone, Copy)]
 struct Variant {
-    stage: TileStage,
+    stage: ShaderStage,
     is_orthographic: bool,
     composite: bool,
 }
@@ -153,12 +152,11 @@ impl HistoryPass {
         gpu: &Gpu,
         (extent, kind): ([u32; 2], ProjectionKind),
         (averaged, deviations): (u32, f32),
-        stage: TileStage,
+        stage: ShaderStage,
         composite: bool,
     ) -> Result<Self> {
         let variant = Variant { stage, is_orthographic: kind.is_orthographic(), composite };
-        let make = if stage == TileStage::Compute { stored_target } else { Image::target };
-        let image = |name, format| make(gpu, name, format, extent);
+        let image = |name, format| Image::target_in(gpu, stage, name, format, extent);
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
@@ -333,7 +331,7 @@ impl Pipeline {
         Variant { stage, is_orthographic: orthographic, composite }: Variant,
         motion: bool,
     ) -> Result<Self> {
-        if stage == TileStage::Compute {
+        if stage == ShaderStage::Compute {
             let constants = programs::HistoryComputeConstants { orthographic, composite, motion };
             return Ok(Self::Compute(ComputePipeline::with(gpu, &constants)?));
         }

@@ -3,37 +3,43 @@
 use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, PerProjection, camera_block};
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 use crate::scene::{Camera, ProjectionKind};
 
 /// The pipelines.
 pub struct LightingPass {
     gpu: Gpu,
+    stage: ShaderStage,
     sky_apart: bool,
-    pipelines: PerProjection<GraphicsPipeline<programs::Lighting<'static>>>,
+    pipelines: PerProjection<PixelPipeline<programs::Lighting<'static>>>,
     label: &'static str,
 }
 
 impl LightingPass {
-    /// Compiles the pipeline.
+    /// Compiles the pipeline, of fragment shaders.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Self::with(gpu, false)
+        Self::in_stage(gpu, ShaderStage::Fragment)
+    }
+
+    /// Compiles the pipeline of a stage.
+    pub fn in_stage(gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
+        Self::with(gpu, stage, false)
     }
 
     /// Makes a lighting pass that is black where the sky is seen. In both passes, a is 1 for what is lit and 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
-        Self::with(gpu, true)
+        Self::with(gpu, ShaderStage::Fragment, true)
     }
 
-    fn with(gpu: &Gpu, sky_apart: bool) -> Result<Self> {
-        let made = Self { gpu: gpu.clone(), sky_apart, pipelines: PerProjection::new(), label: "lighting" };
+    fn with(gpu: &Gpu, stage: ShaderStage, sky_apart: bool) -> Result<Self> {
+        let made = Self { gpu: gpu.clone(), stage, sky_apart, pipelines: PerProjection::new(), label: "lighting" };
         made.pipeline(ProjectionKind::Perspective)?;
         Ok(made)
     }
 
-    fn pipeline(&self, kind: ProjectionKind) -> Result<&GraphicsPipeline<programs::Lighting<'static>>> {
+    fn pipeline(&self, kind: ProjectionKind) -> Result<&PixelPipeline<programs::Lighting<'static>>> {
         let constants = programs::LightingConstants { sky_apart: self.sky_apart, orthographic: kind.is_orthographic() };
-        self.pipelines.get(kind, || GraphicsPipeline::fullscreen_with(&self.gpu, [LIT_COLOR], &constants))
+        self.pipelines.get(kind, || PixelPipeline::new(&self.gpu, self.stage, [LIT_COLOR], &constants))
     }
 
     /// Under another name, for a scene that a method draws for itself.
@@ -52,7 +58,7 @@ impl LightingPass {
     ) -> Result<()> {
         let camera_data = camera_block(camera, gbuffer.depth.extent());
         let lights = scene.light_block(camera.world_to_view);
-        frame.fullscreen(
+        frame.pixels(
             self.label,
             self.pipeline(camera.kind())?,
             [Target::overwrite(gbuffer.color.level(0))],

@@ -5,7 +5,7 @@ use super::{GBuffer, HiZ, Hits, MarchNumbers, Reflection, march_constants};
 use crate::error::Result;
 use crate::gpu::programs::{Linear, LinearConstants};
 use crate::gpu::shader::ThesisBlock;
-use crate::gpu::{Frame, Gpu, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
 use crate::parameter::choices;
 
 choices! {
@@ -23,9 +23,16 @@ pub struct LinearTracePass(TracedPass<Linear<'static>>);
 
 impl LinearTracePass {
     /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, numbers: MarchNumbers, hits: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        march: LinearMarch,
+        numbers: MarchNumbers,
+        hits: bool,
+    ) -> Result<Self> {
         let constants = march_constants!(LinearConstants { fixed: march == LinearMarch::Fixed, hits }, numbers);
-        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
+        Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
     /// Pass "ray trace".

@@ -1,10 +1,10 @@
 //! SSLR's second stage: the chains of the ray trace colour and of its mask (thesis §4.3.2), by the
 //! mask-weighted Gaussian, or by the hardware's filter, as in the author's program.
 
-use super::RayTraceColor;
+use super::{RayTraceColor, UNENCODED_COLOR};
 use crate::error::Result;
 use crate::gpu::shader::BlurBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use crate::parameter::choices;
 use ash::vk;
 
@@ -24,31 +24,45 @@ pub struct MaskChainPass {
 }
 
 struct Gaussian {
-    pipeline: GraphicsPipeline<programs::SslrBlur<'static>>,
+    pipeline: PixelPipeline<programs::SslrBlur<'static>>,
     color: Image,
     mask: Image,
 }
 
 impl MaskChainPass {
     /// For ray trace colours of a size in pixels and the formats of their images.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], formats: [vk::Format; 2], filter: MaskFilter) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        formats: [vk::Format; 2],
+        filter: MaskFilter,
+    ) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         if filter == MaskFilter::Hardware {
             return Ok(Self { gaussian: None });
         }
-        let (levels, usage) = (image::full_chain(extent), U::COLOR_ATTACHMENT | U::SAMPLED);
-        let image = |name, format| Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage });
+        let levels = image::full_chain(extent);
+        let image = |name, format, usage| {
+            Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED })
+        };
+        // What compute programs store is encoded by a pass of its own.
+        let (color, encoded) = match stage {
+            ShaderStage::Fragment => (formats[0], U::COLOR_ATTACHMENT),
+            ShaderStage::Compute => (UNENCODED_COLOR, U::TRANSFER_DST),
+        };
         let gaussian = Gaussian {
-            pipeline: GraphicsPipeline::fullscreen(gpu, formats)?,
-            color: image("horizontal blur of the color", formats[0])?,
-            mask: image("horizontal blur of the mask", formats[1])?,
+            pipeline: PixelPipeline::new(gpu, stage, [color, formats[1]], &())?,
+            color: image("horizontal blur of the color", formats[0], encoded)?,
+            mask: image("horizontal blur of the mask", formats[1], stage.target_usage())?,
         };
         Ok(Self { gaussian: Some(gaussian) })
     }
 
-    /// Passes "blur/1" to the coarsest level, written into the images themselves.
+    /// Passes "blur/1" to the coarsest level, written into the images themselves. In compute shaders each is followed by a pass
+    /// that encodes the colour, such as "blur/1h/encode".
     pub fn record<'a>(&self, frame: &mut Frame, traced: RayTraceColor<'a>) -> Result<RayTraceColor<'a>> {
-        let RayTraceColor { color, mask } = traced;
+        let RayTraceColor { color, mask, .. } = traced;
         for level in 1..color.levels() {
             let below = [color.level(level - 1), mask.level(level - 1)];
             let here = [color.level(level), mask.level(level)];
@@ -59,17 +73,20 @@ impl MaskChainPass {
             };
             let between = [gaussian.color.level(level), gaussian.mask.level(level)];
             let [w, h] = here[0].extent().map(|v| 1.0 / v as f32);
-            for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
-                frame.fullscreen(
-                    &format!("blur/{level}{name}"),
+            for (direction, step, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
+                let name = format!("blur/{level}{direction}");
+                let color = traced.unencoded.map_or(to[0], |unencoded| unencoded.level(level));
+                frame.pixels(
+                    &name,
                     &gaussian.pipeline,
-                    to.map(Target::overwrite),
+                    [color, to[1]].map(Target::overwrite),
                     &programs::SslrBlur {
                         tex: Sampled::trilinear(from[0]),
                         mask: Sampled::trilinear(from[1]),
-                        blur: &BlurBlock { invSize: [w, h], direction },
+                        blur: &BlurBlock { invSize: [w, h], direction: step },
                     },
                 )?;
+                traced.encode(frame, &name, to[0])?;
             }
         }
         Ok(traced)

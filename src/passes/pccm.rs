@@ -4,24 +4,24 @@
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{LocalCubeMap, PccmBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 use crate::scene::{Camera, Probe, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct PccmPass {
-    pipeline: GraphicsPipeline<programs::Pccm<'static>>,
+    pipeline: PixelPipeline<programs::Pccm<'static>>,
     reflection: Image,
     label: &'static str,
 }
 
 impl PccmPass {
     /// For a size in pixels and a projection, with the correction or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, corrected: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, corrected: bool) -> Result<Self> {
         let constants = programs::PccmConstants { corrected, orthographic: kind.is_orthographic() };
         let label = if corrected { "pccm" } else { "local map" };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?,
-            reflection: Image::target(gpu, label, LIT_COLOR, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &constants)?,
+            reflection: Image::target_in(gpu, stage, label, LIT_COLOR, extent)?,
             label,
         })
     }
@@ -45,7 +45,7 @@ impl PccmPass {
             first_map: Sampled::trilinear(maps[0].1.0.all()),
             second_map: Sampled::trilinear(maps[1].1.0.all()),
         };
-        frame.fullscreen(self.label, &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.pixels(self.label, &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

@@ -5,7 +5,7 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{PlanarCopy, PlanarLookup, PlanarMark};
 use crate::gpu::shader::PlaneBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
@@ -27,19 +27,19 @@ pub const MAX_PLANES: u32 = 8;
 /// Pipelines and the image of one size.
 pub struct PlanarPass {
     mark: GraphicsPipeline<PlanarMark<'static>>,
-    lookup: GraphicsPipeline<PlanarLookup<'static>>,
-    copy: GraphicsPipeline<PlanarCopy<'static>>,
+    lookup: PixelPipeline<PlanarLookup<'static>>,
+    copy: PixelPipeline<PlanarCopy<'static>>,
     reflection: Image,
 }
 
 impl PlanarPass {
     /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
         Ok(Self {
             mark: GraphicsPipeline::marking(gpu, stencil)?,
-            lookup: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            copy: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            reflection: Image::target(gpu, "planar reflection", LIT_COLOR, extent)?,
+            lookup: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
+            copy: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
+            reflection: Image::target_in(gpu, stage, "planar reflection", LIT_COLOR, extent)?,
         })
     }
 
@@ -78,7 +78,7 @@ impl PlanarPass {
 
     /// Pass "mirror copy": the mirrored scene that was drawn inside the stencil.
     pub fn record_copy(&self, frame: &mut Frame, mirrored: &GBuffer) -> Result<()> {
-        frame.fullscreen(
+        frame.pixels(
             "mirror copy",
             &self.copy,
             [Target::kept(self.reflection.all())],
@@ -99,7 +99,7 @@ impl PlanarPass {
         mirrored: &GBuffer,
     ) -> Result<()> {
         let block = camera_block(camera, self.reflection.extent());
-        frame.fullscreen(
+        frame.pixels(
             "mirror lookup",
             &self.lookup,
             [Target::kept(self.reflection.all())],

@@ -5,7 +5,7 @@ use super::triangle_scene::TRIANGLE;
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
@@ -20,28 +20,28 @@ pub fn divided(extent: [u32; 2], divisor: u32) -> [u32; 2] {
 
 /// The smaller G-buffer of a full one.
 pub struct DownsamplePass {
-    pipeline: GraphicsPipeline<programs::Downsample<'static>>,
+    pipeline: PixelPipeline<programs::Downsample<'static>>,
     divisor: u32,
     depth: Image,
     normal: Image,
     material: Image,
     color: Image,
     /// Which triangle each pixel shows, with the pipeline that writes this as well; where it is asked for.
-    numbered: Option<(GraphicsPipeline<programs::DownsampleNumbered<'static>>, Image)>,
+    numbered: Option<(PixelPipeline<programs::DownsampleNumbered<'static>>, Image)>,
     label: &'static str,
 }
 
 impl DownsamplePass {
     /// For G-buffers of a size in pixels, with blocks of `divisor` × `divisor` pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], divisor: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = divided(extent, divisor);
         let of = |name, format, levels, more| {
-            let usage = more | U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+            let usage = more | stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [DEPTH, NORMAL, MATERIAL, LIT_COLOR])?,
+            pipeline: PixelPipeline::new(gpu, stage, [DEPTH, NORMAL, MATERIAL, LIT_COLOR], &())?,
             divisor,
             depth: of("small depth", DEPTH, 1, U::empty())?,
             normal: of("small normal", NORMAL, 1, U::STORAGE)?,
@@ -54,8 +54,8 @@ impl DownsamplePass {
 
     /// Returns the pass for G-buffers that say which triangle each pixel shows ([`GBuffer::triangle`]). A ray among triangles
     /// begins on that of its pixel: the depth of a block's corner would place it beside the surface at the block's middle.
-    pub fn numbered(self, gpu: &Gpu) -> Result<Self> {
-        let pipeline = GraphicsPipeline::fullscreen(gpu, [DEPTH, NORMAL, MATERIAL, LIT_COLOR, TRIANGLE])?;
+    pub fn numbered(self, gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
+        let pipeline = PixelPipeline::new(gpu, stage, [DEPTH, NORMAL, MATERIAL, LIT_COLOR, TRIANGLE], &())?;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
         let extent = self.depth.extent();
         let desc = ImageDesc { name: "small triangle", format: TRIANGLE, extent, levels: 1, layers: 1, usage };
@@ -88,13 +88,13 @@ impl DownsamplePass {
                     triangle_buffer,
                     block,
                 };
-                frame.fullscreen(self.label, pipeline, targets, &program)?;
+                frame.pixels(self.label, pipeline, targets, &program)?;
                 Some(small)
             }
             _ => {
                 let program =
                     programs::Downsample { depth_buffer, normal_buffer, material_buffer, color_buffer, block };
-                frame.fullscreen(self.label, &self.pipeline, targets, &program)?;
+                frame.pixels(self.label, &self.pipeline, targets, &program)?;
                 None
             }
         };
@@ -111,19 +111,19 @@ impl DownsamplePass {
 
 /// A reflection brought to full size.
 pub struct UpsamplePass {
-    pipeline: GraphicsPipeline<programs::Upsample<'static>>,
+    pipeline: PixelPipeline<programs::Upsample<'static>>,
     divisor: u32,
     reflection: Image,
 }
 
 impl UpsamplePass {
     /// For reflections of a full size in pixels, and a projection.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind, divisor: u32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, divisor: u32) -> Result<Self> {
         let constants = programs::UpsampleConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [REFLECTION], &constants)?,
+            pipeline: PixelPipeline::new(gpu, stage, [REFLECTION], &constants)?,
             divisor,
-            reflection: Image::target(gpu, "upsampled reflection", REFLECTION, extent)?,
+            reflection: Image::target_in(gpu, stage, "upsampled reflection", REFLECTION, extent)?,
         })
     }
 
@@ -136,7 +136,7 @@ impl UpsamplePass {
         small: Reflection,
     ) -> Result<Reflection<'a>> {
         let camera = camera_block(camera, self.reflection.extent());
-        frame.fullscreen(
+        frame.pixels(
             "upsample",
             &self.pipeline,
             [Target::overwrite(self.reflection.all())],

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::programs::{ScreenSpaceReflections, ScreenSpaceReflectionsConstants};
 use crate::gpu::shader::SchmidtBlock;
-use crate::gpu::{Frame, Gpu, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
 use crate::scene::Camera;
 
 /// Which march.
@@ -23,9 +23,16 @@ pub struct SchmidtTracePass(TracedPass<ScreenSpaceReflections<'static>>);
 
 impl SchmidtTracePass {
     /// With an image of the hits, or without; through two layers of depth, or one.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool, layers: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        march: SchmidtMarch,
+        hits: bool,
+        layers: bool,
+    ) -> Result<Self> {
         let constants = ScreenSpaceReflectionsConstants { optimized: march == SchmidtMarch::Optimized, hits, layers };
-        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
+        Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
     /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur. `behind` is the second layer

@@ -3,23 +3,23 @@
 use super::{GBuffer, RayTraceColor, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::SslrReflectionBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
 use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// Pipeline and image of one size.
 pub struct SslrReflectionPass {
-    pipeline: GraphicsPipeline<programs::SslrReflection<'static>>,
+    pipeline: PixelPipeline<programs::SslrReflection<'static>>,
     image: Image,
 }
 
 impl SslrReflectionPass {
     /// An image of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
-            image: Image::target(gpu, "reflection", FORMAT, extent)?,
+            pipeline: PixelPipeline::new(gpu, stage, [FORMAT], &())?,
+            image: Image::target_in(gpu, stage, "reflection", FORMAT, extent)?,
         })
     }
 
@@ -36,7 +36,7 @@ impl SslrReflectionPass {
             mipCount: traced.color.levels() as f32,
             spreadingFactor: spreading_factor,
         };
-        frame.fullscreen(
+        frame.pixels(
             "reflection",
             &self.pipeline,
             [Target::overwrite(self.image.all())],

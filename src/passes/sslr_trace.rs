@@ -1,10 +1,10 @@
 //! SSLR's first stage: a uniform march, and the colour where it ends (thesis §4.3.1).
 
-use super::{GBuffer, HITS, HiZ, Hits, RayTraceColor};
+use super::{GBuffer, HITS, HiZ, Hits, RayTraceColor, UNENCODED_COLOR};
 use crate::error::Result;
 use crate::gpu::programs::{SslrRayTrace, SslrRayTraceConstants};
 use crate::gpu::shader::ThesisBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, Sampler, ShaderStage, Target, image};
 use ash::vk;
 
 // The colour is linear here and was a display colour in the author's program: encoded, 8 bits are as
@@ -14,27 +14,33 @@ const MASK: vk::Format = vk::Format::R8_UNORM;
 
 /// Pipeline and images of one size; the images have room for their chains.
 pub struct SslrTracePass {
-    pipeline: GraphicsPipeline<SslrRayTrace<'static>>,
+    pipeline: PixelPipeline<SslrRayTrace<'static>>,
     color: Image,
     mask: Image,
     hits: Option<Image>,
+    /// The colour before it is encoded, of compute programs: no program stores to an sRGB format.
+    unencoded: Option<Image>,
 }
 
 impl SslrTracePass {
     /// With so many steps at most, and with an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], steps: u32, hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], steps: u32, hits: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        let image =
-            |name, format, levels| Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage });
-        let levels = image::full_chain(extent);
-        let formats = [COLOR, MASK, if hits { HITS } else { vk::Format::UNDEFINED }];
+        let read = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let image = |name, format, levels, usage| {
+            Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | read })
+        };
+        let (levels, stored) = (image::full_chain(extent), stage.target_usage());
+        let is_apart = stage == ShaderStage::Compute;
+        let color = if is_apart { UNENCODED_COLOR } else { COLOR };
+        let formats = [color, MASK, if hits { HITS } else { vk::Format::UNDEFINED }];
         let constants = SslrRayTraceConstants { hits, linear_march_count: steps as i32, ..Default::default() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, formats, &constants)?,
-            color: image("ray trace color", COLOR, levels)?,
-            mask: image("mask", MASK, levels)?,
-            hits: hits.then(|| image("hits", HITS, 1)).transpose()?,
+            pipeline: PixelPipeline::new(gpu, stage, formats, &constants)?,
+            color: image("ray trace color", COLOR, levels, U::COLOR_ATTACHMENT)?,
+            mask: image("mask", MASK, levels, stored)?,
+            hits: hits.then(|| image("hits", HITS, 1, stored)).transpose()?,
+            unencoded: is_apart.then(|| image("unencoded color", UNENCODED_COLOR, levels, stored)).transpose()?,
         })
     }
 
@@ -43,7 +49,7 @@ impl SslrTracePass {
         [self.color.format(), self.mask.format()]
     }
 
-    /// Pass "ray trace": level 0 of both chains.
+    /// Pass "ray trace": level 0 of both chains. In compute shaders the pass "ray trace/encode" follows.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -54,11 +60,11 @@ impl SslrTracePass {
     ) -> Result<(RayTraceColor<'a>, Option<Hits<'a>>)> {
         let hits = self.hits.as_ref();
         let targets = [
-            Target::overwrite(self.color.level(0)),
+            Target::overwrite(self.unencoded.as_ref().unwrap_or(&self.color).level(0)),
             Target::overwrite(self.mask.level(0)),
             hits.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
         ];
-        frame.fullscreen(
+        frame.pixels(
             "ray trace",
             &self.pipeline,
             targets,
@@ -70,6 +76,8 @@ impl SslrTracePass {
                 colorBuffer: Sampled::trilinear(gbuffer.color.level(0)),
             },
         )?;
-        Ok((RayTraceColor { color: &self.color, mask: &self.mask }, hits.map(Hits)))
+        let traced = RayTraceColor { color: &self.color, mask: &self.mask, unencoded: self.unencoded.as_ref() };
+        traced.encode(frame, "ray trace", self.color.level(0))?;
+        Ok((traced, hits.map(Hits)))
     }
 }

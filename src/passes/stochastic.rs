@@ -4,13 +4,13 @@
 use super::lost::{Beyond, ENDS};
 use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
 use crate::error::Result;
-use crate::gpu::program::Fragment;
+use crate::gpu::program::{Fragment, InEitherStage};
 use crate::gpu::programs::{
     StochasticExact, StochasticExactConstants, StochasticResolve, StochasticResolveConstants, StochasticThesis,
     StochasticThesisConstants,
 };
 use crate::gpu::shader::{StochasticBlock, ThesisBlock, UnifiedBlock};
-use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use crate::math::OracleVersion;
 use ash::vk;
 
@@ -27,18 +27,18 @@ pub struct Rays<'a> {
 /// The pass "trace", of one size: with [`StochasticExact`] over the pyramid of `unified`, with [`StochasticThesis`] as
 /// `ssct` walks.
 pub struct StochasticTrace<F> {
-    pipeline: GraphicsPipeline<F>,
+    pipeline: PixelPipeline<F>,
     place: Image,
     seen: Image,
     hits: Option<Image>,
 }
 
-impl<F: Fragment<Outputs<vk::Format> = [vk::Format; 3]>> StochasticTrace<F> {
-    fn of(gpu: &Gpu, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
+impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 3]>> StochasticTrace<F> {
+    fn of(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
         let formats = [PLACE, LIT_COLOR, if hits { HITS } else { vk::Format::UNDEFINED }];
-        let image = |name, format| Image::target(gpu, name, format, extent);
+        let image = |name, format| Image::target_in(gpu, stage, name, format, extent);
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, formats, constants)?,
+            pipeline: PixelPipeline::new(gpu, stage, formats, constants)?,
             place: image("ray ends", PLACE)?,
             seen: image("ray colours", LIT_COLOR)?,
             hits: hits.then(|| image("hits", HITS)).transpose()?,
@@ -46,11 +46,11 @@ impl<F: Fragment<Outputs<vk::Format> = [vk::Format; 3]>> StochasticTrace<F> {
     }
 }
 
-impl<F: for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 3]>> StochasticTrace<F> {
+impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 3]>> StochasticTrace<F> {
     fn draw(&self, frame: &mut Frame, program: &F) -> Result<()> {
         let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
         let targets = [Target::overwrite(self.place.all()), Target::overwrite(self.seen.all()), hits];
-        frame.fullscreen("trace", &self.pipeline, targets, program)
+        frame.pixels("trace", &self.pipeline, targets, program)
     }
 }
 
@@ -71,10 +71,18 @@ impl StochasticTrace<StochasticExact<'static>> {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], strip: u32, oracle: OracleVersion, hits: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        strip: u32,
+        oracle: OracleVersion,
+        hits: bool,
+    ) -> Result<Self> {
         let (strip, oracle) = (strip as i32, u32::from(oracle) as i32);
         Self::of(
             gpu,
+            stage,
             extent,
             &StochasticExactConstants { strip, oracle, followed: false, hits, orthographic: false },
             hits,
@@ -115,10 +123,10 @@ impl StochasticTrace<StochasticThesis<'static>> {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: MarchNumbers, hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], march: MarchNumbers, hits: bool) -> Result<Self> {
         let constants =
             march_constants!(StochasticThesisConstants { fallback: true, hits, orthographic: false }, march);
-        Self::of(gpu, extent, &constants, hits)
+        Self::of(gpu, stage, extent, &constants, hits)
     }
 
     /// A ray for each pixel.

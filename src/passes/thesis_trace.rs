@@ -5,7 +5,7 @@ use super::{ColorChain, GBuffer, HITS, HiZ, Hits, MarchNumbers, Reflection, Visi
 use crate::error::{Error, Result};
 use crate::gpu::programs::{ConeTrace, RayTrace, RayTraceConstants, Ssct, SsctConstants};
 use crate::gpu::shader::ThesisBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -18,8 +18,8 @@ pub struct ThesisTracePass {
 }
 
 enum Stages {
-    Combined(GraphicsPipeline<Ssct<'static>>),
-    Split { trace: GraphicsPipeline<RayTrace<'static>>, cone: GraphicsPipeline<ConeTrace<'static>> },
+    Combined(PixelPipeline<Ssct<'static>>),
+    Split { trace: PixelPipeline<RayTrace<'static>>, cone: PixelPipeline<ConeTrace<'static>> },
 }
 
 /// What the pass reads.
@@ -38,22 +38,30 @@ pub struct TraceInput<'a> {
 impl ThesisTracePass {
     /// With or without a linear march as the fallback; combined or split; with an image of the hits or without, which the
     /// split pass has in any case.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: Option<MarchNumbers>, split: bool, hits: bool) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        march: Option<MarchNumbers>,
+        split: bool,
+        hits: bool,
+    ) -> Result<Self> {
         let (fallback, march) = (march.is_some(), march.unwrap_or_default());
-        let image = |name, format| Image::target(gpu, name, format, extent);
+        let image = |name, format| Image::target_in(gpu, stage, name, format, extent);
         let stages = if split {
             Stages::Split {
-                trace: GraphicsPipeline::fullscreen_with(
+                trace: PixelPipeline::new(
                     gpu,
+                    stage,
                     [HITS],
                     &march_constants!(RayTraceConstants { fallback }, march),
                 )?,
-                cone: GraphicsPipeline::fullscreen(gpu, [REFLECTION])?,
+                cone: PixelPipeline::new(gpu, stage, [REFLECTION], &())?,
             }
         } else {
             let formats = [REFLECTION, if hits { HITS } else { vk::Format::UNDEFINED }];
             let constants = march_constants!(SsctConstants { fallback, hits }, march);
-            Stages::Combined(GraphicsPipeline::fullscreen_with(gpu, formats, &constants)?)
+            Stages::Combined(PixelPipeline::new(gpu, stage, formats, &constants)?)
         };
         Ok(Self {
             stages,
@@ -74,7 +82,7 @@ impl ThesisTracePass {
         let hits = self.hits.as_ref().map(Hits);
         let hits_target = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
         match &self.stages {
-            Stages::Combined(pipeline) => frame.fullscreen(
+            Stages::Combined(pipeline) => frame.pixels(
                 "trace+cone",
                 pipeline,
                 [Target::overwrite(self.reflection.all()), hits_target],
@@ -95,7 +103,7 @@ impl ThesisTracePass {
                     materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
                 };
                 if !traced {
-                    frame.fullscreen("ray trace", trace, [hits_target], &program)?;
+                    frame.pixels("ray trace", trace, [hits_target], &program)?;
                 }
                 if let Some(hits) = hits {
                     self.record_cone(frame, input, parameters, hits)?;
@@ -128,7 +136,7 @@ impl ThesisTracePass {
             visibilityBuffer: Sampled::trilinear(input.visibility.0.all()),
             hitBuffer: Sampled::nearest(hits.0.all()),
         };
-        frame.fullscreen("cone trace", cone, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.pixels("cone trace", cone, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

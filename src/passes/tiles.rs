@@ -8,20 +8,11 @@ use crate::error::{Error, Result};
 use crate::gpu::program::{Compute, Fragment};
 use crate::gpu::programs::Tile;
 use crate::gpu::shader::{TileListBlock, UnifiedBlock};
-use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
 use crate::math::OracleVersion;
 use crate::math::constants::{LISTS, TILE_SIDE};
 use crate::scene::ProjectionKind;
 use ash::vk;
-
-/// The stage of a device in which a program over tiles runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TileStage {
-    /// Fragment shaders, drawn over tiles as points or over the whole image.
-    Fragment,
-    /// Compute shaders, in workgroups over tiles or over the whole image.
-    Compute,
-}
 
 /// Pixels along a side of a tile.
 pub const TILE: u32 = TILE_SIDE as u32;
@@ -59,9 +50,9 @@ pub struct UnifiedSetup {
     /// Whether a history asks where rays ended.
     pub tells: bool,
     /// The stage that traces rays.
-    pub trace: TileStage,
+    pub trace: ShaderStage,
     /// The stage that gathers what the rays saw.
-    pub resolve: TileStage,
+    pub resolve: ShaderStage,
 }
 
 impl UnifiedSetup {
@@ -77,7 +68,7 @@ impl UnifiedSetup {
 
     /// An image that the passes show something in. Compute programs can store to it where any of the passes is one.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
-        let stores = self.followed || [self.trace, self.resolve].contains(&TileStage::Compute);
+        let stores = self.followed || [self.trace, self.resolve].contains(&ShaderStage::Compute);
         let make = if stores { stored_target } else { Image::target };
         make(gpu, name, format, self.extent)
     }
@@ -185,20 +176,20 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
     /// shaders take fewer images than the program has.
     pub fn new(
         gpu: &Gpu,
-        (stage, over): (TileStage, Over),
+        (stage, over): (ShaderStage, Over),
         formats: impl Fn() -> F::Outputs<vk::Format>,
         fragment: impl Fn(bool) -> F::Constants,
         compute: impl Fn(bool) -> C::Constants,
     ) -> Result<Self> {
         let made = match stage {
-            TileStage::Fragment => {
+            ShaderStage::Fragment => {
                 check_points(gpu)?;
                 Made::Fragment {
                     tiles: GraphicsPipeline::points(gpu, formats(), &fragment(false))?,
                     whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &fragment(true))?,
                 }
             }
-            TileStage::Compute => Made::Compute(TiledCompute::new(gpu, over, compute)?),
+            ShaderStage::Compute => Made::Compute(TiledCompute::new(gpu, over, compute)?),
         };
         Ok(Self { over, made })
     }

@@ -3,7 +3,7 @@
 use super::{GBuffer, NORMAL, camera_block, stored_target};
 use crate::error::Result;
 use crate::gpu::programs::{TraceNormals as Program, TraceNormalsConstants};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use crate::math::constants::{TRACE_GEOMETRIC, TRACE_SHADING, TRACE_UP};
 use crate::parameter::choices;
 use crate::scene::{Camera, ProjectionKind};
@@ -22,16 +22,22 @@ choices! {
 
 /// Pipeline and image of one size.
 pub struct TraceNormalsPass {
-    pipeline: GraphicsPipeline<Program<'static>>,
+    pipeline: PixelPipeline<Program<'static>>,
     normal: Image,
 }
 
 impl TraceNormalsPass {
     /// For a size in pixels and a projection.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], projection: ProjectionKind, kind: TraceNormals) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        projection: ProjectionKind,
+        kind: TraceNormals,
+    ) -> Result<Self> {
         let constants = TraceNormalsConstants { kind: kind as i32, orthographic: projection.is_orthographic() };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, [NORMAL], &constants)?,
+            pipeline: PixelPipeline::new(gpu, stage, [NORMAL], &constants)?,
             normal: stored_target(gpu, "trace normal", NORMAL, extent)?,
         })
     }
@@ -40,7 +46,7 @@ impl TraceNormalsPass {
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: GBuffer<'a>, camera: &Camera) -> Result<GBuffer<'a>> {
         let camera = camera_block(camera, gbuffer.depth.extent());
         let program = Program { camera: &camera, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
-        frame.fullscreen("trace normals", &self.pipeline, [Target::overwrite(self.normal.all())], &program)?;
+        frame.pixels("trace normals", &self.pipeline, [Target::overwrite(self.normal.all())], &program)?;
         Ok(GBuffer { normal: &self.normal, ..gbuffer })
     }
 }

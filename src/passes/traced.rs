@@ -1,35 +1,35 @@
-//! What the passes have in common that trace and reflect at once, in one fragment program over the whole image.
+//! What the passes have in common that trace and reflect at once, in one program over the whole image.
 
 use super::{HITS, Hits, LIT_COLOR, Reflection};
 use crate::error::Result;
-use crate::gpu::program::Fragment;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::gpu::program::{Fragment, InEitherStage};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, ShaderStage, Target};
 use ash::vk;
 
 /// A program with two outputs, and the images of one size for them: the reflection, and the hits where they are asked for.
 pub struct TracedPass<F> {
-    pipeline: GraphicsPipeline<F>,
+    pipeline: PixelPipeline<F>,
     reflection: Image,
     hits: Option<Image>,
 }
 
-impl<F: Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedPass<F> {
+impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedPass<F> {
     /// Images of a size in pixels. The constants say to the program, too, whether there are hits.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
         let formats = [LIT_COLOR, if hits { HITS } else { vk::Format::UNDEFINED }];
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, formats, constants)?,
-            reflection: Image::target(gpu, "reflection", LIT_COLOR, extent)?,
-            hits: hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
+            pipeline: PixelPipeline::new(gpu, stage, formats, constants)?,
+            reflection: Image::target_in(gpu, stage, "reflection", LIT_COLOR, extent)?,
+            hits: hits.then(|| Image::target_in(gpu, stage, "hits", HITS, extent)).transpose()?,
         })
     }
 }
 
-impl<F: for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>> TracedPass<F> {
+impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>> TracedPass<F> {
     /// Draws over all of it, as the pass of that name.
     pub fn draw(&self, frame: &mut Frame, name: &str, program: &F) -> Result<()> {
         let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
-        frame.fullscreen(name, &self.pipeline, [Target::overwrite(self.reflection.all()), hits], program)
+        frame.pixels(name, &self.pipeline, [Target::overwrite(self.reflection.all()), hits], program)
     }
 }
 

@@ -3,7 +3,7 @@
 //! that pixels show; or all of them go among the triangles.
 
 use super::lost::Beyond;
-use super::tiles::{Over, TileStage, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
 use super::tracer::{ByTracer, by_tracer};
 use super::triangle_scene::{AmongTriangles, with_reading};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
@@ -13,13 +13,13 @@ use crate::gpu::programs::{
     MirrorConstants, MirrorQueried,
 };
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
+use crate::gpu::{Frame, Gpu, Image, Sampled, ShaderStage, Target};
 use crate::math::constants::MIRROR_LIST;
 use ash::vk;
 
 /// Pipelines and images of one size.
 pub struct UnifiedTracePass {
-    stage: TileStage,
+    stage: ShaderStage,
     mirrors: Mirrors,
     hits: Option<Image>,
     unwanted_hits: Option<Image>,
@@ -108,7 +108,7 @@ impl UnifiedTracePass {
                 } else {
                     ByTracer::Tree(TiledCompute::new(gpu, over, tree)?)
                 };
-                (TileStage::Compute, Mirrors::Triangles(pipelines))
+                (ShaderStage::Compute, Mirrors::Triangles(pipelines))
             }
         };
         Ok(Self {
@@ -128,7 +128,7 @@ impl UnifiedTracePass {
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let wanted = self.hits.as_ref();
-        if self.stage == TileStage::Compute && !tiles.whole {
+        if self.stage == ShaderStage::Compute && !tiles.whole {
             self.no_hits(frame)?;
         }
         let stored = canvas.stored().zip(wanted.or(self.unwanted_hits.as_ref()));

@@ -4,7 +4,7 @@
 use super::{HiZ, Visibility};
 use crate::error::Result;
 use crate::gpu::shader::VisibilityBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use crate::scene::Lens;
 use ash::vk;
 
@@ -12,16 +12,16 @@ const FORMAT: vk::Format = vk::Format::R8_UNORM;
 
 /// Pipeline and the chain of one size.
 pub struct VisibilityPass {
-    pipeline: GraphicsPipeline<programs::Visibility<'static>>,
+    pipeline: PixelPipeline<programs::Visibility<'static>>,
     chain: Image,
 }
 
 impl VisibilityPass {
     /// A full chain over a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
+            pipeline: PixelPipeline::new(gpu, stage, [FORMAT], &())?,
             chain: Image::new(
                 gpu,
                 &ImageDesc {
@@ -30,7 +30,7 @@ impl VisibilityPass {
                     extent,
                     levels: image::full_chain(extent),
                     layers: 1,
-                    usage: U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST,
+                    usage: stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST,
                 },
             )?,
         })
@@ -41,7 +41,7 @@ impl VisibilityPass {
         frame.clear("visibility/0", self.chain.level(0), [1.0; 4])?;
         let range = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };
         for level in 1..self.chain.levels() {
-            frame.fullscreen(
+            frame.pixels(
                 &format!("visibility/{level}"),
                 &self.pipeline,
                 [Target::overwrite(self.chain.level(level))],

@@ -83,13 +83,13 @@ struct Numbers {
     scratch: u32,
 }
 
-/// The records of `ssct shaders` of a scene and of some variants on a family.
-fn records(family: &str, scene: &str, variants: &[&str]) -> Vec<Value> {
+/// The records of `ssct shaders` of a scene and of some variants on a family, with their passes in a stage.
+fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Value> {
     let radv = Command::new(repository().join("scripts/drivers.sh")).arg("--radv").output().unwrap();
     assert!(radv.status.success(), "{}", String::from_utf8_lossy(&radv.stderr));
     let variables = String::from_utf8(radv.stdout).unwrap();
     let folder = Folder::new();
-    let mut arguments = vec!["shaders", "--scene", scene, "--json", "--size", "320x180"];
+    let mut arguments = vec!["shaders", "--scene", scene, "--json", "--size", "320x180", "--stage", stage];
     arguments.extend(variants.iter().flat_map(|variant| ["--variant", variant]));
     let line = format!("{variables}\nexec \"$@\"");
     let command = std::env::var("SSCT_COMMAND").unwrap_or_else(|_| env!("CARGO_BIN_EXE_ssct").to_owned());
@@ -111,8 +111,10 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
     let mut all: BTreeMap<String, Numbers> = BTreeMap::new();
     let mut driver = String::new();
     let queried = has_queries.then_some(("rooms", &QUERIED[..]));
-    for (scene, variants) in RUNS.into_iter().chain(queried) {
-        for record in records(family, scene, variants) {
+    let runs = || RUNS.into_iter().chain(queried);
+    for ((scene, variants), stage) in ["published", "compute"].into_iter().flat_map(|s| runs().map(move |run| (run, s)))
+    {
+        for record in records(family, scene, variants, stage) {
             driver = record["device"]["driver"].as_str().unwrap().to_owned();
             let statistic = |name: &str| {
                 let all = record["statistics"].as_array().unwrap();

@@ -4,7 +4,7 @@
 use crate::common::{check_validation, gpu, is_gpu_assisted};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct::gpu::frame::Mode;
-use ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ssct::gpu::{FrameContext, Gpu, Image, Pixels, ShaderStage};
 use ssct::math::OracleVersion;
 use ssct::math::random::Stream;
 use ssct::methods::{self, Setup, Wants, unified};
@@ -13,7 +13,7 @@ use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::lost::{Listed, LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
-use ssct::passes::tiles::{TileStage, UnifiedSetup};
+use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
@@ -62,8 +62,8 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         triangles: None,
         own_rays: 0,
         tells: false,
-        trace: TileStage::Fragment,
-        resolve: TileStage::Fragment,
+        trace: ShaderStage::Fragment,
+        resolve: ShaderStage::Fragment,
     };
     let pyramid = PyramidPass::of(gpu, extent, setup.projection).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();

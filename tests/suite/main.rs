@@ -69,6 +69,7 @@ mod scene_loading;
 mod schmidt;
 mod shaders;
 mod shards;
+mod stages;
 mod stochastic;
 mod stress;
 mod time_files;

@@ -8,7 +8,7 @@ use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::inside::Inside;
-use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, StageChoice, Tracer};
+use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, Stage as ShaderStage, StageChoice, Tracer};
 use crate::methods::unified::{First, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
@@ -101,16 +101,16 @@ impl Plan {
         TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 2, samples: self.samples, a_a: true }
     }
 
-    /// Every method, and with captures those that look into them.
+    /// Every method in each shader stage that it runs in, fragment shaders first; and with captures those that look into them.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // Without captures the method `captures` shows nothing, and others without what they need of a scene.
         let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
         let plain: Vec<_> = METHODS.iter().filter(shows).collect();
-        let plain = Variant::of(&plain, &setup).into_iter();
-        let beyond = [among_triangles(&setup, First::Auto)].into_iter();
-        let variants = plain.chain(beyond).chain(Variant::of(&[&unified::INFO, &captures::INFO], &captured)).collect();
+        let variants = Variant::of(&plain, &setup).into_iter().chain([among_triangles(&setup, First::Auto)]);
+        let captured = Variant::of(&[&unified::INFO, &captures::INFO], &captured);
+        let variants = variants.chain(captured).flat_map(|variant| in_its_stages(&variant)).collect();
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
@@ -145,6 +145,15 @@ impl Plan {
         let variants = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage)).to_vec();
         self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
     }
+}
+
+/// A variant in each stage that its rays can be traced in. What follows rays in captures or among triangles is compute shaders.
+fn in_its_stages(variant: &Variant) -> Vec<Variant> {
+    let effect = variant.setup.effect();
+    let is_followed = effect.captures != CaptureCount::None || effect.is_among_triangles(variant.method, true);
+    let stages = [ShaderStage::Fragment, ShaderStage::Compute].into_iter().skip(usize::from(is_followed));
+    let with = |stage| variant.setup.with(|p: &mut EffectParams| p.stage = stage);
+    stages.map(|stage| Variant { method: variant.method, setup: with(stage) }).collect()
 }
 
 /// `unified` with every pass in a stage.
@@ -263,7 +272,8 @@ fn findings(
     Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
 }
 
-/// What the device's compiler makes of the programs of every method, and of `unified` in both stages and with a history.
+/// What the device's compiler makes of the programs of every method as published and in compute shaders, and of `unified` in both
+/// stages and with a history.
 fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
         Err(Error::NoDevice(why)) => return Ok(CompiledPrograms::Unknown(why)),
@@ -272,7 +282,9 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
     let setup = Setup::new(plan.size);
     let history =
         Variant { method: &unified::INFO, setup: setup.with(|p: &mut EffectParams| p.history = HistoryUse::On) };
-    let methods = Variant::of(&METHODS.iter().collect::<Vec<_>>(), &setup).into_iter();
+    let in_compute = setup.with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);
+    let all: Vec<_> = METHODS.iter().collect();
+    let methods = [&setup, &in_compute].into_iter().flat_map(|setup| Variant::of(&all, setup));
     let staged = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage));
     let mut stage = Stage::new(&compiler, &place.0)?;
     let mut all = Vec::new();

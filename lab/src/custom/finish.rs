@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::program::Sampled;
 use crate::gpu::programs::{CustomHits, CustomReflection};
 use crate::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
 use crate::math::constants::{
     ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_DEPTH, HITS_UV_MASKED, HITS_VIEW,
 };
@@ -51,7 +51,12 @@ impl Finish {
         let hits = (wants_hits && !are_ours)
             .then(|| -> Result<_> {
                 let image = Image::target(gpu, "hits", HITS, extent)?;
-                Ok((HiZPass::depth_alone(gpu, extent)?, GraphicsPipeline::fullscreen(gpu, [HITS])?, image, encoding))
+                Ok((
+                    HiZPass::depth_alone(gpu, ShaderStage::Fragment, extent)?,
+                    GraphicsPipeline::fullscreen(gpu, [HITS])?,
+                    image,
+                    encoding,
+                ))
             })
             .transpose()?;
         Ok(Self { reflection, hits, has_our_hits: wants_hits && are_ours })

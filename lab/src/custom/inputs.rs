@@ -12,7 +12,8 @@ use crate::gpu::program::Sampled;
 use crate::gpu::programs::{Convert, Reduce, ReduceConstants};
 use crate::gpu::shader::ConvertBlock;
 use crate::gpu::{
-    ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, Target, image,
+    ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, ShaderStage,
+    Target, image,
 };
 use crate::math::constants::{
     CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_VIEW_PLACE,
@@ -101,10 +102,12 @@ impl Inputs {
             | ImageSource::Own(_) => Made::There,
             ImageSource::LitColourChain { gaussian } => {
                 let filter = if *gaussian { ChainFilter::Gaussian } else { ChainFilter::Hardware };
-                Made::Chain(ColorChainPass::new(gpu, extent, LIT_COLOR, filter)?)
+                Made::Chain(ColorChainPass::new(gpu, ShaderStage::Fragment, extent, LIT_COLOR, filter)?)
             }
             ImageSource::Depth(Depth::Reversed) => Made::There,
-            ImageSource::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
+            ImageSource::Depth(Depth::Standard) => {
+                Made::Thesis(HiZPass::depth_alone(gpu, ShaderStage::Fragment, extent)?)
+            }
             ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Axes::Left, float)?,
             ImageSource::Normal(Normal { world, encoding }) => {
                 let axes = if *world { conventions.world } else { conventions.view };
@@ -122,10 +125,10 @@ impl Inputs {
                 };
                 converted(what, axes, vk::Format::R32G32B32A32_SFLOAT)?
             }
-            ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
+            ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, ShaderStage::Fragment, extent, true)?),
             ImageSource::Visibility => {
                 self.add(gpu, extent, &ImageSource::ThesisHiZ, conventions)?;
-                Made::Visibility(VisibilityPass::new(gpu, extent)?)
+                Made::Visibility(VisibilityPass::new(gpu, ShaderStage::Fragment, extent)?)
             }
             ImageSource::Pyramid => Made::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
             ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,

@@ -80,6 +80,7 @@ fn bound(of: &ShaderInterface) -> Interface {
         constants: of.constants.clone(),
         local_size: of.local_size,
         blocks: BTreeMap::new(),
+        formats: BTreeMap::new(),
     }
 }
 

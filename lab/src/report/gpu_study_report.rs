@@ -4,6 +4,8 @@ use super::{files, html};
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::inside::Inside;
+use crate::methods::setup::Stage;
+use crate::parameter::Choices;
 use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
@@ -35,7 +37,7 @@ pub enum CompiledPrograms {
 pub struct DeviceTimes {
     /// The cells of table 5.8.
     pub table: Vec<TimeRecord>,
-    /// Every method on every view.
+    /// Every method on every view, in fragment and in compute shaders.
     pub methods: Vec<TimeRecord>,
     /// `unified` on each view and at each roughness, with the screen and then the triangles asked first.
     pub first: Vec<TimeRecord>,
@@ -114,12 +116,28 @@ fn page(
                 table::cells(&table::compare(&times.table)),
             ),
             Table::new(
-                "methods",
-                "Every method",
-                "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was also \
-                 timed against itself: the floor is how far its time strays from itself, and a smaller difference \
-                 means nothing.",
-                method_cells(&times.methods),
+                "methods-compute",
+                "Every method in compute shaders",
+                &format!(
+                    "{METHODS_SAY} Every pass over the whole image is a compute shader; the scene is drawn as ever."
+                ),
+                method_cells(&in_stage(&times.methods, Stage::Compute)),
+            ),
+            Table::new(
+                "methods-fragment",
+                "Every method in fragment shaders",
+                &format!(
+                    "{METHODS_SAY} Rays and lookups are fragment shaders, as the documents have them. Methods that follow \
+                     rays in captures or among triangles do so in compute shaders, and are in the table above alone."
+                ),
+                method_cells(&in_stage(&times.methods, Stage::Fragment)),
+            ),
+            Table::new(
+                "either-stage",
+                "Every method in either stage",
+                "Median times of the effect in milliseconds, of the two tables above. Both stages make the same image. Where the \
+                 ratio is below 1, compute is faster.",
+                stage_cells(&times.methods),
             ),
             Table::new(
                 "stages",
@@ -181,6 +199,41 @@ fn place(head: &Head) -> Vec<String> {
         format!("{} x {}", head.width, head.height),
         roughness(head.roughness),
     ]
+}
+
+/// What the tables of every method say of their times.
+const METHODS_SAY: &str = "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was \
+                           also timed against itself: the floor is how far its time strays from itself, and a smaller \
+                           difference means nothing.";
+
+/// The records of a stage.
+fn in_stage(records: &[TimeRecord], stage: Stage) -> Vec<TimeRecord> {
+    let is_it = |r: &&TimeRecord| r.head.setting(STAGE) == stage.name();
+    records.iter().filter(is_it).cloned().collect()
+}
+
+/// The parameter of the stage.
+const STAGE: &str = "stage";
+
+/// Methods that were timed in both stages: their totals side by side.
+fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+    let [fragment, compute] = [Stage::Fragment, Stage::Compute].map(|stage| in_stage(records, stage));
+    let mut rows = header(&["view", "size", "roughness", "method", "fragment ms", "compute ms", "compute / fragment"]);
+    for drawn in &fragment {
+        let apart = |r: &TimeRecord| {
+            let mut setup = r.head.setup.clone();
+            setup.remove(STAGE);
+            (r.head.scene.clone(), r.head.view.clone(), r.head.method.clone(), setup)
+        };
+        let Some(stored) = compute.iter().find(|r| apart(r) == apart(drawn)) else { continue };
+        let [one, other] = [drawn, stored].map(|r| r.total.median_ms);
+        let mut row = place(&drawn.head);
+        row.push(drawn.head.method.clone());
+        row.extend([one, other].map(|ms| format!("{ms:.3}")));
+        row.push(if one > 0.0 { format!("{:.2}", other / one) } else { "-".to_owned() });
+        rows.push(row);
+    }
+    rows
 }
 
 fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {

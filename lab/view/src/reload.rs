@@ -129,6 +129,8 @@ fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
         "its outputs"
     } else if built.constants != now.constants {
         "its specialization constants"
+    } else if built.formats != now.formats {
+        "the format of an image"
     } else {
         "its workgroup size"
     };

@@ -54,6 +54,13 @@ impl<'a> Target<'a> {
     }
 }
 
+impl<'a> Target<'a> {
+    /// The image; `None` for an output that nobody wants.
+    pub(super) fn slice(&self) -> Option<ImageSlice<'a>> {
+        self.slice
+    }
+}
+
 impl Load {
     fn op(self) -> vk::AttachmentLoadOp {
         match self {

@@ -10,12 +10,23 @@ use ash::vk;
 impl Frame<'_> {
     /// Scales one level into another with a linear filter: one step of a hardware mip chain.
     pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
-        self.blit_between(name, from, to, [layers(&from), layers(&to)])
+        self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::LINEAR)
+    }
+
+    /// Copies each texel of a level into an image of the same size, and converts it to the format there, as a program's output is.
+    pub fn convert(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::NEAREST)
     }
 
     /// Scales one layer of a level into the same layer of another: a step of the mip chain of one face of a cube map.
     pub fn blit_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
-        self.blit_between(name, from, to, [layer_of(name, &from, layer), layer_of(name, &to, layer)])
+        self.blit_between(
+            name,
+            from,
+            to,
+            [layer_of(name, &from, layer), layer_of(name, &to, layer)],
+            vk::Filter::LINEAR,
+        )
     }
 
     /// A pass whose one command reads an image and writes another.
@@ -35,6 +46,7 @@ impl Frame<'_> {
         from: ImageSlice,
         to: ImageSlice,
         [source, target]: [vk::ImageSubresourceLayers; 2],
+        filter: vk::Filter,
     ) -> Result<()> {
         self.transfer(name, from, to, |frame| {
             let side = |s: &ImageSlice| {
@@ -53,7 +65,7 @@ impl Frame<'_> {
                 .dst_image(to.image().handle())
                 .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
                 .regions(&regions)
-                .filter(vk::Filter::LINEAR);
+                .filter(filter);
             // SAFETY: both levels are in the layouts named, by the barriers above.
             unsafe { frame.device().cmd_blit_image2(frame.context.commands, &info) };
         })

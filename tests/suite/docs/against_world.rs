@@ -66,15 +66,20 @@ fn by_cell(rows: &[Row], figure: impl Fn(&Row) -> Result<f64>) -> Result<BTreeMa
 
 /// Everything that has both a time and an error.
 fn measured(folder: &Path) -> Result<Vec<Measured>> {
+    measured_over(folder, "ssct")
+}
+
+/// Reads the records with times over those of a method, and errors over those of `ssct`.
+fn measured_over(folder: &Path, timed: &str) -> Result<Vec<Measured>> {
     let times = by_cell(&csv(folder, "times.csv")?, |row| number(row, "median_ms"))?;
     let errors = by_cell(&csv(folder, "errors.csv")?, error)?;
     let mut all = Vec::new();
     for (cell, time) in &times {
         let Some(error) = errors.get(cell) else { continue };
         let (scene, view, roughness, name) = cell.clone();
-        let base = (scene.clone(), view, roughness.clone(), "ssct".to_owned());
-        let (Some(base_time), Some(base_error)) = (times.get(&base), errors.get(&base)) else {
-            return Err(format!("{cell:?} has no ssct beside it"));
+        let base = |name: &str| (scene.clone(), view.clone(), roughness.clone(), name.to_owned());
+        let (Some(base_time), Some(base_error)) = (times.get(&base(timed)), errors.get(&base("ssct"))) else {
+            return Err(format!("{cell:?} has no {timed} and no ssct beside it"));
         };
         all.push(Measured { scene, roughness, name, over_ssct: [time / base_time, error / base_error] });
     }
@@ -108,9 +113,23 @@ pub fn points(folder: &Path, roughness: &str) -> Result<Vec<Point>> {
     names(&all)?.into_iter().map(point).collect()
 }
 
-/// Time and error of each method over those of `ssct`: median over the views, and in brackets the greatest.
-pub fn methods(folder: &Path) -> Result<String> {
-    let all = measured(folder)?;
+/// The shader stage in which a GPU traces the rays of a method and looks up what stands behind it, where its passes are as
+/// published; `None` if it does the two in different stages.
+fn stage_on_a_gpu(name: &str) -> Option<&'static str> {
+    let is_compute = ["captures", "traced", "unified"].iter().any(|method| name.starts_with(method));
+    match (is_compute, name.contains(" + ")) {
+        (true, true) => None,
+        (true, false) => Some("compute"),
+        (false, _) => Some("fragment"),
+    }
+}
+
+/// Time and error of each method that a GPU runs in a stage: median over the views, and in brackets the greatest. Errors are over
+/// those of `ssct`; times are over those of a method of the stage, `ssct` or `unified` on the screen alone.
+pub fn methods(folder: &Path, stage: &str) -> Result<String> {
+    let base = if stage == "compute" { "unified, screen alone" } else { "ssct" };
+    let mut all = measured_over(folder, base)?;
+    all.retain(|m| stage_on_a_gpu(&m.name) == Some(stage));
     let mut roughness: Vec<&str> = all.iter().map(|m| m.roughness.as_str()).collect();
     roughness.sort_unstable();
     roughness.dedup();

@@ -54,8 +54,8 @@ fn qualities([a, b]: [&Row; 2], difference: impl Fn(f64, f64) -> f64) -> Result<
     Ok(cells)
 }
 
-/// `unified` beside `stochastic` with a history and captures behind it.
-pub fn walks(folder: &Path) -> Result<String> {
+/// `unified` beside `stochastic` with a history and captures behind it; with their times if both were traced in one shader stage.
+pub fn walks(folder: &Path, is_timed: bool) -> Result<String> {
     let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
         let [ours, theirs] = both;
         let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
@@ -63,7 +63,9 @@ pub fn walks(folder: &Path) -> Result<String> {
             cells.push(format!("{:.3}", number(of, "flip")?));
         }
         cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
-        cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        if is_timed {
+            cells.push(ratio(number(ours, "time_ms")? / number(theirs, "time_ms")?));
+        }
         Ok(cells)
     })?;
     let head = [
@@ -81,7 +83,7 @@ pub fn walks(folder: &Path) -> Result<String> {
         "`stochastic`",
         "time, `unified` over `stochastic`",
     ];
-    table(&head, rows)
+    table(&head[..head.len() - usize::from(!is_timed)], rows)
 }
 
 /// What a history of `unified` changes in the walks.
@@ -142,10 +144,6 @@ pub fn on_screen(folder: &Path) -> Result<String> {
                 cells.push(format!("{:.2}", number(of, field)?));
             }
         }
-        let [ssct, unified, stochastic] = films;
-        for of in [ssct, unified] {
-            cells.push(ratio(number(of, "time_ms")? / number(stochastic, "time_ms")?));
-        }
         Ok(cells)
     })?;
     let head = [
@@ -157,8 +155,6 @@ pub fn on_screen(folder: &Path) -> Result<String> {
         "JOD of reflections, `ssct`",
         "`unified`",
         "`stochastic`, history",
-        "time over that of `stochastic`, `ssct`",
-        "`unified`",
     ];
     table(&head, rows)
 }

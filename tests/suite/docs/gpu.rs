@@ -27,8 +27,8 @@ fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f6
     all.into_iter().map(|(of, views)| Ok((of, median(&views)?))).collect()
 }
 
-/// `ssct`, `unified` on the screen alone, on the screen before the triangles, and among the triangles at once: milliseconds at a
-/// roughness, a scene a row. The first folder has the screen alone, the second the screen first.
+/// `unified` on the screen alone, on the screen before the triangles, and among the triangles at once, all in compute shaders:
+/// milliseconds at a roughness, a scene a row. The first folder has the screen alone, the second the screen first.
 pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
     let [alone, first] = folders else { return Err("two folders are needed".to_owned()) };
     let (alone, first) = (times(alone, roughness)?, times(first, roughness)?);
@@ -38,10 +38,10 @@ pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
             let time = times.get(&(scene.clone(), method.to_owned()));
             time.map(|ms| format!("{ms:.2}")).ok_or_else(|| format!("{scene} has no time of {method}"))
         };
-        let cells = [of(&alone, "unified")?, of(&first, "unified")?, of(&first, "traced")?, of(&first, "ssct")?];
+        let cells = [of(&alone, "unified")?, of(&first, "unified")?, of(&first, "traced")?];
         Ok([scene.clone()].into_iter().chain(cells).collect())
     };
-    let head = ["scene", "screen alone", "screen first", "triangles first", "`ssct`"];
+    let head = ["scene", "screen alone", "screen first", "triangles first"];
     table(&head, scenes.iter().map(row).collect::<Result<_>>()?)
 }
 

@@ -28,7 +28,7 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => setup_over(folder, [file, roughness], ["tracer", "query", "tree"]),
         ["history-over-none", file, roughness] => setup_over(folder, [file, roughness], ["history", "on", "off"]),
-        ["against-world"] => against_world::methods(folder),
+        ["against-world", stage] => against_world::methods(folder, stage),
         ["time-over", method, roughness] => against_world::time_over(folder, method, roughness),
         ["beaten", method] => against_world::beaten(folder, method),
         ["scenes-of", method] => against_world::errors_of(folder, method),

@@ -8,8 +8,8 @@ use std::path::Path;
 /// How many rays of its own a pixel gets, as options and files name it.
 const OWN: [&str; 3] = ["none", "4", "8"];
 
-/// The time of `traced` over that of `ssct` with so many rays of their own, median over the views, greatest in brackets, and the
-/// least and greatest time; a roughness a row.
+/// The time of `traced` with so many rays of their own over that without, median over the views, greatest in brackets, and the least
+/// and greatest time; a roughness a row.
 pub fn times(folder: &Path) -> Result<String> {
     let mut all = BTreeMap::new();
     for row in csv(folder, "times.csv")? {
@@ -21,8 +21,8 @@ pub fn times(folder: &Path) -> Result<String> {
         let here = all.iter().filter(|((r, o, _, _, method), _)| r == roughness && o == own && method == "traced");
         let (mut ratios, mut ms) = (Vec::new(), Vec::new());
         for ((r, _, scene, view, _), time) in here {
-            let base = (r.clone(), "auto".to_owned(), scene.clone(), view.clone(), "ssct".to_owned());
-            ratios.push(time / all.get(&base).ok_or_else(|| format!("no time of ssct on {scene} {view}"))?);
+            let base = (r.clone(), OWN[0].to_owned(), scene.clone(), view.clone(), "traced".to_owned());
+            ratios.push(time / all.get(&base).ok_or_else(|| format!("no time without own rays on {scene} {view}"))?);
             ms.push(*time);
         }
         Ok([
@@ -32,11 +32,12 @@ pub fn times(folder: &Path) -> Result<String> {
     };
     let roughness: BTreeSet<_> = all.keys().map(|(roughness, ..)| roughness.clone()).collect();
     let row = |roughness: &String| -> Result<Vec<String>> {
-        let cells = OWN.into_iter().map(|own| cell(roughness, own)).collect::<Result<Vec<_>>>()?;
-        Ok(std::iter::once(roughness.clone()).chain(cells.concat()).collect())
+        let cells = OWN.into_iter().map(|own| cell(roughness, own)).collect::<Result<Vec<_>>>()?.concat();
+        // Over itself it is 1.
+        Ok(std::iter::once(roughness.clone()).chain(cells.into_iter().skip(1)).collect())
     };
     table(
-        &["roughness", "none, over `ssct`", "ms", "4, over `ssct`", "ms", "8, over `ssct`", "ms"],
+        &["roughness", "none, ms", "4, over none", "ms", "8, over none", "ms"],
         roughness.iter().map(row).collect::<Result<_>>()?,
     )
 }

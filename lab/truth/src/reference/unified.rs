@@ -15,9 +15,9 @@ mod lobe;
 mod resolve;
 mod surface;
 
+pub use color_seen::{ColorSeen, Footprint};
 pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
-pub use color_seen::{ColorSeen, Footprint};
 pub use gloss::Gloss;
 pub use gloss_trace::{Aim, Gathered, octahedral};
 pub use lobe::Lobe;

@@ -1,0 +1,83 @@
+// What makes one source a fragment program over whole targets and a compute program, a thread a texel. A source with
+// `#pragma in_either_stage` is compiled for both, for the second with COMPUTE defined. It declares its outputs by OUTPUT, finds
+// its place by PIXEL_CENTRE, and has its main function below SHADE. No such source takes derivatives or samples with an
+// implicit level of detail, which compute programs do not have.
+
+#ifndef COMMON_EITHER_STAGE_GLSL
+#define COMMON_EITHER_STAGE_GLSL
+
+#ifdef COMPUTE
+
+#include "common/constants.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+// The centre of the thread's texel, in pixels: what gl_FragCoord.xy is to a fragment program.
+#define PIXEL_CENTRE (vec2(gl_GlobalInvocationID.xy) + 0.5)
+
+// A source that writes a slice of a volume defines both for itself.
+#ifndef OUTPUT_IMAGE
+#define OUTPUT_IMAGE image2D
+#define OUTPUT_TEXEL ivec2(gl_GlobalInvocationID.xy)
+#endif
+
+// An output: its number, the format of its image, its type and its name. No other binding is as high as these.
+#define OUTPUT(number, format, type, name) \
+    layout(binding = FIRST_OUTPUT + number, format) uniform writeonly OUTPUT_IMAGE name##_image; \
+    type name
+#define OUTPUT_UINT(number, format, name) \
+    layout(binding = FIRST_OUTPUT + number, format) uniform writeonly uimage2D name##_image; \
+    uint name
+
+bool discarded = false;
+// Leaves the texel as it is.
+#define DISCARD { discarded = true; return; }
+
+vec4 Stored(float value) {
+    return vec4(value);
+}
+
+vec4 Stored(vec2 value) {
+    return vec4(value, 0.0, 0.0);
+}
+
+vec4 Stored(vec4 value) {
+    return value;
+}
+
+uvec4 Stored(uint value) {
+    return uvec4(value);
+}
+
+// What SHADE stores beside its first output.
+#define STORE(name) imageStore(name##_image, OUTPUT_TEXEL, Stored(name));
+#define STORE_IF(wanted, name) if (wanted) STORE(name)
+
+// The main function of a source with several outputs: the first of them, and what is stored beside it. A thread may stand beyond the
+// border of the image.
+#define SHADE_ALL(first, others) \
+    void Shade(); \
+    void main() { \
+        if (any(greaterThanEqual(ivec2(gl_GlobalInvocationID.xy), imageSize(first##_image).xy))) \
+            return; \
+        Shade(); \
+        if (discarded) \
+            return; \
+        STORE(first) \
+        others \
+    } \
+    void Shade()
+#define SHADE(output) SHADE_ALL(output, ;)
+
+#else
+
+#define PIXEL_CENTRE gl_FragCoord.xy
+#define OUTPUT(number, format, type, name) layout(location = number) out type name
+#define OUTPUT_UINT(number, format, name) layout(location = number) out uint name
+#define DISCARD discard
+#define SHADE_ALL(first, others) void main()
+#define SHADE(output) void main()
+
+#endif
+
+#endif

@@ -1,0 +1,184 @@
+//! Every method makes the same images to the bit with its passes in fragment and in compute shaders (`--stage`), by passes of the
+//! same names, and in compute shaders nothing over the whole image is drawn. `unified` with stages of its own is in `unified_stages`.
+
+use crate::common::engine::bits;
+use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::timing::PassWork;
+use ssct::methods::layers::LayerParams;
+use ssct::methods::setup::{HistoryUse, Stage as ShaderStage};
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::sslr::SslrParams;
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants, hzct, poster, ssct as thesis, sslr};
+use ssct::methods::{dda, ssr, ssr_fast};
+use ssct::parameter::Preset;
+use ssct::passes::color_chain::{ChainFilter, ChainMask};
+use ssct::passes::mask_chain::MaskFilter;
+use ssct::passes::trace_normals::TraceNormals;
+use ssct_lab::scene::{Camera, Capture, Material, Scene, View};
+use ssct_lab::stage::image::render;
+use ssct_lab::stage::{Globals, Shot, Stage};
+use std::collections::BTreeMap;
+
+/// The bits of a frame's images by their names, its passes, and what the device counted in each.
+struct Made {
+    images: BTreeMap<String, Vec<u32>>,
+    passes: Vec<String>,
+    work: Vec<(String, PassWork)>,
+}
+
+/// Where frames are made.
+struct Place<'s> {
+    stage: &'s mut Stage,
+    camera: Camera,
+    materials: &'s [Material],
+}
+
+fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> Made {
+    let Place { stage, camera, materials } = place;
+    let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
+    let image = render(stage, &shot, true).unwrap();
+    let passes = image.report.recorded.clone();
+    // Not every method makes the chain of the lit colour; without it memory holds anything there.
+    let is_made = |name: &str| !name.starts_with("color-") || name == "color-0";
+    let images = image.intermediates.unwrap().into_iter().filter(|(name, ..)| is_made(name));
+    let images = images.map(|(name, _, pixels)| (name, bits(&pixels))).collect();
+    let work = stage.run(&shot, Mode::Counted).unwrap().0.work;
+    let counted = stage.run(&shot, Mode::Plain).unwrap().0.recorded;
+    Made { images, passes, work: counted.into_iter().zip(work).collect() }
+}
+
+/// Whether a pass copies or draws the scene in either stage, or marks a stencil.
+fn is_drawn_anyway(pass: &str) -> bool {
+    // A blur has a pass for each direction, such as "color/1h".
+    let is_blur = |rest: &str| rest.strip_suffix(['h', 'v']).is_some_and(|level| level.parse::<u32>().is_ok());
+    let is_blit = |folder: &str| pass.rsplit_once(folder).is_some_and(|(_, rest)| !is_blur(rest));
+    let copies = ["color/", "filter/", "blur/"].into_iter().any(is_blit);
+    let scene = ["g-buffer", "lighting", "mirror mark", "history"].into_iter().any(|part| pass.contains(part));
+    copies || scene || pass.ends_with("/encode") || pass.starts_with("composite")
+}
+
+/// Holds the images of a method in compute shaders against those in fragment shaders.
+fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> usize {
+    let [drawn, stored] = [ShaderStage::Fragment, ShaderStage::Compute]
+        .map(|stage| make(place, method, &setup.with(|p: &mut EffectParams| p.stage = stage), wants));
+    let what = format!("{}, {setup:?}, {wants:?}", method.name);
+    assert_eq!(drawn.images.keys().collect::<Vec<_>>(), stored.images.keys().collect::<Vec<_>>(), "{what}");
+    for ((name, expected), found) in drawn.images.iter().zip(stored.images.values()) {
+        let differ: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
+        let first = differ.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
+        assert!(
+            found.len() == expected.len() && differ.is_empty(),
+            "{what}, {name}: {} numbers differ, the first: {first:?}",
+            differ.len()
+        );
+    }
+    let others = |passes: &[String]| passes.iter().filter(|p| !p.ends_with("/encode")).cloned().collect::<Vec<_>>();
+    assert_eq!(others(&stored.passes), drawn.passes, "{what}");
+    for (pass, work) in &stored.work {
+        assert!(work.fragment_invocations == 0 || is_drawn_anyway(pass), "{what}: the pass {pass} is drawn: {work:?}");
+    }
+    let is_empty = |name: &str| drawn.images[name].iter().all(|word| *word == 0);
+    usize::from(!is_empty("reflection"))
+}
+
+/// Setups of a method that between them have all of its programs.
+fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
+    let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
+    let mut all: Vec<(Setup, Wants)> = method
+        .sweep(&usual)
+        .into_iter()
+        .chain([usual.of_preset(Preset::Author)])
+        .map(|s| (s, Wants::REFLECTION))
+        .collect();
+    all.push((usual.clone(), Wants::HITS));
+    if [thesis::INFO.name, hzct::INFO.name].contains(&method.name) {
+        for mask in [ChainMask::None, ChainMask::Covered, ChainMask::Surface] {
+            let set = |p: &mut ThesisDrawing| {
+                (p.split, p.hi_z_maximum, p.chain_filter, p.chain_mask) = (true, true, ChainFilter::Gaussian, mask);
+            };
+            all.push((usual.with(set), Wants::HITS));
+        }
+    }
+    if method.name == sslr::INFO.name {
+        all.push((usual.with(|p: &mut SslrParams| p.mask_filter = MaskFilter::Hardware), Wants::HITS));
+    }
+    if [poster::INFO.name, ssr::INFO.name, ssr_fast::INFO.name, dda::INFO.name].contains(&method.name) {
+        let layered = usual.with(|p: &mut LayerParams| p.layers = 2);
+        let blurred = |p: &mut SsrFastParams| (p.distance_blur, p.chain_filter) = (true, ChainFilter::Gaussian);
+        all.push((layered.with(blurred), Wants::HITS));
+    }
+    all
+}
+
+/// What stands around any screen-space method.
+fn around(extent: [u32; 2]) -> Vec<Setup> {
+    let changes: [fn(&mut EffectParams); 7] = [
+        |p| p.fallback = Fallback::Environment,
+        |p| (p.fallback, p.resolution_scale) = (Fallback::Pccm, 0.5),
+        |p| p.fallback = Fallback::Captures,
+        |p| p.fallback = Fallback::Planar,
+        |p| p.bounces = 2,
+        |p| (p.trace_normals, p.bump_after) = (TraceNormals::Geometric, 0.2),
+        |p| (p.history, p.history_frames) = (HistoryUse::On, 3),
+    ];
+    changes.map(|change| Setup::on_screen(extent).with(change)).to_vec()
+}
+
+/// Whether a method has passes of its own in either stage.
+fn is_published(method: &&MethodInfo) -> bool {
+    method.name != "unified" && method.reads().iter().any(|p| p.name == "stage")
+}
+
+#[test]
+fn every_method_makes_the_same_images_in_either_stage() {
+    let gpu = gpu();
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
+    let mut shown = BTreeMap::new();
+    // An instrumented shader compiles for half a minute.
+    let sizes = if is_gpu_assisted() { &[[33, 18]][..] } else { &[[61, 37], [1, 1], [8, 8], [1, 9]] };
+    for (n, extent) in sizes.iter().enumerate() {
+        let mut place = Place { stage: &mut stage, camera: clutter_camera(*extent), materials: &materials };
+        for method in METHODS.iter().filter(is_published) {
+            let all = setups(method, *extent);
+            // The other sizes test how workgroups cover an image and its chain, for which one setup is enough.
+            let tried = if n == 0 && !is_gpu_assisted() { &all[..] } else { &all[all.len() - 1..] };
+            for (setup, wants) in tried {
+                *shown.entry(method.name).or_insert(0) += check_same(&mut place, method, setup, *wants);
+                check_validation(&gpu).unwrap_or_else(|e| panic!("{}, {setup:?}: {e}", method.name));
+            }
+        }
+    }
+    // The scene has no place for a capture, and no probe.
+    let dark = |name: &str| ["captures", "local-map", "pccm"].contains(&name);
+    assert!(shown.iter().all(|(name, lit)| *lit > 0 || dark(name)), "{shown:?} images show something");
+}
+
+#[test]
+fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
+    let gpu = gpu();
+    let mut scene: Scene = built_in("rooms");
+    let view = scene.view("corridor").unwrap().clone();
+    let place = Capture { resolution: 33, ..Capture::at(view.eye + 0.2 * Vec3::Y) };
+    scene.captures = vec![place];
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &view);
+    let extent = [67, 38];
+    let mut place = Place { stage: &mut stage, camera: view.camera(&scene, extent), materials: &materials };
+    for setup in around(extent) {
+        for method in [&thesis::INFO, &sslr::INFO, &dda::INFO] {
+            assert_eq!(check_same(&mut place, method, &setup, Wants::REFLECTION), 1, "{setup:?}");
+        }
+        check_validation(&gpu).unwrap_or_else(|e| panic!("{setup:?}: {e}"));
+    }
+    let captured =
+        Setup::new(extent).with(|p: &mut EffectParams| p.captures = ssct::methods::setup::CaptureCount::Auto);
+    for method in METHODS.iter().filter(|m| is_published(m) && !m.is_screen_space() && m.lacks(&scene).is_empty()) {
+        assert_eq!(check_same(&mut place, method, &captured, Wants::REFLECTION), 1, "{}", method.name);
+        check_validation(&gpu).unwrap_or_else(|e| panic!("{}: {e}", method.name));
+    }
+}
