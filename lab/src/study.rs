@@ -8,6 +8,7 @@ pub mod cell_list;
 pub mod columns;
 pub mod compare;
 pub mod complaints;
+mod drift;
 pub mod engine;
 pub mod error;
 pub mod exhibit;

@@ -36,6 +36,9 @@ fn facing_mirrors(roughness: f32) -> Scene {
     b.quad(mirror, Vec3::new(1.5, 0.0, 0.5), Vec3::Z * 9.0, Vec3::Y * 3.0, -Vec3::X);
     let stripes = b.picture(64, 64, |x, y| [(4 * x) as u8, if y % 8 < 4 { 40 } else { 220 }, 128]);
     b.quad(stripes, Vec3::new(-1.5, 0.0, 0.5), Vec3::X * 3.0, Vec3::Z * 9.0, Vec3::Y);
+    // A ceiling, since in the mirrors the camera sees other parts of the sky than the rays of further bounces.
+    let ceiling = b.matt(Vec3::splat(0.6));
+    b.quad(ceiling, Vec3::new(-1.5, 3.0, 0.5), Vec3::X * 3.0, Vec3::Z * 9.0, -Vec3::Y);
     let board = b.matt(Vec3::new(0.9, 0.5, 0.2));
     b.quad(board, Vec3::new(-1.5, 0.0, 9.5), Vec3::X * 3.0, Vec3::Y * 3.0, -Vec3::Z);
     b.0

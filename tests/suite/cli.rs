@@ -154,6 +154,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
         "cells.json",
         "index.html",
         "journal.jsonl",
+        "pass-medians.csv",
         "time-samples.csv",
         "time.csv",
         "time.json",

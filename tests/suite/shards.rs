@@ -76,8 +76,10 @@ impl Folders {
 }
 
 /// Fields of records that are times.
-const TIMES: [&str; 11] = [
+const TIMES: [&str; 13] = [
     "time_ms",
+    "time_low_ms",
+    "time_high_ms",
     "prepared",
     "effect_ms",
     "capture_ms",

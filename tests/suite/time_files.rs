@@ -11,7 +11,7 @@ use std::process::Command;
 
 /// The section of the definitions that explains the files.
 fn section() -> String {
-    let text = std::fs::read_to_string(repository().join("docs/definitions.md")).unwrap();
+    let text = std::fs::read_to_string(repository().join("docs").join("definitions.md")).unwrap();
     let (_, section) = text.split_once("### Files of times").expect("the section");
     section.split("\n## ").next().unwrap().to_owned()
 }

@@ -2,7 +2,7 @@
 //! and how far the G-buffers differ that two devices draw of one view.
 
 use super::columns::{Column, columns, figure, part};
-use super::error::display;
+use super::compare::display;
 use super::exhibit::Table;
 use super::names::name_among;
 use super::record::{Head, Of};

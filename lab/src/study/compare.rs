@@ -7,7 +7,7 @@ mod samples;
 mod settings;
 mod subject;
 
-pub use self::images::{ImageComparison, LinearImage, images};
+pub use self::images::{ImageComparison, LinearImage, display, images};
 pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, shown_drift, subject_labels};
 pub use self::samples::{Run, TimeSample};
 pub use self::settings::{Selection, in_turns, settings};

@@ -14,14 +14,14 @@ pub use self::pictures::{flip_file, picture_file};
 pub use self::row::{Against, ErrorRecord, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
-use super::compare::SEED;
+use super::compare::{SEED, display};
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
 use super::record::{Of, Stats};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
-use crate::math::{OracleVersion, display_byte};
+use crate::math::OracleVersion;
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::bootstrap::interval_of_median;
@@ -310,11 +310,6 @@ fn totals(
 fn alone(setup: &Setup) -> Setup {
     let beyond = setup.effect().beyond(true);
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
-}
-
-/// The display image: 3 bytes a pixel.
-pub fn display(color: &[[f32; 3]]) -> Vec<u8> {
-    color.iter().flat_map(|c| c.map(display_byte)).collect()
 }
 
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {

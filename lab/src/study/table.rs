@@ -1,8 +1,8 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
 use super::compare::shown_drift;
+use super::drift::drift;
 use super::record::TimeRecord;
-use super::timing::drift;
 use crate::methods::{METHODS, MethodInfo};
 use crate::stage::Globals;
 use crate::study::exhibit::distinct;

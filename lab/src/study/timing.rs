@@ -1,11 +1,9 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
 //! sample in the journal as soon as it is there.
 
-mod drift;
 mod suite;
 mod verdicts;
 
-pub use drift::drift;
 pub use suite::{
     Beside, FLOORS, MEASURED, MEDIAN_COLUMNS, MEDIANS, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy,
     TimedFrame, chart, frames, sample_cells,

@@ -8,8 +8,9 @@ mod way;
 pub use record::{VideoFrame, VideoRecord};
 pub use way::Way;
 
+use super::compare::display;
 use super::engine::{Bench, Planned, Study};
-use super::error::{Variant, display, greatest_bounces};
+use super::error::{Variant, greatest_bounces};
 use super::exhibit::{Content, ExtraFile};
 use super::journal::scene_digest;
 use super::names::cell_name;

@@ -8,7 +8,7 @@ use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::WorldReference;
 use crate::scene::{Camera, Material, Scene};
-use crate::study::error::display;
+use crate::study::compare::display;
 use glam::Vec3;
 use ssct_lab::app::reference::{default_cache, kept_in};
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! Two images beside each other (docs/definitions.md, "Image error").
 
 use super::CompareHead;
+use crate::math::display_byte;
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
-use crate::study::error::display;
 use serde::Serialize;
 
 /// A linear image, rows from the top.
@@ -70,4 +70,9 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
         rmse_map,
         flip_picture: flip.picture(),
     })
+}
+
+/// The display image: 3 bytes a pixel.
+pub fn display(color: &[[f32; 3]]) -> Vec<u8> {
+    color.iter().flat_map(|c| c.map(display_byte)).collect()
 }

@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, drift, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
+use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Gpu};
 use crate::scene::{Scene, View};
@@ -9,6 +9,7 @@ use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
 use crate::study::compare::{TOTAL, shown_drift};
+use crate::study::drift::drift;
 use crate::study::engine::{Bench, Planned, Row, Study, kept};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};

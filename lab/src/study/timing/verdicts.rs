@@ -55,4 +55,4 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
 }
 
 const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
-    with its interval. ssct compare FOLDER with --a and --b compares any two, and --all shows the parts of passes.";
+    with its interval. ssct compare FOLDER compares any two, and shows the parts of passes.";

@@ -1,5 +1,5 @@
 //! What changed on the machine between rows that were timed at different moments, by work that is the same in both
-//! (docs/definitions.md, "Drift").
+//! (docs/definitions.md, "Verdicts").
 
 use crate::study::record::TimeRecord;
 
