@@ -184,8 +184,11 @@ mod tests {
             materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
             ..Scene::default()
         };
-        let lens = Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() };
-        (scene, Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0))
+        (scene, Camera::new(Vec3::ZERO, Vec3::Z, lens(), 1.0))
+    }
+
+    fn lens() -> Lens {
+        Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() }
     }
 
     fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
@@ -215,9 +218,10 @@ mod tests {
         // The wall itself does not reflect.
         let wall = seen(Vec::new(), [20, 5]);
         assert_eq!((wall.mesh.as_deref(), wall.end), (Some("wall"), WorldHit::NotReflecting));
-        // A ceiling that hangs low meets the ray before the wall, above the picture's upper side.
-        let ceiling = rectangle(Vec3::new(-9.0, 0.9, 0.0), 9.0 * Vec3::X, 0.8 * Vec3::Z, 1);
-        let (scene, camera) = room(vec![named("ceiling", ceiling)]);
+        // The camera looks down, so that the horizon is the picture's upper side. A ceiling that hangs low meets rays before the wall.
+        let ceiling = rectangle(Vec3::new(-9.0, 0.9, 0.0), 18.0 * Vec3::X, 4.0 * Vec3::Z, 1);
+        let (scene, _) = room(vec![named("ceiling", ceiling)]);
+        let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), lens(), 1.0);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
         let all = (0..data.depth.len()).map(|i| PixelInWorld::new(&world, &data, i));

@@ -102,6 +102,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("own-rays", "16"),
         ("first", "triangles"),
         ("hit-color", "screen"),
+        ("stage", "compute"),
         ("trace-stage", "compute"),
         ("resolve-stage", "compute"),
     ];
@@ -132,8 +133,16 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             // Nothing reads the maximum of the Hi-Z. Both
             // stages of a shader make the same image, and so do both tracers; tests/suite/own_rays.rs tries rays of a pixel's
             // own, which are for lobes among triangles. Who is asked first matters where rays go beyond the screen.
-            let shows_nothing =
-                ["hi-z-maximum", "first", "tracer", "own-rays", "trace-stage", "resolve-stage", "history-stage"];
+            let shows_nothing = [
+                "hi-z-maximum",
+                "first",
+                "tracer",
+                "own-rays",
+                "stage",
+                "trace-stage",
+                "resolve-stage",
+                "history-stage",
+            ];
             if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
@@ -385,7 +394,10 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     let folder = tempfile::tempdir().unwrap();
     bench.viewer.captures.file = folder.path().join("c.toml").display().to_string();
     bench.viewer.captures.save(&placed);
-    let saved = crate::scene::capture_file::encode_tables(&bench.viewer.captures_shown());
+    // The scene's file is right-handed.
+    let mut in_file = bench.viewer.captures_shown();
+    in_file.iter_mut().for_each(|c| c.position.z = -c.position.z);
+    let saved = crate::scene::capture_file::encode_tables(&in_file);
     assert_eq!(std::fs::read_to_string(folder.path().join("c.toml")).unwrap(), saved);
     bench.is_valid("captures");
 }
