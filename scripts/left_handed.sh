@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Copies a scene file whose places were written for left-handed coordinates and that does not say so: the copy says it
-# (coordinates = "left"), and names the same files by their whole paths. A file that names its coordinates is copied as it is.
+# Copies a scene file whose places are left-handed and that does not say so: the copy says it (coordinates = "left"). A file that
+# names its coordinates keeps them. The copy names meshes and images by their whole paths.
 #
 #   scripts/left_handed.sh FILE.scene.toml COPY.scene.toml
 set -euo pipefail
@@ -8,9 +8,10 @@ set -euo pipefail
 
 file=${1:?usage: scripts/left_handed.sh FILE.scene.toml COPY.scene.toml}
 copy=${2:?usage: scripts/left_handed.sh FILE.scene.toml COPY.scene.toml}
-folder=$(cd "$(dirname "$file")" && pwd)
+[ ! "$file" -ef "$copy" ] || { echo "left_handed.sh: COPY must be another file than $file" >&2 && exit 2; }
+folder=$(cd "$(dirname "$file")" && pwd | sed 's/[|&\\]/\\&/g')
 mkdir -p "$(dirname "$copy")"
 {
     grep -q '^coordinates *=' "$file" || echo 'coordinates = "left"'
-    sed "s|^file = \"\([^/]\)|file = \"$folder/\1|" "$file"
+    sed -E "s|^( *file *= *['\"])([^/'\"])|\1$folder/\2|" "$file"
 } >"$copy"

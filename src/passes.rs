@@ -27,6 +27,7 @@ pub mod look;
 pub mod lost;
 pub mod mask_chain;
 pub mod own_rays;
+mod path_code;
 pub mod pccm;
 pub mod planar;
 pub mod pyramid;
@@ -48,10 +49,12 @@ pub mod unified_trace;
 pub mod unlit_triangles;
 pub mod visibility;
 
+pub use path_code::PathCode;
+
 use crate::error::Result;
 use crate::gpu::programs::LinearConstants;
 use crate::gpu::shader::{CameraBlock, UnifiedBlock};
-use crate::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Target};
+use crate::gpu::{Frame, Gpu, Image, ImageSlice, ShaderStage, Target};
 use crate::math::constants;
 use crate::parameter::choices;
 use crate::scene::{Aabb, Camera, ProjectionKind};
@@ -80,9 +83,7 @@ pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 
 /// An image of one level that is drawn into, read, and stored to by compute shaders.
 pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
-    use vk::ImageUsageFlags as U;
-    let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
-    Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+    Image::target_in(gpu, ShaderStage::Compute, name, format, extent)
 }
 
 /// An image of one texel that is bound as a program's hits where nobody wants them. The program writes nothing to it,
@@ -380,122 +381,6 @@ pub enum Content {
     Hits,
     /// Cells or texels that each pixel's ray looked at, in the first channel.
     Steps,
-}
-
-/// How a ray ended: the fourth channel of [`Hits`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PathCode {
-    /// The pixel does not reflect.
-    None = constants::PATH_NONE as isize,
-    /// Hit by Hi-Z traversal.
-    HiZ = constants::PATH_HI_Z as isize,
-    /// Hit by a linear march: the fallback's, or the method's own.
-    Linear = constants::PATH_LINEAR as isize,
-    /// Hi-Z traversal left the screen.
-    Miss = constants::PATH_MISS as isize,
-    /// A linear march found nothing.
-    LinearMiss = constants::PATH_LINEAR_MISS as isize,
-    /// Out of iterations; the thesis takes it for a hit.
-    Exhausted = constants::PATH_EXHAUSTED as isize,
-    /// Towards the camera, and the method has no fallback.
-    Untraced = constants::PATH_UNTRACED as isize,
-    /// `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
-    Unfinished = constants::PATH_UNFINISHED as isize,
-    /// `unified`: left by a side of the screen.
-    MissScreen = constants::PATH_MISS_SCREEN as isize,
-    /// `unified`: went behind the near plane.
-    MissNear = constants::PATH_MISS_NEAR as isize,
-    /// `unified`: went beyond the far plane.
-    MissSky = constants::PATH_MISS_SKY as isize,
-    /// `unified`: left the frustum behind geometry.
-    MissBehind = constants::PATH_MISS_BEHIND as isize,
-    /// With captures or triangles: ended in the sky.
-    Sky = constants::PATH_SKY as isize,
-    /// With captures: went where no image sees it.
-    Unknown = constants::PATH_UNKNOWN as isize,
-    /// `dda`: out of steps, and taken for a miss.
-    LinearExhausted = constants::PATH_LINEAR_EXHAUSTED as isize,
-    /// With triangles: hit one of them.
-    Triangle = constants::PATH_TRIANGLE as isize,
-    /// With captures: hit in one of them, which [`PathCode::capture`] tells.
-    Capture = constants::PATH_CAPTURE as isize,
-}
-
-impl PathCode {
-    /// The code of a channel value; `None` for a value that is no code.
-    pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 16] = [
-            PathCode::None,
-            PathCode::HiZ,
-            PathCode::Linear,
-            PathCode::Miss,
-            PathCode::LinearMiss,
-            PathCode::Exhausted,
-            PathCode::Untraced,
-            PathCode::Unfinished,
-            PathCode::MissScreen,
-            PathCode::MissNear,
-            PathCode::MissSky,
-            PathCode::MissBehind,
-            PathCode::Sky,
-            PathCode::Unknown,
-            PathCode::LinearExhausted,
-            PathCode::Triangle,
-        ];
-        if Self::capture(value).is_some() {
-            return Some(Self::Capture);
-        }
-        CODES.into_iter().find(|c| *c as u8 as f32 == value)
-    }
-
-    /// The capture in which a ray hit, by the channel's value.
-    pub fn capture(value: f32) -> Option<usize> {
-        (0..constants::CAPTURE_SLOTS).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
-    }
-
-    /// How such a ray ends, as the end of a sentence about it.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::None => "does not exist",
-            Self::HiZ => "hits by the Hi-Z traversal",
-            Self::Linear => "hits by a linear march",
-            Self::Miss => "left the picture in the Hi-Z traversal",
-            Self::LinearMiss => "found nothing in a linear march",
-            Self::Exhausted => "ran out of iterations, and is taken for a hit",
-            Self::Untraced => "runs towards the camera, and was not traced",
-            Self::Unfinished => "ran out of steps",
-            Self::MissScreen => "left the picture by a side",
-            Self::MissNear => "went behind the near plane",
-            Self::MissSky => "went beyond the far plane",
-            Self::MissBehind => "passed behind a surface",
-            Self::Sky => "ended in the sky",
-            Self::Unknown => "went where no capture sees it",
-            Self::LinearExhausted => "ran out of steps, and is taken for a miss",
-            Self::Triangle => "hits a triangle of the scene",
-            Self::Capture => "hits in a capture",
-        }
-    }
-
-    /// Whether the method takes the ray for a hit on the screen.
-    pub fn is_hit(self) -> bool {
-        matches!(self, Self::HiZ | Self::Linear | Self::Exhausted)
-    }
-
-    /// Whether the ray ran out of steps before it ended.
-    pub fn is_exhausted(self) -> bool {
-        matches!(self, Self::Exhausted | Self::Unfinished | Self::LinearExhausted)
-    }
-
-    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
-    pub fn by_hi_z(self) -> Option<bool> {
-        match self {
-            Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
-            Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
-            Self::Sky | Self::Unknown | Self::Triangle | Self::Capture => Some(true),
-            Self::Linear | Self::LinearMiss | Self::LinearExhausted => Some(false),
-            Self::None | Self::Untraced => None,
-        }
-    }
 }
 
 /// The camera's uniform block. Matrices are inverted and multiplied in f64, then rounded once.

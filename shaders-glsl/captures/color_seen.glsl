@@ -11,6 +11,11 @@ vec3 SkyAlong(vec3 direction) {
     return Sky(ToWorld(direction));
 }
 
+// Whether a texel of the lit colour shows nothing but sky.
+bool ShowsSky(vec4 seen) {
+    return unified.sky != 0 && seen.a == 0.0;
+}
+
 // The lit colour of the screen around a place, from a level of its chain. The share of it that is sky (1 - a) was seen in
 // another direction than `along`, which is the sky along the ray.
 vec3 ColorOver(vec2 position, float level, vec3 along) {

@@ -1,5 +1,5 @@
 #version 460
 #pragma program(Nothing)
-// Draws nothing and reads nothing: see gpu/frame/settle.rs.
+// Draws nothing and reads nothing: see gpu/frame/quirks/settle.rs.
 
 void main() {}

@@ -43,8 +43,9 @@ struct End {
 };
 
 #ifndef EXACT
-// The lit colour of the screen at a place in full resolution, whatever surfaces are around it. Each of the four pixels around the place is sky or not, so that those that are can be left
-// out, and the sky be looked up once: a device that takes both ways of a branch pays for every look.
+// The lit colour of the screen at a place in full resolution, whatever surfaces are around it. Each of the four pixels around the place
+// is sky or not. Those that are can be left out, so that the sky is looked up once: a device that takes both ways of a branch pays
+// for every look.
 vec3 ColorBetween(vec2 position, vec3 along) {
     vec2 corner = position - 0.5;
     vec2 first = floor(corner);
@@ -54,7 +55,7 @@ vec3 ColorBetween(vec2 position, vec3 along) {
         ivec2 next = ivec2(i & 1, i >> 1);
         vec4 seen = texelFetch(color_buffer, clamp(ivec2(first) + next, ivec2(0), unified.size - 1), 0);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        bool shows_sky = unified.sky != 0 && seen.a == 0.0;
+        bool shows_sky = ShowsSky(seen);
         sum += weight.x * weight.y * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
     }
     return Sound(sum.rgb) + (1.0 - sum.a) * along;

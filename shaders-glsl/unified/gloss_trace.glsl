@@ -93,7 +93,7 @@ vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint
     if (sees_all)
         return ColorOver(hit.position, footprint_level, along);
     vec4 own = texelFetch(color_buffer, hit.pixel, 0);
-    bool shows_sky = unified.sky != 0 && own.a == 0.0;
+    bool shows_sky = ShowsSky(own);
     float whole = 1.0 / max(counted, 1e-6);
     vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
     return shows_sky ? along : counted > 0.0 ? between : Sound(own.rgb);

@@ -4,6 +4,7 @@
 #ifndef UNIFIED_SURFACE_GLSL
 #define UNIFIED_SURFACE_GLSL
 
+#include "captures/color_seen.glsl"
 #include "unified/traverse.glsl"
 
 // Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
@@ -50,10 +51,10 @@ Seeing SeeingFrom(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float ow
     return from;
 }
 
-// Whether a ray can have seen what a pixel of a depth shows, in the middle of a texel. On the screen something may stand before what
-// was hit, and beside it, that stands elsewhere in the reflection: far beside the ray. What stands behind it is beside it there, too,
-// unless the pixel that was hit shows the surface that reflects: then the ray has met what stands on that. And nothing of that
-// surface is seen, or of what is below it. Sky lies behind all.
+// Whether a ray can have seen what a pixel of a depth shows, in the middle of a texel. What stands before the hit and far beside the
+// ray stands elsewhere in the reflection. What stands behind the hit is beside it there, too. If the pixel that was hit shows the
+// surface that reflects, the ray has met what stands on that surface, and nothing behind it counts. The surface that reflects is
+// never seen, nor what is below it. Sky lies behind all.
 bool IsSeen(Seeing from, vec2 middle, float depth) {
     precise float apart = STANDS_BEFORE * from.width;
     apart = apart * (ORTHOGRAPHIC ? unified.depth_offset : from.own + unified.depth_offset);
@@ -68,7 +69,7 @@ bool IsSeen(Seeing from, vec2 middle, float depth) {
 
 // Adds a texel to a weighted sum of colours. `a` is the part that is no sky.
 void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float weight) {
-    bool shows_sky = unified.sky != 0 && seen.a == 0.0;
+    bool shows_sky = ShowsSky(seen);
     precise float share = counts ? weight : 0.0;
     precise vec4 added = share * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
     sum += added;
@@ -97,18 +98,19 @@ Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along
     Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own, 1.0);
     precise vec4 sum = vec4(0.0);
     precise float counted = 0.0;
-    vec3 own_color = vec3(0.0);
+    vec4 own_color = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
         vec2 weight = mix(1.0 - part, part, vec2(next));
         vec4 seen = texelFetch(color_buffer, here, 0);
         AddTexel(sum, counted, seen, IsSeen(from, vec2(here) + 0.5, depths[i]), weight.x * weight.y);
-        own_color = here == hit.pixel ? seen.rgb : own_color;
+        own_color = here == hit.pixel ? seen : own_color;
     }
     float whole = 1.0 / max(counted, 1e-6);
     vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
-    return Mirrored(counted > 0.0 ? between : Sound(own_color), own < 0.0);
+    vec3 alone = ShowsSky(own_color) ? along : Sound(own_color.rgb);
+    return Mirrored(counted > 0.0 ? between : alone, own < 0.0);
 }
 
 #endif

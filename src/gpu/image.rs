@@ -1,5 +1,9 @@
 //! Images with one view per mip level (or slice of a volume) and one over all of them, and the samplers.
 
+mod slice;
+
+pub use slice::ImageSlice;
+
 use super::device::{Gpu, vulkan};
 use super::memory::{self, Allocation, MemoryPlace};
 use super::pixels::ShaderStage;
@@ -75,16 +79,6 @@ enum Kind {
     Cubes,
     /// So many slices of a volume.
     Volume(u32),
-}
-
-/// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
-#[derive(Clone, Copy)]
-pub struct ImageSlice<'a> {
-    image: &'a Image,
-    base: u32,
-    count: u32,
-    slice: Option<u32>,
-    by_face: bool,
 }
 
 impl ImageDesc<'_> {
@@ -420,64 +414,6 @@ impl Image {
             // all of the volume to both.
             layer_count: if self.depth > 1 { vk::REMAINING_ARRAY_LAYERS } else { self.layers },
         }
-    }
-}
-
-impl<'a> ImageSlice<'a> {
-    /// The image.
-    pub fn image(&self) -> &'a Image {
-        self.image
-    }
-
-    /// What a compute program stores to: the slice itself, or of a volume's slice the whole volume, since no view of one slice can
-    /// be stored to on every device.
-    pub(crate) fn stored(&self) -> Self {
-        if self.slice.is_some() { self.image.all() } else { *self }
-    }
-
-    /// The first level.
-    pub fn base_level(&self) -> u32 {
-        self.base
-    }
-
-    /// Width and height of the first level.
-    pub fn extent(&self) -> [u32; 2] {
-        level_extent(self.image.extent, self.base)
-    }
-
-    /// The slices that it covers: the first, and how many.
-    pub(crate) fn slices(&self) -> (u32, u32) {
-        self.slice.map_or((0, self.image.depth), |s| (s, 1))
-    }
-
-    /// The view that shaders see it through.
-    pub fn view(&self) -> vk::ImageView {
-        if self.by_face {
-            self.image.faces_view
-        } else if let Some(slice) = self.slice {
-            self.image.slice_views[slice as usize]
-        } else if self.count == self.image.levels() {
-            self.image.whole_view
-        } else {
-            self.image.level_views[self.base as usize]
-        }
-    }
-
-    /// The view that a depth target with stencil is attached by.
-    pub(crate) fn stencil_view(&self) -> Option<vk::ImageView> {
-        has_stencil(self.image.format).then_some(self.image.stencil_view)
-    }
-
-    /// Returns true if something was written to every level of it. Fresh memory shows nothing, whatever it holds.
-    pub fn is_written(&self) -> bool {
-        self.states().all(|(_, state)| state.get().layout() != vk::ImageLayout::UNDEFINED)
-    }
-
-    /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
-    /// one layout for them all.
-    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Tracked)> + use<'a> {
-        let (base, count) = (self.base as usize, self.count as usize);
-        self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
     }
 }
 

@@ -44,6 +44,12 @@ pub const ALLOWED: &[Allowed] = &[
         versions: 0..LAYER_1_4,
         reason: MESSENGER,
     },
+    Allowed {
+        id: "UNASSIGNED-BestPractices-vkCmdDispatch-group-count-zero",
+        versions: 0..LAYER_1_4,
+        reason: "on lavapipe of Mesa 22, dispatches of no workgroups keep it from compiling programs again \
+                 (frame/quirks/settle.rs)",
+    },
     Allowed { id: "BestPractices-specialuse-extension", versions: LAYERS_1_4_309, reason: MESSENGER },
     Allowed {
         id: "Undefined-Value-ShaderOutputNotConsumed-DynamicRendering",

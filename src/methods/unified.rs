@@ -67,7 +67,8 @@
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles;
 //! `traverse.glsl`; `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`,
-//! `resolve_cells.glsl` and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. Beside `mirror.glsl`
+//! `resolve_cells.glsl` and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
+//! `follow.comp`. Beside `mirror.glsl`
 //! and `gloss_trace.glsl` stand a `.frag` and a `.comp` of the same stem, which include them, as `gloss_resolve.frag` and
 //! `gloss_resolve.comp` include those that resolve;
 //! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have

@@ -81,7 +81,7 @@ impl HiZPass {
     }
 }
 
-/// Eq. 4.1 for one side of the level below.
-fn offset(side: u32) -> i32 {
+/// Eq. 4.1 of the thesis for one side of the level below, in texels: how far apart the texels are that a level reads of it.
+pub fn offset(side: u32) -> i32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }

@@ -149,8 +149,8 @@ mod tests {
             let [columns, rows] = padded(extent).map(|side| side >> n);
             for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
                 let row = (x >> strip) + strips - (strips >> n);
-                let at = 2 * (row * width + ((y << strip) | (x & ((1 << strip) - 1)))) as usize;
-                image.values[at..at + 2].copy_from_slice(&[n as f32, (100 * x + y) as f32]);
+                let first = 2 * (row * width + ((y << strip) | (x & ((1 << strip) - 1)))) as usize;
+                image.values[first..first + 2].copy_from_slice(&[n as f32, (100 * x + y) as f32]);
             }
         }
         let found = levels(&image, extent);

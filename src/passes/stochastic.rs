@@ -34,7 +34,13 @@ pub struct StochasticTrace<F> {
 }
 
 impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 3]>> StochasticTrace<F> {
-    fn of(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
+    fn with_constants(
+        gpu: &Gpu,
+        stage: ShaderStage,
+        extent: [u32; 2],
+        constants: &F::Constants,
+        hits: bool,
+    ) -> Result<Self> {
         let formats = [PLACE, LIT_COLOR, if hits { HITS } else { vk::Format::UNDEFINED }];
         let image = |name, format| Image::target_in(gpu, stage, name, format, extent);
         Ok(Self {
@@ -80,7 +86,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         hits: bool,
     ) -> Result<Self> {
         let (strip, oracle) = (strip as i32, u32::from(oracle) as i32);
-        Self::of(
+        Self::with_constants(
             gpu,
             stage,
             extent,
@@ -126,7 +132,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], march: MarchNumbers, hits: bool) -> Result<Self> {
         let constants =
             march_constants!(StochasticThesisConstants { fallback: true, hits, orthographic: false }, march);
-        Self::of(gpu, stage, extent, &constants, hits)
+        Self::with_constants(gpu, stage, extent, &constants, hits)
     }
 
     /// A ray for each pixel.

@@ -2,8 +2,8 @@
 //! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each program
 //! exists for fragment shaders and for compute shaders, and makes the same images in both.
 
+use super::LIT_COLOR;
 use super::triangle_scene::TriangleReading;
-use super::{LIT_COLOR, stored_target};
 use crate::error::{Error, Result};
 use crate::gpu::program::{Compute, Fragment};
 use crate::gpu::programs::Tile;
@@ -69,8 +69,8 @@ impl UnifiedSetup {
     /// An image that the passes show something in. Compute programs can store to it where any of the passes is one.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
         let stores = self.followed || [self.trace, self.resolve].contains(&ShaderStage::Compute);
-        let make = if stores { stored_target } else { Image::target };
-        make(gpu, name, format, self.extent)
+        let stage = if stores { ShaderStage::Compute } else { ShaderStage::Fragment };
+        Image::target_in(gpu, stage, name, format, self.extent)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::alone;
 use crate::common::{built_in, own_gpu};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
-use ssct::methods::setup::{BeyondScreen, HistoryUse, OwnRays, StageChoice};
+use ssct::methods::setup::{BeyondScreen, HistoryUse, OwnRays, Stage as ShaderStage, StageChoice};
 use ssct::methods::unified::{self, First, UnifiedParams};
 use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup, Wants};
 use ssct_lab::scene::Capture;
@@ -50,6 +50,8 @@ fn frames_make_no_programs() {
     let screen = plain.clone().with(|p: &mut UnifiedParams| p.first = First::Screen);
     let mut all: Vec<(String, &MethodInfo, Setup)> =
         METHODS.iter().map(|method| (method.name.to_owned(), method, plain.clone())).collect();
+    let in_compute = plain.clone().with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);
+    all.extend(METHODS.iter().map(|method| (format!("{} in compute", method.name), method, in_compute.clone())));
     all.push(("unified, the screen first".into(), &unified::INFO, screen));
     all.push(unified("on the screen", |p| p.beyond = BeyondScreen::None));
     all.push(unified("captures", |p| p.beyond = BeyondScreen::Captures));

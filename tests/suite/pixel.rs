@@ -74,13 +74,14 @@ fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     assert!(why.contains("the ray meets wall after") && why.contains("is hidden behind plate, at 3.0"), "{why}");
     assert_eq!(found["verdict"], "wrong by the world", "{found}");
     let pixel = numbers(&found["pixel"]);
-    let at = format!("{},{}", pixel[0], pixel[1]);
-    let text = folder.succeed(&args(&["--pixel", &at, "--method", "unified", "--beyond", "none", "--roughness", "0"]));
+    let picked = format!("{},{}", pixel[0], pixel[1]);
+    let text =
+        folder.succeed(&args(&["--pixel", &picked, "--method", "unified", "--beyond", "none", "--roughness", "0"]));
     assert!(text.lines().count() <= 24 && text.lines().all(|line| line.chars().count() <= 100), "{text}");
     for part in ["wrong by the world", "hidden behind plate", "fade", "oracle", "last cell", "by world", "in a PNG"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let both = folder.succeed(&args(&["--pixel", &at, "--explain", "-o", "a.png"]));
+    let both = folder.succeed(&args(&["--pixel", &picked, "--explain", "-o", "a.png"]));
     assert!(both.contains("recorded  trace+cone") && both.contains(&format!("pixel {}, {}", pixel[0], pixel[1])));
 }
 
@@ -113,9 +114,9 @@ fn a_dump_has_what_was_recorded_and_no_more() {
     assert!(passes.contains("\"pyramid\"") && !passes.contains("\"color/"), "{passes}");
     assert!(record[0]["prepared"].is_object() && record[0]["skipped"].is_array(), "--explain with --json: {record}");
     let names = folder.list("d");
-    let of = |stem: &str| names.iter().filter(|name| name.starts_with(stem) && name.ends_with(".exr")).count();
+    let count = |stem: &str| names.iter().filter(|name| name.starts_with(stem) && name.ends_with(".exr")).count();
     // 64 pixels halve six times.
-    assert_eq!((of("color-"), of("pyramid-")), (1, 7), "{names:?}");
+    assert_eq!((count("color-"), count("pyramid-")), (1, 7), "{names:?}");
     let [front, back] = ["front", "back"].map(|name| channel(&folder, "d/pyramid-0.exr", name));
     let depth = channel(&folder, "d/depth.exr", "depth");
     let covered = depth.iter().zip(&front).zip(&back).filter(|((depth, _), _)| **depth > 0.0);
@@ -153,9 +154,9 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
     let names = ["does not reflect", "right", "wrong by the screen", "wrong by the world"];
     for (x, y) in [(32, 46), (5, 40), (60, 36), (32, 2)] {
         let report = said(&folder, &format!("{x},{y}"), &flags);
-        let at = (y * SIZE[0] + x) as usize;
-        assert_eq!(fade[at] as f64, report["colors"]["fade"].as_f64().unwrap(), "fade at {x}, {y}");
-        let of_picture = names[verdict[at] as usize];
+        let index = (y * SIZE[0] + x) as usize;
+        assert_eq!(fade[index] as f64, report["colors"]["fade"].as_f64().unwrap(), "fade at {x}, {y}");
+        let of_picture = names[verdict[index] as usize];
         assert_eq!(report["verdict"] == "does not reflect", of_picture == "does not reflect", "{x}, {y}");
         assert_eq!(picture.get_pixel(x, y).0 == [0; 3], of_picture == "does not reflect", "{x}, {y}");
     }

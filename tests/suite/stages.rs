@@ -41,13 +41,9 @@ fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> 
     let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
     let image = render(stage, &shot, true).unwrap();
     let passes = image.report.recorded.clone();
-    // Not every method makes the chain of the lit colour; without it memory holds anything there.
-    let is_made = |name: &str| !name.starts_with("color-") || name == "color-0";
-    let images = image.intermediates.unwrap().into_iter().filter(|(name, ..)| is_made(name));
-    let images = images.map(|(name, _, pixels)| (name, bits(&pixels))).collect();
-    let work = stage.run(&shot, Mode::Counted).unwrap().0.work;
-    let counted = stage.run(&shot, Mode::Plain).unwrap().0.recorded;
-    Made { images, passes, work: counted.into_iter().zip(work).collect() }
+    let images = image.intermediates.unwrap().into_iter().map(|(name, _, pixels)| (name, bits(&pixels))).collect();
+    let counted = stage.run(&shot, Mode::Counted).unwrap().0;
+    Made { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
 }
 
 /// Whether a pass copies or draws the scene in either stage, or marks a stencil.
@@ -56,8 +52,8 @@ fn is_drawn_anyway(pass: &str) -> bool {
     let is_blur = |rest: &str| rest.strip_suffix(['h', 'v']).is_some_and(|level| level.parse::<u32>().is_ok());
     let is_blit = |folder: &str| pass.rsplit_once(folder).is_some_and(|(_, rest)| !is_blur(rest));
     let copies = ["color/", "filter/", "blur/"].into_iter().any(is_blit);
-    let scene = ["g-buffer", "lighting", "mirror mark", "history"].into_iter().any(|part| pass.contains(part));
-    copies || scene || pass.ends_with("/encode") || pass.starts_with("composite")
+    let scene = ["g-buffer", "mirror mark", "capture/lighting"].into_iter().any(|part| pass.contains(part));
+    copies || scene || pass == "lighting" || pass.ends_with("/encode")
 }
 
 /// Holds the images of a method in compute shaders against those in fragment shaders.

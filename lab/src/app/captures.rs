@@ -98,7 +98,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
 /// The coordinates in which a scene file states where captures stand: those of the file, or else right-handed ones.
 fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     match sources {
-        [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) => scene_file::coordinates(file),
+        [file] if super::resolve::is_toml(file) => scene_file::coordinates(file),
         _ => Ok(Handedness::Right),
     }
 }

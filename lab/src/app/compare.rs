@@ -161,10 +161,10 @@ fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComp
     Ok(records)
 }
 
-/// Two settings, of one run or of two.
+/// Two settings, of one run or of two. A run that is named twice is one.
 fn settings(options: &CompareOptions, chosen: [&Selection; 2], threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
     let a = load(&options.first)?;
-    let other = options.second.as_deref().map(load).transpose()?;
+    let other = options.second.as_deref().filter(|second| **second != *options.first).map(load).transpose()?;
     compare::settings(&a, other.as_ref().unwrap_or(&a), chosen, threshold).map_err(anyhow::Error::msg)
 }
 

@@ -58,7 +58,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let seen = pixel::Seen { method, setup: &setup, scene: &scene, materials: &materials };
     let looks_inside = options.dump.is_some() || options.pixel.is_some();
     let judge = looks_inside.then(|| Judge::new(&mut stage, &shot, &rendered, seen)).transpose()?;
-    let explained = judge.as_ref().zip(options.pixel).map(|(judge, at)| judge.explained(at)).transpose()?;
+    let explained = judge.as_ref().zip(options.pixel).map(|(judge, pixel)| judge.explained(pixel)).transpose()?;
 
     let intermediates = rendered.intermediates.as_ref();
     if let (Some(folder), Some(all), Some(judge)) = (&options.dump, intermediates, &judge) {

@@ -71,7 +71,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     }
     let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     let scene = match sources {
-        [one] if extension(one).as_deref() == Some("toml") => scene_file::load(one, options)?,
+        [one] if is_toml(one) => scene_file::load(one, options)?,
         [one] if gltf::is_named(one) => gltf::load(one, options)?,
         _ if sources.iter().all(|p| extension(p).as_deref() == Some("obj")) => {
             let files: Vec<_> = sources.iter().map(obj::ObjFile::from).collect();
@@ -150,7 +150,7 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
 
 /// The path that a flag names: `views`, one of the scene's, or a file.
 pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
-    if name.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+    if is_toml(name) {
         return path::load(name);
     }
     let name = name.to_string_lossy();
@@ -317,4 +317,9 @@ pub fn variants(
     } else {
         methods.iter().map(plain).collect()
     })
+}
+
+/// Whether a file is TOML by its name: a scene file, or a camera path.
+pub fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }

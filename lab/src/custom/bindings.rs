@@ -22,17 +22,15 @@ pub fn check(manifest: &Manifest) -> Result<()> {
     let mut unfed = Vec::new();
     for pass in &manifest.passes {
         let compiled = shader::compile(manifest, pass)?;
-        let (_, missing) = PassBindings::read(manifest, pass, &compiled)?;
-        if !missing.is_empty() {
-            unfed.push((pass, missing));
-        }
+        unfed.push((pass, PassBindings::read(manifest, pass, &compiled)?.1));
     }
-    check_fed(manifest, &unfed)
+    check_fed(manifest, unfed)
 }
 
 /// # Errors
 /// [`Error::Malformed`] if passes have names that nothing feeds: one sentence with all of them.
-fn check_fed(manifest: &Manifest, unfed: &[(&Pass, Vec<String>)]) -> Result<()> {
+fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Result<()> {
+    unfed.retain(|(_, missing)| !missing.is_empty());
     let Some((first, _)) = unfed.first() else { return Ok(()) };
     let clause = |(pass, missing): &(&Pass, Vec<String>)| {
         format!("pass {:?}: nothing feeds {} of {}", pass.name, missing.join(", "), file_name(pass))
@@ -89,7 +87,8 @@ impl PassBindings {
     /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of the manifest.
     pub fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
         let (bindings, missing) = Self::read(manifest, pass, compiled)?;
-        if missing.is_empty() { Ok(bindings) } else { check_fed(manifest, &[(pass, missing)]).map(|()| bindings) }
+        check_fed(manifest, vec![(pass, missing)])?;
+        Ok(bindings)
     }
 
     /// The bindings, and every name that nothing feeds.

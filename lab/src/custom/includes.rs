@@ -52,19 +52,24 @@ impl<'a> Includes<'a> {
         self.files.into_iter().chain(self.awaited).collect()
     }
 
-    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders.
+    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders. The
+    /// method's folder counts as beside a built-in shader.
     fn path(&mut self, name: &str, includer: &Path) -> PathBuf {
-        let elsewhere = self.elsewhere.join(name);
         let beside = match built_in::text(includer) {
-            Some(_) => elsewhere.clone(),
-            None => includer.parent().unwrap_or(self.elsewhere).join(name),
+            Some(_) => self.folder,
+            None => includer.parent().unwrap_or(self.elsewhere),
         };
-        if let Some(there) = [beside, elsewhere.clone()].into_iter().find(|path| path.exists()) {
-            return there;
+        let [beside, elsewhere] = [beside, self.elsewhere].map(|folder| folder.join(name));
+        if beside.exists() {
+            return beside;
         }
-        let Some(built_in) = built_in::path(name) else { return elsewhere };
-        self.awaited.push(elsewhere);
-        built_in
+        match built_in::path(name) {
+            Some(built_in) if !elsewhere.exists() => {
+                self.awaited.extend([beside, elsewhere]);
+                built_in
+            }
+            _ => elsewhere,
+        }
     }
 
     /// The path and the text of an include.

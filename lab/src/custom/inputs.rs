@@ -242,7 +242,7 @@ impl Inputs {
                 Made::Visibility(pass) => (Content::Share, pass.made().0),
                 Made::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
                 Made::Converted { image, .. } => (content(source), image),
-                Made::Reduced { chain, of, .. } => (content(of), chain),
+                Made::Reduced { chain, of: reduced, .. } => (content(reduced), chain),
             };
             Some(Intermediate { name, content, image })
         })

@@ -62,13 +62,7 @@ impl Manifest {
         let path = folder.join(MANIFEST);
         let text = source_text::read(&path, "a manifest", MAX_BYTES)?;
         let source = SourceText { path: &path, text: &text };
-        let table: toml::Table = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
-        let missing = missing_keys(&table);
-        if !missing.is_empty() {
-            let is = if missing.len() == 1 { "is" } else { "are" };
-            return Err(Error::malformed(&path, None, format!("{} {is} missing", missing.join(", "))));
-        }
-        let sections: Sections = source.deserialized()?;
+        let sections: Sections = source.deserialized().map_err(|error| all_missing(&source, error))?;
         Self::checked(folder, text, sections)
     }
 
@@ -91,6 +85,10 @@ impl Manifest {
             if format_of(&of.format).is_none() {
                 let known = FORMATS.map(|(name, _)| name).join(", ");
                 return Err(wrong(image.span(), format!("image {name}: no format {:?}; there is: {known}", of.format)));
+            }
+            if of.format.ends_with('i') && of.clear.number().is_some_and(|number| number != 0.0) {
+                let whole = format!("{} has whole numbers, which are cleared to 0 alone (true)", of.format);
+                return Err(wrong(image.span(), format!("image {name}: {whole}")));
             }
             if !(of.scale > 0.0 && of.scale <= MOST_SCALE) {
                 return Err(wrong(
@@ -125,8 +123,10 @@ impl Manifest {
             let checked = known.pass(folder, pass, (&sections.inputs, &sections.values), &parameters, &wrong)?;
             let follows = |before: Option<&Pass>| before.is_some_and(|before| before.levels == checked.levels);
             if checked.interleaved && !follows(passes.last()) {
-                let message =
-                    format!("pass {:?} is interleaved, and the pass before it has other levels", checked.name);
+                let message = format!(
+                    "pass {:?} is interleaved, and no pass with the same levels stands before it",
+                    checked.name
+                );
                 return Err(wrong(pass.span(), message));
             }
             if passes.iter().any(|p: &Pass| p.name == checked.name) {
@@ -143,9 +143,9 @@ impl Manifest {
         }
         if output.hits_are == HitEncoding::UvDepthPath
             && let Some(hits) = output.hits.as_ref().and_then(|name| images.get(name))
-            && (hits.format != "rgba32f" || hits.scale != 1.0)
+            && (hits.format != "rgba32f" || hits.scale != 1.0 || hits.levels != 1)
         {
-            let message = "output: hits that are uv-depth-path stand in an image of the format rgba32f and the scale 1";
+            let message = "output: hits that are uv-depth-path stand in an image of the format rgba32f and the scale 1, with one level";
             return Err(wrong(sections.output.span(), message.into()));
         }
         for (name, image) in &sections.image {
@@ -189,42 +189,70 @@ impl Manifest {
     }
 }
 
-/// Tables of a manifest, and the keys that each of them must have. The names of parameters and images stand between the
-/// name of the table and the key.
-const REQUIRED: [(&str, &[&str]); 5] = [
-    ("", &["name", "summary", "pass", "output"]),
-    ("parameter", &["help", "default"]),
-    ("image", &["format"]),
-    ("output", &["reflection"]),
-    ("pass", &["name", "shader"]),
+/// How a table is written in a manifest.
+#[derive(Clone, Copy)]
+enum Written {
+    /// Its keys stand at the top.
+    Top,
+    /// `[table]`.
+    Once,
+    /// `[table.name]`.
+    ByName,
+    /// `[[table]]`.
+    InOrder,
+}
+
+/// Tables of a manifest, and the keys that each of them must have.
+const REQUIRED: [(&str, Written, &[&str]); 5] = [
+    ("", Written::Top, &["name", "summary", "pass", "output"]),
+    ("parameter", Written::ByName, &["help", "default"]),
+    ("image", Written::ByName, &["format"]),
+    ("output", Written::Once, &["reflection"]),
+    ("pass", Written::InOrder, &["name", "shader"]),
 ];
+
+/// An error about a key that is missing, with all keys that are missing; every other error as it is.
+fn all_missing(source: &SourceText, error: Error) -> Error {
+    let says = error.to_string();
+    if says.contains("unknown field") || !says.contains("missing field") {
+        return error;
+    }
+    let missing = toml::from_str::<toml::Table>(source.text).map_or(Vec::new(), |table| missing_keys(&table));
+    let is = match missing.len() {
+        0 => return error,
+        1 => "is",
+        _ => "are",
+    };
+    Error::malformed(source.path, None, format!("{} {is} missing", missing.join(", ")))
+}
 
 /// Returns every key that a manifest must have and lacks, such as `image.result.format`.
 fn missing_keys(manifest: &toml::Table) -> Vec<String> {
-    let lacking = |place: &str, table: &toml::Table, keys: &[&str]| -> Vec<String> {
-        keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")).collect()
-    };
     let mut missing = Vec::new();
-    for (name, keys) in REQUIRED {
-        match manifest.get(name) {
-            None if name.is_empty() => missing.extend(lacking("", manifest, keys)),
-            Some(toml::Value::Array(all)) => {
-                for (number, table) in all.iter().enumerate().filter_map(|(n, v)| Some((n + 1, v.as_table()?))) {
-                    missing.extend(lacking(&format!("{name} {number}: "), table, keys));
-                }
-            }
-            Some(toml::Value::Table(table)) if name == "output" => {
-                missing.extend(lacking("output.", table, keys));
-            }
-            Some(toml::Value::Table(tables)) => {
-                for (own, table) in tables.iter().filter_map(|(own, v)| Some((own, v.as_table()?))) {
-                    missing.extend(lacking(&format!("{name}.{own}."), table, keys));
-                }
-            }
-            _ => {}
+    for (name, written, keys) in REQUIRED {
+        for (place, table) in tables(manifest, name, written) {
+            missing.extend(keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")));
         }
     }
     missing
+}
+
+/// The tables of a name, and what stands before their keys in messages.
+fn tables<'t>(manifest: &'t toml::Table, name: &str, written: Written) -> Vec<(String, &'t toml::Table)> {
+    let value = manifest.get(name);
+    let table = value.and_then(toml::Value::as_table);
+    let list = value.and_then(toml::Value::as_array).into_iter().flatten();
+    match written {
+        Written::Top => vec![(String::new(), manifest)],
+        Written::Once => table.map(|table| (format!("{name}."), table)).into_iter().collect(),
+        Written::ByName => {
+            let named = table.into_iter().flatten();
+            named.filter_map(|(own, value)| Some((format!("{name}.{own}."), value.as_table()?))).collect()
+        }
+        Written::InOrder => {
+            list.zip(1..).filter_map(|(value, n)| Some((format!("{name} {n}: "), value.as_table()?))).collect()
+        }
+    }
 }
 
 /// Whether a name is one that a flag or a file may have as it is.

@@ -471,7 +471,7 @@ impl OwnImage {
         let all = image::full_chain(extent);
         let levels = if section.levels == 0 { all } else { section.levels.min(all) };
         let plain = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        // No device stores to images that are encoded.
+        // Devices need not store to images that are encoded as sRGB.
         let usage = if format == vk::Format::R8G8B8A8_SRGB { plain } else { plain | U::STORAGE };
         let desc = ImageDesc { name, format, extent, levels, layers: 1, usage };
         let count = if section.history { 2 } else { 1 };

@@ -3,8 +3,9 @@
 use super::conventions::Conventions;
 use super::reflect::{BlockField, Component};
 use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
-use crate::gpu::image::full_chain;
+use crate::gpu::image::{full_chain, level_extent};
 use crate::parameter::{Domain, Parameter, Value, Values};
+use crate::passes::hi_z;
 use crate::scene::Camera;
 use glam::{DMat4, DVec3, Vec3};
 
@@ -181,13 +182,6 @@ impl Filled {
     }
 }
 
-/// Eq. 4.1 of the thesis for one side of the frame: the distance of the texels that a level of its chain reads of the level
-/// below.
-fn hi_z_offset(side: u32, level: u32) -> f64 {
-    let below = side.checked_shr(level.saturating_sub(1)).unwrap_or(0).max(1);
-    if below.is_multiple_of(2) { 1.0 } else { 2.0 }
-}
-
 fn is_matrix(name: &str) -> bool {
     NAMES.iter().any(|(known, help)| *known == name && help.starts_with("matrix"))
 }
@@ -211,7 +205,10 @@ impl Feed {
                 "step-down" => vec![0.0, 1.0 / pass_height],
                 "level-count" => vec![f64::from(full_chain(state.extent))],
                 "last-level" => vec![f64::from(full_chain(state.extent) - 1)],
-                "hi-z-offset" => state.extent.map(|side| hi_z_offset(side, state.level)).to_vec(),
+                "hi-z-offset" => {
+                    let below = level_extent(state.extent, state.level.saturating_sub(1));
+                    below.map(|side| f64::from(hi_z::offset(side))).to_vec()
+                }
                 "near" => vec![f64::from(state.camera.lens.near_m)],
                 "far" => vec![f64::from(state.camera.lens.far_m)],
                 "fov-y" => vec![state.camera.lens.fov_y_radians().unwrap_or_default().into()],
@@ -273,7 +270,7 @@ impl FrameState<'_> {
     }
 
     fn view_to_clip_with(&self, camera: &Camera, depth: ClipDepth) -> DMat4 {
-        let of = match depth {
+        let to_clip = match depth {
             ClipDepth::Reversed => camera.view_to_clip_reversed().as_dmat4(),
             ClipDepth::Standard => camera.view_to_clip().as_dmat4(),
             // z' = 2 z − w
@@ -283,10 +280,10 @@ impl FrameState<'_> {
                 stretched * camera.view_to_clip().as_dmat4()
             }
         };
-        let of = of * axes(self.conventions.view).transpose();
+        let to_clip = to_clip * axes(self.conventions.view).transpose();
         match self.conventions.clip_y {
-            ClipY::Up => of,
-            ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
+            ClipY::Up => to_clip,
+            ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * to_clip,
         }
     }
 

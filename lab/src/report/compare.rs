@@ -52,7 +52,7 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
         text += "\nNothing within its noise floor (how far a run strays from itself) is faster or slower.\n";
     }
     if both().any(|r| r.drift.is_some()) {
-        text += "\nDrift: how much longer the scene passes, the same work on both sides, took in B. By as much the machine has changed.\n";
+        text += "\nDrift: how much longer the scene passes took in B. They are the same work on both sides: the machine changed by as much.\n";
     }
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
@@ -91,7 +91,7 @@ fn how(first: &TimeComparison) -> String {
     let bound = percent(how.threshold);
     format!(
         "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
-         where one was measured.\nUNDECIDED: neither; n is about how many samples would decide.\n\n"
+         where one was measured.\nUNDECIDED: neither; behind it stands about how many samples would decide.\n\n"
     )
 }
 

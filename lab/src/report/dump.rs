@@ -93,10 +93,10 @@ fn channels(content: Content) -> &'static [&'static str] {
 /// The legend of paths.png: the colours that occur, with how many pixels have them.
 fn path_legend(hits: &Pixels) -> String {
     let codes: Vec<_> = hits.texels().filter_map(|texel| PathCode::from_channel(texel[3])).collect();
-    let count = |of: &[PathCode]| codes.iter().filter(|code| of.contains(code)).count();
+    let count = |paths: &[PathCode]| codes.iter().filter(|code| paths.contains(code)).count();
     let entries: Vec<_> = PATH_COLORS
         .iter()
-        .map(|(color, of, said)| (*color, *said, count(of)))
+        .map(|(color, paths, said)| (*color, *said, count(paths)))
         .filter(|(.., count)| *count > 0)
         .collect();
     legend("paths.png", &entries)
@@ -108,11 +108,7 @@ mod tests {
 
     #[test]
     fn every_path_code_has_one_colour() {
-        let codes = [PathCode::None, PathCode::HiZ, PathCode::Linear, PathCode::Miss, PathCode::LinearMiss];
-        let more = [PathCode::Exhausted, PathCode::Untraced, PathCode::Unfinished, PathCode::MissScreen];
-        let rest = [PathCode::MissNear, PathCode::MissSky, PathCode::MissBehind, PathCode::Sky, PathCode::Unknown];
-        let last = [PathCode::LinearExhausted, PathCode::Triangle, PathCode::Capture];
-        for code in codes.into_iter().chain(more).chain(rest).chain(last) {
+        for code in (0..=PathCode::Capture as u8).filter_map(|code| PathCode::from_channel(code.into())) {
             let rows = PATH_COLORS.iter().filter(|(_, codes, _)| codes.contains(&code)).count();
             assert_eq!(rows, 1, "{code:?}");
         }

@@ -3,6 +3,7 @@
 use super::images::Color;
 use super::svg::Svg;
 use crate::math::display_byte;
+use crate::study::names::counted;
 use glam::Vec2;
 
 const ROW: f32 = 22.0;
@@ -17,7 +18,7 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     let all: usize = entries.iter().map(|(.., count)| count).sum();
     let line = |(_, said, count): &(Color, &str, usize)| {
         let share = if all == 0 { 0.0 } else { 100.0 * *count as f64 / all as f64 };
-        format!("{said}, {count} pixel{}, {share:.1} %", if *count == 1 { "" } else { "s" })
+        format!("{said}, {}, {share:.1} %", counted(*count, "pixel"))
     };
     let lines: Vec<String> = entries.iter().map(line).collect();
     let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0).max(picture.len());
@@ -44,13 +45,13 @@ pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> Strin
     let top = 2.0 * ROW;
     for step in 0..STEPS {
         let grey = [display_byte((f32::from(step) + 0.5) / f32::from(STEPS)); 3];
-        let at = Vec2::new(left + STEP * f32::from(step), top);
-        svg.rect(at, Vec2::new(STEP, ROW), &format!(r#"fill="{}""#, hex(grey)));
+        let corner = Vec2::new(left + STEP * f32::from(step), top);
+        svg.rect(corner, Vec2::new(STEP, ROW), &format!(r#"fill="{}""#, hex(grey)));
     }
     for tick in [0.0, 0.1, 0.25, 0.5, 0.75, 1.0] {
         let label = if tick < 1.0 { tick.to_string() } else { "1 or more".to_owned() };
-        let at = Vec2::new(left + STEP * f32::from(STEPS) * tick, top + ROW + TEXT + 2.0);
-        svg.text(at, TEXT, r#"text-anchor="middle""#, &label);
+        let middle = Vec2::new(left + STEP * f32::from(STEPS) * tick, top + ROW + TEXT + 2.0);
+        svg.text(middle, TEXT, r#"text-anchor="middle""#, &label);
     }
     let mark = left + STEP * f32::from(STEPS) * greatest.clamp(0.0, 1.0);
     svg.line(Vec2::new(mark, top - 4.0), Vec2::new(mark, top + ROW), r##"stroke="#e33" stroke-width="2""##);

@@ -1,6 +1,7 @@
 //! One pixel explained, as text that fits a screen.
 
 use super::tables::wrapped;
+use crate::study::names::counted;
 use crate::study::pixel::{LastCell, PixelReport, WalkReport, WorldEnd};
 
 /// Columns before a line's text.
@@ -24,17 +25,17 @@ pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     }
     lines.push(("image", image(report)));
     if let Some(end) = &report.method_end {
-        let at = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
+        let pixel = where_seen(end.pixel);
         let capture = end.capture.map(|k| format!(", number {k}")).unwrap_or_default();
         let place = end.place_m.map(|p| format!(", {} m in the world", point(p.map(f64::from)))).unwrap_or_default();
-        lines.push(("method", format!("{}{capture}{at}{place} (path {})", end.end, end.path)));
+        lines.push(("method", format!("{}{capture}{pixel}{place} (path {})", end.end, end.path)));
     } else if report.surface.reflects {
         lines.push(("method", "does not tell where its rays end".to_owned()));
     }
     if let Some(end) = &report.oracle_end {
-        let at = end.pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default();
+        let pixel = where_seen(end.pixel);
         let looked = counted(end.pixels as usize, "pixel");
-        lines.push(("oracle", format!("{}{at}, after {looked} (version {})", end.end, end.version)));
+        lines.push(("oracle", format!("{}{pixel}, after {looked} (version {})", end.end, end.version)));
     }
     lines.extend(report.world_end.as_ref().map(|end| ("world", world(end))));
     match &report.walk {
@@ -65,7 +66,14 @@ fn reflection(report: &PixelReport) -> Vec<(&'static str, String)> {
         lines.extend(reference.as_ref().map(|found| {
             let error = found.standard_error.into_iter().fold(0.0, f32::max);
             let off = 100.0 * found.difference;
-            (name, format!("{}, within {error:.4} ({} rays); {off:.0} % of white off", color(&found.color), found.rays))
+            (
+                name,
+                format!(
+                    "{} ± {error:.4} ({} rays); the method is off by {off:.0} % of white",
+                    color(&found.color),
+                    found.rays
+                ),
+            )
         }));
     }
     lines
@@ -88,8 +96,13 @@ fn world(end: &WorldEnd) -> String {
         return "the sky".into();
     };
     let shown = if end.shown { "shown" } else { "not shown" };
-    let at = end.pixel.map_or_else(|| "behind the eye".to_owned(), |[x, y]| format!("at {x:.1}, {y:.1}"));
-    format!("{mesh}, {length:.2} m away, {} m, {shown} {at}", point(place))
+    let pixel = end.pixel.map_or_else(|| "behind the eye".to_owned(), |[x, y]| format!("at {x:.1}, {y:.1}"));
+    format!("{mesh}, {length:.2} m away, {} m, {shown} {pixel}", point(place))
+}
+
+/// Where on the screen a place is seen, as a part of a line.
+fn where_seen(pixel: Option<[impl std::fmt::Display; 2]>) -> String {
+    pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default()
 }
 
 fn walked(walk: &WalkReport) -> String {
@@ -109,9 +122,4 @@ fn color(color: &[f32; 3]) -> String {
 
 fn point(place: [f64; 3]) -> String {
     place.map(|v| format!("{v:.2}")).join(", ")
-}
-
-/// A number of things, whose name gets an s where there is not one of them.
-fn counted(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }

@@ -20,10 +20,10 @@ impl Svg {
     }
 
     /// A rectangle with attributes of its own.
-    pub(super) fn rect(&mut self, at: Vec2, size: Vec2, attributes: &str) {
+    pub(super) fn rect(&mut self, corner: Vec2, size: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="{:.2}" {attributes}/>"#,
-            at.x, at.y, size.x, size.y
+            corner.x, corner.y, size.x, size.y
         ));
     }
 
@@ -34,10 +34,10 @@ impl Svg {
         ));
     }
 
-    pub(super) fn circle(&mut self, at: Vec2, radius: Vec2, attributes: &str) {
+    pub(super) fn circle(&mut self, centre: Vec2, radius: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<ellipse cx="{:.2}" cy="{:.2}" rx="{:.2}" ry="{:.2}" {attributes}/>"#,
-            at.x, at.y, radius.x, radius.y
+            centre.x, centre.y, radius.x, radius.y
         ));
     }
 
@@ -47,11 +47,11 @@ impl Svg {
     }
 
     /// Text at the left of a point on its base line, unless an anchor says otherwise.
-    pub(super) fn text(&mut self, at: Vec2, size: f32, attributes: &str, text: &str) {
+    pub(super) fn text(&mut self, place: Vec2, size: f32, attributes: &str, text: &str) {
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
         self.add(format_args!(
             r#"<text x="{:.2}" y="{:.2}" font-size="{size}" {attributes}>{text}</text>"#,
-            at.x, at.y
+            place.x, place.y
         ));
     }
 

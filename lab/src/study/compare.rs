@@ -13,7 +13,7 @@ pub use self::samples::{Run, TimeSample};
 pub use self::settings::{Selection, in_turns, settings};
 pub use self::subject::Subject;
 
-use self::samples::{Group, Samples, groups};
+use self::samples::{Group, Samples, groups_of_both};
 use super::record::{DEFINITIONS, Provenance, Stats};
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{
@@ -239,8 +239,12 @@ fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
 /// Frames are a pair only if everything that was set is the same. What one run's file does not say is left out of account,
 /// and the warning names it.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
-    let comparison = Comparison::new(a, b, threshold);
-    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let mut comparison = Comparison::new(a, b, threshold);
+    if !a.samples.is_empty() && a.samples == b.samples {
+        let same = format!("A and B are one run, {SAME_SAMPLES}");
+        comparison.warning = Some(std::iter::once(same).chain(comparison.warning).collect::<Vec<_>>().join("; "));
+    }
+    let [groups_a, groups_b] = groups_of_both(a, b);
     let passes_in = |groups: &'_ [Group], subject: &Subject| groups.iter().position(|(s, _)| s == subject);
     let mut records = Vec::new();
     let mut only_in_b = Vec::new();
@@ -266,7 +270,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
 /// How two settings are named that two runs have instead of one in common: the values of the options `--a` and `--b`. The
 /// second value says whether they are of one place, so that one run can time both in turn.
 pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
-    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let [groups_a, groups_b] = groups_of_both(a, b);
     let (first, _) = groups_a.first()?;
     let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(s, _)| s))?;
     Some(([first.told_from(other, "--"), other.told_from(first, "--")], first.place() == other.place()))
@@ -292,9 +296,7 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         let names: Vec<_> = names.into_iter().collect();
         format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });
-    let is_same = !std::ptr::eq(a, b) && !a.samples.is_empty() && a.samples == b.samples;
-    let same = is_same.then(|| format!("A and B are one run, {SAME_SAMPLES}"));
-    let all: Vec<_> = same.into_iter().chain(device).chain(settings).collect();
+    let all: Vec<_> = device.into_iter().chain(settings).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 
@@ -305,9 +307,9 @@ fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
     like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
 }
 
-/// The pass of the same name in the same group.
+/// The pass of the same name in the same group, which counts if this one counts.
 fn find<'g>(passes: &'g [Samples], like: &Samples) -> Option<&'g Samples> {
-    passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of)
+    passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of && s.counted == like.counted)
 }
 
 #[cfg(test)]

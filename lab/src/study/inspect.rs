@@ -33,6 +33,8 @@ pub struct Inspection {
     oracle: OracleVersion,
     /// Whether rays go on where the screen loses them.
     is_followed: bool,
+    /// Whether the method's own rays of a rough pixel are drawn from its lobe.
+    traces_lobes: bool,
     /// Whether the method is `unified`.
     is_unified: bool,
 }
@@ -167,7 +169,8 @@ impl Inspection {
         let is_followed =
             method.takes_captures && method.is_screen_space() && effect.beyond(true) != BeyondScreen::None;
         let oracle = if is_followed { OracleVersion::V2 } else { effect.oracle };
-        Self { gbuffer, hits, twin, oracle, is_followed, is_unified: method.follows_oracle }
+        let (traces_lobes, is_unified) = (method.follows_oracle, method.name == "unified");
+        Self { gbuffer, hits, twin, oracle, is_followed, traces_lobes, is_unified }
     }
 
     /// The number of rays for each way of ending.
@@ -244,7 +247,7 @@ impl Inspection {
 
     /// Whether the method's own rays of a rough pixel are drawn from its lobe, so that they are not mirror rays.
     pub fn traces_lobes(&self) -> bool {
-        self.is_unified
+        self.traces_lobes
     }
 
     /// Whether the frame was rendered by `unified`.
@@ -255,16 +258,16 @@ impl Inspection {
     /// The steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.
     pub fn steps(&self) -> Option<Vec<u32>> {
         let (width, pixels) = (self.gbuffer.width, self.gbuffer.width * self.gbuffer.height);
-        let at = |i: u32| (i % width, i / width);
+        let place = |i: u32| (i % width, i / width);
         match self.twin.as_ref()? {
             Twin::HiZ { .. } => {
                 let steps = |(x, y)| self.hi_z(x, y).map_or(0, |t| t.steps.len() as u32);
-                Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
+                Some((0..pixels).into_par_iter().map(|i| steps(place(i))).collect())
             }
             Twin::Unified => {
                 let traversal = self.traversal();
                 let steps = |(x, y)| traversal.mirror_steps(x, y).unwrap_or(0);
-                Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
+                Some((0..pixels).into_par_iter().map(|i| steps(place(i))).collect())
             }
         }
     }

@@ -15,6 +15,11 @@ pub fn roughness(value: Option<f32>) -> String {
     value.map_or_else(|| "own".into(), |r| format!("{r}"))
 }
 
+/// A number of things, whose name gets an s where there is not one of them.
+pub fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// A name as a part of a file's name, whatever a user or a file calls a scene, a view or a variant: without separators of
 /// folders and other characters that file systems, shells' patterns or addresses of pages give a meaning, and short. A
 /// name that had to be changed ends in a digest of what it was, so that different names stay different.

@@ -9,6 +9,7 @@ use crate::math::display_byte;
 use crate::metrics::verdict::{PixelVerdict, difference};
 use crate::passes::PathCode;
 use crate::reference::Outcome;
+use crate::reference::first_hits::FirstHits;
 use crate::reference::pixel::{Estimated, PixelInWorld, PixelSampling, Unseen, all_references, references};
 use crate::reference::surface::World;
 use crate::reference::world_hits::WorldHit;
@@ -212,14 +213,15 @@ pub fn explain(
     let ray = inspection.pick(pixel)?;
     let gbuffer = &inspection.gbuffer;
     let index = gbuffer.index(pixel[0], pixel[1]);
-    let in_world = PixelInWorld::new(world, gbuffer, index);
+    let first_hits = FirstHits::shown_at(world, gbuffer, index);
+    let in_world = PixelInWorld::new(world, gbuffer, &first_hits, index);
     let reflects = gbuffer.reflects(index);
     let sampling = PixelSampling { rays: RAYS, bounces: method.bounces, oracle: inspection.oracle() };
-    let references = reflects.then(|| references(world, gbuffer, index, sampling));
+    let references = reflects.then(|| references(world, gbuffer, &first_hits, index, sampling));
     let colors = ColorReport::new(gbuffer, made, pixel, references);
     let shown = colors.fade * Vec3::from(colors.reflection);
     let verdict =
-        references.map_or(PixelVerdict::NotReflecting, |(screen, world)| PixelVerdict::of(shown, &screen, &world));
+        references.map_or(PixelVerdict::NotReflecting, |(screen, world)| PixelVerdict::judge(shown, &screen, &world));
     let mut report = PixelReport {
         pixel,
         method: method.name.to_owned(),
@@ -232,7 +234,7 @@ pub fn explain(
         world_end: WorldEnd::new(&in_world, &gbuffer.camera),
         walk: ray.walk.as_ref().map(WalkReport::new),
     };
-    report.why = reasons::of(&report, gbuffer.surface[index] == Surface::Sky, inspection.traces_lobes());
+    report.why = reasons::sentences(&report, gbuffer.surface[index] == Surface::Sky, inspection.traces_lobes());
     Some(report)
 }
 
@@ -242,7 +244,7 @@ pub fn verdicts(inspection: &Inspection, made: Made, world: &World, bounces: u32
     let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle() };
     let (screens, worlds) = all_references(world, gbuffer, sampling);
     let judged = |(index, texel): (usize, &[f32])| match gbuffer.reflects(index) {
-        true => PixelVerdict::of(texel[3] * Vec3::from_slice(texel), &screens[index], &worlds[index]),
+        true => PixelVerdict::judge(texel[3] * Vec3::from_slice(texel), &screens[index], &worlds[index]),
         false => PixelVerdict::NotReflecting,
     };
     made.reflection.texels().enumerate().map(judged).collect()
@@ -266,7 +268,7 @@ impl SurfaceReport {
 }
 
 impl ColorReport {
-    fn new(gbuffer: &GBufferData, made: Made, [x, y]: [u32; 2], of: Option<(Estimated, Estimated)>) -> Self {
+    fn new(gbuffer: &GBufferData, made: Made, [x, y]: [u32; 2], references: Option<(Estimated, Estimated)>) -> Self {
         let index = gbuffer.index(x, y);
         let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.at(x, y)[c]);
         let image = color(made.composite);
@@ -285,8 +287,8 @@ impl ColorReport {
             reflectivity: gbuffer.reflectivity[index],
             image,
             display: image.map(display_byte),
-            screen: of.map(|(screen, _)| reference(screen)),
-            world: of.map(|(_, world)| reference(world)),
+            screen: references.map(|(screen, _)| reference(screen)),
+            world: references.map(|(_, world)| reference(world)),
         }
     }
 }

@@ -319,7 +319,7 @@ impl TimeRecord {
     pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
         let mut stages: Vec<(String, f64)> = Vec::new();
         for pass in self.passes.iter().filter(|p| p.counted == counted) {
-            let name = pass.name.split('/').next().unwrap_or(&pass.name);
+            let name = group_of(&pass.name);
             match stages.iter_mut().find(|(n, _)| n == name) {
                 Some((_, ms)) => *ms += pass.stats.median_ms,
                 None => stages.push((name.to_owned(), pass.stats.median_ms)),
@@ -327,6 +327,11 @@ impl TimeRecord {
         }
         stages
     }
+}
+
+/// The name of the group that a label with a slash is in: the levels of a chain are one.
+pub fn group_of(label: &str) -> &str {
+    label.split('/').next().unwrap_or(label)
 }
 
 #[cfg(test)]

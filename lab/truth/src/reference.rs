@@ -4,7 +4,8 @@
 //! [`oracle`] finds what a ray hits in a G-buffer, [`hierarchy`] finds the same faster, and [`screen`] averages
 //! it over glossy lobes. [`images`] goes on where the screen loses a ray, in captures of the scene ([`capture_data`]).
 //! [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
-//! error"), and [`paths`] lights a scene by paths. [`pixel`] looks one pixel up in them. [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
+//! error"), and [`paths`] lights a scene by paths. [`pixel`] looks one pixel up in them. [`hi_z`],
+//! [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
 pub mod capture_data;
 pub mod first_hits;

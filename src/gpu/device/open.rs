@@ -68,16 +68,12 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
         info = info.push_next(&mut features).push_next(&mut messenger);
     }
     // SAFETY: the names and structures live through the call.
-    let instance =
-        unsafe { entry.create_instance(&info, None) }.map_err(|result| match (result, short_of_memory()) {
-            (vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY, Some(short)) => {
-                Error::NoDevice(format!("the loader finds no driver that fits{short}"))
-            }
-            (vk::Result::ERROR_EXTENSION_NOT_PRESENT, _) if !query.instance_extensions.is_empty() => {
-                Error::NoWindow("no Vulkan driver here can present to this window system".into())
-            }
-            (result, _) => no_driver::failed("vkCreateInstance")(result),
-        })?;
+    let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
+        }
+        result => no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkCreateInstance")(result)),
+    })?;
     Ok((entry, instance, has_debug))
 }
 
@@ -97,13 +93,24 @@ fn short_of_memory() -> Option<String> {
     ))
 }
 
+/// What to say where no driver or no device is found, if that may be for want of memory: a driver that does not fit is left out by
+/// the loader, or starts and finds no device.
+fn no_driver_fits(result: vk::Result) -> Option<Error> {
+    use vk::Result as R;
+    let may_be = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];
+    let short = short_of_memory().filter(|_| may_be.contains(&result))?;
+    Some(Error::NoDevice(format!("the loader finds no driver that fits{short}")))
+}
+
 /// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
 pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
-    let physical =
-        unsafe { instance.enumerate_physical_devices() }.map_err(no_driver::failed("vkEnumeratePhysicalDevices"))?;
+    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {
+        no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkEnumeratePhysicalDevices")(result))
+    })?;
     if physical.is_empty() {
-        return Err(no_driver::no_device(vk::Result::ERROR_INITIALIZATION_FAILED));
+        let nothing = vk::Result::ERROR_INITIALIZATION_FAILED;
+        return Err(no_driver_fits(nothing).unwrap_or_else(|| no_driver::no_device(nothing)));
     }
     Ok(physical
         .into_iter()

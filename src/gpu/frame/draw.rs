@@ -166,6 +166,7 @@ impl Frame<'_> {
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, given)?;
+            frame.settle_compute(pipeline);
             let (device, commands) = (frame.device(), frame.context.commands);
             // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
             unsafe {

@@ -103,19 +103,19 @@ fn the_example_loads_without_a_warning_and_places_in_other_coordinates_get_one()
     let mirrors: Vec<_> = scene.materials.iter().filter(|m| m.reflectivity > 0.0).map(|m| m.name.as_str()).collect();
     assert_eq!(mirrors, ["floor"]);
     let (folder, mirrored) = two_rooms("coordinates = 'left'\n", "");
-    let said = "two-rooms.scene.toml: [view.front] looks from outside of the room, in which everything stands";
+    let said = "two-rooms.scene.toml: [view.front] stands outside of the room and sees no front of its walls";
     assert_eq!(folder.warnings(&mirrored), [said]);
 }
 
 #[test]
 fn views_that_see_next_to_nothing_get_a_warning() {
-    let hint = "; the file's places are read as right-handed, and coordinates = \"left\" says otherwise";
+    let hint = "; the file's places are read as right-handed: if they are not, write coordinates = \"left\"";
     let views =
         "[view.wall]\neye = [0, 1.5, 6.5]\nlook_at = [0, 1.5, 7]\n[view.roof]\neye = [0, 9, 0]\nlook_at = [1, 0, 0]\n";
     let (folder, scene) = two_rooms("", views);
     let wall = format!("two-rooms.scene.toml: [view.wall] sees nothing but one flat surface{hint}");
     let roof =
-        format!("two-rooms.scene.toml: [view.roof] looks from outside of the room, in which everything stands{hint}");
+        format!("two-rooms.scene.toml: [view.roof] stands outside of the room and sees no front of its walls{hint}");
     assert_eq!(folder.warnings(&scene), [wall, roof]);
     // Around one square there is no room, and a view may look at it from anywhere; but not past it.
     let one = "[[mesh]]\nfile = 'a.obj'\n[view.near]\neye = [0.5, 0.5, 0.2]\nlook_at = [0.5, 0.5, 0]\n";
@@ -153,4 +153,16 @@ fn the_script_makes_copies_whose_places_stay_where_they_were() {
     let copied = loaded_copy("handedness = \"right\"\n");
     assert_eq!((copied.views[0].eye, copied.triangle_count()), (Vec3::new(0.0, 0.0, -3.0), 2));
     assert_eq!(loaded_copy("coordinates = \"right\"\n").views[0].eye, Vec3::new(0.0, 0.0, 3.0));
+}
+
+#[test]
+fn a_view_into_a_box_without_a_front_gets_no_warning() {
+    let folder = square("");
+    let corners = "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 1\nv 1 2 1\nv 1 2 -1\nv -1 2 -1\n";
+    let faces = "f 1 2 3 4\nf 8 7 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 3 2 6 7\n";
+    folder.write("box.obj", format!("{corners}{faces}").as_bytes());
+    let file = b"[[mesh]]\nfile = 'box.obj'\n[view.front]\neye = [0, 1, 4]\nlook_at = [0, 1, 0]\n";
+    folder.write("a.scene.toml", file);
+    let scene = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }

@@ -72,7 +72,7 @@ pub struct ImageSection {
 
 /// What an image is cleared to at the beginning of each frame.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "clear must be true, false or a number")]
 pub enum Clear {
     /// To 0, or it is not cleared.
     Whether(bool),
@@ -119,7 +119,7 @@ pub struct BufferSection {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "an input must be a name, or { image = …, sampler = … }")]
 pub(super) enum InputSection {
     Plain(String),
     With { image: String, sampler: SamplerName },

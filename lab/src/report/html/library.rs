@@ -13,7 +13,7 @@ use crate::study::compare::{SUBJECT_COLUMNS, TimeComparison, subject_labels};
 use crate::study::library::changes::RunChange;
 use crate::study::library::trends::{Trend, TrendLine, devices};
 use crate::study::library::{DatedBy, LibraryRun, Quantity, Setting};
-use crate::study::names::name_among;
+use crate::study::names::{counted, name_among};
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, PreEscaped, html};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
@@ -285,10 +285,6 @@ impl LibraryPage<'_> {
 /// A device's label on the page: D and its number among the library's devices.
 fn label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
     format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |at| at + 1))
-}
-
-fn counted(n: usize, what: &str) -> String {
-    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
 }
 
 /// Whether two trends are of the same place; such trends stand under one heading.

@@ -1,5 +1,6 @@
 //! Comparisons of times as rows of a table: what matters first.
 
+use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
 use crate::methods::{self, MethodInfo};
 use crate::metrics::bootstrap::{MOST_FORETOLD, Verdict};
@@ -12,7 +13,7 @@ pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "norm
 /// What was timed, in a few words a column.
 pub fn subject_labels(s: &Subject) -> [String; 6] {
     let own = |name: &str| match s.get(name) {
-        "" => "own".to_owned(),
+        "" => NOT_SET.to_owned(),
         value => value.to_owned(),
     };
     let place = format!("{} {}", s.get("scene"), s.get("view"));

@@ -3,6 +3,7 @@
 use super::TOTAL;
 use super::subject::Subject;
 use crate::gpu::DeviceInfo;
+use crate::study::record::group_of;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -45,7 +46,7 @@ impl Run {
     }
 
     /// Its samples, of each method with what both this and another run's file say.
-    pub(super) fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
+    fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
         let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
         let mut last: Option<[Arc<Subject>; 2]> = None;
@@ -145,9 +146,9 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
     groups
 }
 
-/// The name of the group that a label with a slash is in: the levels of a chain are one.
-fn group_of(label: &str) -> &str {
-    label.split('/').next().unwrap_or(label)
+/// The groups of two runs, by what the files of both say of each method.
+pub(super) fn groups_of_both(a: &Run, b: &Run) -> [Vec<Group>; 2] {
+    [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)))
 }
 
 /// What a frame's rows come to: passes, groups of them, and the sum of the counted ones.

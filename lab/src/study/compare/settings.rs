@@ -1,10 +1,11 @@
 //! Two settings beside each other: of one run, in which they were timed in turn, or of two.
 
-use super::samples::{Group, groups};
+use super::samples::{Group, groups, groups_of_both};
 use super::subject::{NOT_SET, PLACE, Subject};
 use super::{Comparison, Run, SAME_SAMPLES, TimeComparison, TimeSample};
 use crate::methods::{self, MethodInfo};
 use crate::parameter::{Choices, Preset};
+use crate::study::exhibit::distinct;
 use crate::study::record::differing;
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -16,6 +17,16 @@ pub struct Selection {
     text: String,
     /// Names of columns of the samples, and their values.
     values: Vec<(String, String)>,
+}
+
+/// Options of a lens, and the columns of the samples that have their values.
+const LENS: [(&str, &str); 4] =
+    [("fov", "fov_degrees"), ("near", "near_m"), ("far", "far_m"), ("orthographic_height", "orthographic_height_m")];
+
+/// The column of the samples that has the value of an option.
+fn column(option: &str) -> String {
+    let name = option.replace('-', "_");
+    LENS.iter().find(|(typed, _)| *typed == name).map_or_else(|| name.clone(), |(_, column)| (*column).to_owned())
 }
 
 impl FromStr for Selection {
@@ -38,7 +49,7 @@ impl FromStr for Selection {
                 ("size", Some((width, height))) => {
                     values.extend([("width".into(), width.into()), ("height".into(), height.into())]);
                 }
-                _ => values.push((name.replace('-', "_"), value.to_owned())),
+                _ => values.push((column(name), value.to_owned())),
             }
         }
         if values.is_empty() {
@@ -129,14 +140,12 @@ fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
 /// A sentence on a selection that fits no setting or several, and if no place has both.
 pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
     let comparison = Comparison::new(a, b, threshold);
-    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
+    let [groups_a, groups_b] = groups_of_both(a, b);
     let named = |side: &str, e: String| format!("--{side} {e}");
     let of_a = chosen[0].groups_in(a, &groups_a).map_err(|e| named("a", e))?;
     let of_b = chosen[1].groups_in(b, &groups_b).map_err(|e| named("b", e))?;
     let mut records = Vec::new();
-    let mut places: Vec<Vec<String>> = of_a.iter().map(|(subject, _)| place(subject, chosen)).collect();
-    places.dedup();
-    for here in places {
+    for here in distinct(of_a.iter().map(|(subject, _)| place(subject, chosen))) {
         let is_here = |group: &&&Group| place(&group.0, chosen) == here;
         let [fit_a, fit_b] = [&of_a, &of_b].map(|all| all.iter().filter(is_here).copied().collect::<Vec<_>>());
         if fit_b.is_empty() {
@@ -160,7 +169,9 @@ fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeC
     let same = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
     let warnings = same.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
-    let with = |record| TimeComparison {
+    let is_same_work = a.0.is_same_work(&b.0);
+    let with = |record: TimeComparison| TimeComparison {
+        drift: record.drift.filter(|_| is_same_work),
         warning: warning.clone(),
         setting_a: Some(setting_a.clone()),
         setting_b: Some(setting_b.clone()),

@@ -12,6 +12,9 @@ pub struct Subject(pub BTreeMap<String, String>);
 /// What makes two subjects alike enough to say in what they differ.
 const LIKE: [&str; 3] = ["scene", "view", "method"];
 
+/// Names of the values that decide how much work the passes of the scene are.
+const WORK: [&str; 8] = ["scene", "view", "width", "height", "fov_degrees", "near_m", "far_m", "orthographic_height_m"];
+
 /// Names of values that belong to the place of a measurement: methods and their parameters are compared within one.
 pub(super) const PLACE: [&str; 11] = [
     "scene",
@@ -44,6 +47,11 @@ impl Subject {
     /// Whether two are of the same scene, view and method.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         LIKE.iter().all(|name| self.get(name) == other.get(name))
+    }
+
+    /// Whether the passes of the scene are the same work for both.
+    pub(super) fn is_same_work(&self, other: &Self) -> bool {
+        WORK.iter().all(|name| self.get(name) == other.get(name))
     }
 
     /// The names of the values in which two differ.

@@ -292,3 +292,27 @@ fn sides_of_different_moments_carry_their_drift() {
     let in_turn = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
     assert!(in_turn.iter().all(|r| r.drift.is_none()), "what was timed in turn has none");
 }
+
+#[test]
+fn settings_of_different_sizes_have_no_drift() {
+    let [small, large] = ["16", "32"].map(|width| with(with(run("ssct", 1.0), "width", width), "height", "8"));
+    let both = Run { samples: [small.samples, large.samples].concat(), ..run("ssct", 1.0) };
+    let chosen = ["ssct --size 16x8", "ssct --size 32x8"].map(selection);
+    let records = settings(&both, &both, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(records.iter().all(|r| r.drift.is_none()), "scene passes of two sizes are not the same work");
+}
+
+#[test]
+fn a_copy_of_a_run_is_compared_without_a_warning_where_the_settings_differ() {
+    let (turns, copy) = (two_settings(), two_settings());
+    let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
+    let records = settings(&turns, &copy, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
+    assert!(!records[0].warning.clone().unwrap_or_default().contains("one run"), "{:?}", records[0].warning);
+}
+
+#[test]
+fn options_of_a_lens_have_the_names_of_the_command_line() {
+    let wide = with(run("ssct", 1.0), "fov_degrees", "90");
+    let chosen = ["ssct --fov 90", "ssct --fov=90"].map(selection);
+    assert!(settings(&wide, &wide, [&chosen[0], &chosen[1]], 0.05).is_ok());
+}

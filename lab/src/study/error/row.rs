@@ -86,7 +86,7 @@ const TIME_AXIS: &str = "milliseconds, median";
 
 const ABOUT: &str = "The error is the mean over the cells, the time the median. A point is on the front (marked by *, and red in \
     the charts) unless another one has no greater error, is not slower, and is better in one of the two. A time is smaller than \
-    another where their intervals lie apart: two copies of a method are both on the front, or neither is.";
+    another where their intervals lie apart, so that of two copies of a method neither beats the other.";
 
 const ABOUT_SOURCES: &str = "RMSE of the reflection colour, median over the views. Against the screen reference, the row \
     exact-hits+cone has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it \

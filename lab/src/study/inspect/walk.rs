@@ -67,7 +67,7 @@ impl Walk {
         let way = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
         Self {
             cells: cells.collect(),
-            way: way.map(|at| at.xy() * size).collect(),
+            way: way.map(|place| place.xy() * size).collect(),
             end: match trace.end {
                 hi_z_ray_trace::End::Hit => WalkEnd::Hit,
                 hi_z_ray_trace::End::LeftScreen => WalkEnd::Left,

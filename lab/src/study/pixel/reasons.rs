@@ -9,7 +9,7 @@ use crate::reference::pixel::Unseen;
 
 /// The sentences of a pixel. `is_sky_surface` says that its mesh shows the environment; `traces_lobes`, that the method's own
 /// ray of a rough pixel is not the mirror ray.
-pub(super) fn of(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
+pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
     if !report.surface.reflects {
         return vec![not_reflecting(report, is_sky_surface)];
     }
@@ -43,8 +43,10 @@ fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
 
 fn verdict(report: &PixelReport) -> String {
     let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
-    let by =
-        format!("it differs from the world's by {off:.0} % of white ({:.0} % beyond chance are wrong)", 100.0 * WRONG);
+    let by = format!(
+        "it differs from the world's by {off:.0} % of white (more than {:.0} % beyond what chance explains is wrong)",
+        100.0 * WRONG
+    );
     match report.verdict {
         PixelVerdict::Right => format!("The reflection is right: {by}."),
         PixelVerdict::WrongByScreen => {
@@ -70,6 +72,11 @@ fn world(end: &WorldEnd) -> String {
                 (Some(by), Some(before), Some(z)) => {
                     let by = if by == mesh { "another part of it" } else { by };
                     format!(" {by}, at {before:.2} m of view depth against {z:.2} m")
+                }
+                (None, Some(shown), Some(z)) if shown > z => {
+                    format!(
+                        ": the picture shows what lies at {shown:.2} m of view depth there, and the place lies at {z:.2} m"
+                    )
                 }
                 (None, Some(shown), Some(z)) => format!(", at {shown:.2} m of view depth against {z:.2} m"),
                 _ => String::new(),
@@ -105,16 +112,17 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
                 (Some(a), Some(b)) => is_same_place(a, b),
                 (a, b) => a.is_none() && b.is_none(),
             };
-            let rest = if as_world { "" } else { ", which is not where it ends in the world" };
-            format!("On the screen the method's ray ends where the oracle's does{rest}.")
+            let ends = if place.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
+            let rest = if as_world { "" } else { "; in the world it ends elsewhere" };
+            format!("On the screen the method's ray {ends}{rest}.")
         }
         HitVerdict::False => {
-            let at = place.map(say).unwrap_or_default();
-            format!("The method takes the ray for a hit at {at}; by the oracle it {}.", oracle.end)
+            let pixel = place.map(say).unwrap_or_default();
+            format!("The method takes the ray for a hit at {pixel}; by the oracle it {}.", oracle.end)
         }
         HitVerdict::Missed => {
-            let at = oracle.pixel.map(say).unwrap_or_default();
-            format!("By the oracle the ray hits {at}; the method's {}.", own.end)
+            let pixel = oracle.pixel.map(say).unwrap_or_default();
+            format!("By the oracle the ray hits {pixel}; the method's ray {}.", own.end)
         }
         HitVerdict::Displaced => {
             let [own, other] = [place, oracle.pixel].map(|p| p.map(say).unwrap_or_default());

@@ -9,7 +9,7 @@ use std::sync::Arc;
 fn samples(record: &TimeRecord) -> Vec<TimeSample> {
     let subject = Arc::new(subject(&record.head));
     // The file has six digits; what is read from it gets the same verdict.
-    let written = |ms: f64| format!("{ms:.6}").parse().unwrap_or(ms);
+    let written = |value: f64| format!("{value:.6}").parse().unwrap_or(value);
     let frame = |(n, times): (usize, &Vec<f64>)| {
         let sample = |(pass, ms): (&PassRecord, &f64)| TimeSample {
             subject: Arc::clone(&subject),
@@ -17,7 +17,7 @@ fn samples(record: &TimeRecord) -> Vec<TimeSample> {
             pass: pass.name.clone(),
             counted: pass.counted,
             ms: written(*ms),
-            floors: [pass.noise_floor, record.noise_floor],
+            floors: [pass.noise_floor, record.noise_floor].map(|floor| floor.map(written)),
         };
         record.passes.iter().zip(times).map(sample).collect::<Vec<_>>()
     };

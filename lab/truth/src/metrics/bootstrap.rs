@@ -48,7 +48,7 @@ impl Verdict {
     pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
 
     /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. Nothing
-    /// within the greater of the two is faster or slower; a floor makes nothing the same.
+    /// within the greater of the two is faster or slower; a floor does not widen what counts as the same.
     pub fn of(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
         let bound = threshold.max(floor);
         match (ratio.low, ratio.high) {
@@ -265,20 +265,20 @@ mod tests {
 
     #[test]
     fn verdicts_turn_at_the_threshold() {
-        let of = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25, 0.0);
-        assert_eq!(of(0.75, 1.25), Verdict::Same);
-        assert_eq!([of(0.7, 0.75), of(0.7, 0.74)], [Verdict::Undecided, Verdict::Faster]);
-        assert_eq!([of(1.25, 1.3), of(1.26, 1.3)], [Verdict::Undecided, Verdict::Slower]);
-        assert_eq!(of(0.5, 1.5), Verdict::Undecided);
+        let verdict = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25, 0.0);
+        assert_eq!(verdict(0.75, 1.25), Verdict::Same);
+        assert_eq!([verdict(0.7, 0.75), verdict(0.7, 0.74)], [Verdict::Undecided, Verdict::Faster]);
+        assert_eq!([verdict(1.25, 1.3), verdict(1.26, 1.3)], [Verdict::Undecided, Verdict::Slower]);
+        assert_eq!(verdict(0.5, 1.5), Verdict::Undecided);
     }
 
     #[test]
     fn a_noise_floor_makes_nothing_the_same() {
-        let of = |low, high, floor| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.05, floor);
-        assert_eq!(of(0.702, 1.082, 0.34), Verdict::Undecided);
-        assert_eq!([of(0.96, 1.04, 0.34), of(0.96, 1.04, 0.0)], [Verdict::Same; 2]);
-        assert_eq!([of(1.2, 1.3, 0.34), of(1.2, 1.3, 0.1)], [Verdict::Undecided, Verdict::Slower]);
-        assert_eq!([of(0.5, 0.6, 0.34), of(0.7, 0.8, 0.34)], [Verdict::Faster, Verdict::Undecided]);
+        let verdict = |low, high, floor| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.05, floor);
+        assert_eq!(verdict(0.702, 1.082, 0.34), Verdict::Undecided);
+        assert_eq!([verdict(0.96, 1.04, 0.34), verdict(0.96, 1.04, 0.0)], [Verdict::Same; 2]);
+        assert_eq!([verdict(1.2, 1.3, 0.34), verdict(1.2, 1.3, 0.1)], [Verdict::Undecided, Verdict::Slower]);
+        assert_eq!([verdict(0.5, 0.6, 0.34), verdict(0.7, 0.8, 0.34)], [Verdict::Faster, Verdict::Undecided]);
     }
 
     #[test]

@@ -4,14 +4,8 @@
 /// it is no slower, no worse, and better in at least one of the two. Points that are not finite are never on
 /// the front.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
-    let finite = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite();
-    let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
-    let mut front: Vec<usize> = (0..points.len())
-        .filter(|i| finite(&points[*i]))
-        .filter(|i| !points.iter().any(|p| finite(p) && beats(*p, points[*i])))
-        .collect();
-    front.sort_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
-    front
+    let exact = |(cost, error): &(f64, f64)| Measured { least: *cost, most: *cost, error: *error };
+    front_of_measured(&points.iter().map(exact).collect::<Vec<_>>())
 }
 
 /// A time that is known as an interval, and an error.
@@ -26,16 +20,16 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Whether the other cannot be on the front beside this one: its error is no smaller, it is not known to be faster, and
-    /// in one of the two it is known to be behind. What differs by noise alone is behind in neither.
+    /// Whether this one keeps the other off the front: it may be as fast and has no greater error, and it is surely faster or
+    /// has the smaller error.
     fn beats(&self, other: &Self) -> bool {
         let may_be_as_fast = self.least <= other.most;
         may_be_as_fast && self.error <= other.error && (self.most < other.least || self.error < other.error)
     }
 }
 
-/// Indices, in order of time, of the points that no other point beats where times are known as intervals: two copies of
-/// one thing are both on the front or neither is. Points that are not finite are never on the front.
+/// Indices, in order of time, of the points that no other point beats where times are known as intervals: of two copies of
+/// one thing neither beats the other. Points that are not finite are never on the front.
 pub fn front_of_measured(points: &[Measured]) -> Vec<usize> {
     let finite = |p: &Measured| p.least.is_finite() && p.most.is_finite() && p.error.is_finite();
     let mut front: Vec<usize> = (0..points.len())

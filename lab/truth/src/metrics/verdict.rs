@@ -4,7 +4,7 @@
 use crate::math::linear_to_srgb;
 use crate::reference::pixel::Estimated;
 use glam::Vec3;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// The [`difference`] of two reflections above which one of them is wrong.
 pub const WRONG: f32 = 0.1;
@@ -13,25 +13,21 @@ pub const WRONG: f32 = 0.1;
 const STANDARD_ERRORS: f32 = 3.0;
 
 /// How the reflection that a pixel shows compares with the references.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PixelVerdict {
     /// The pixel does not reflect.
-    #[serde(rename = "does not reflect")]
     NotReflecting,
     /// It shows what the world shows.
-    #[serde(rename = "right")]
     Right,
     /// It shows something else, though the screen has what belongs there.
-    #[serde(rename = "wrong by the screen")]
     WrongByScreen,
     /// It shows something else, and the screen does not have what belongs there.
-    #[serde(rename = "wrong by the world")]
     WrongByWorld,
 }
 
 impl PixelVerdict {
     /// Judges a reflection after the fade, by the references of the same pixel.
-    pub fn of(shown: Vec3, screen: &Estimated, world: &Estimated) -> Self {
+    pub fn judge(shown: Vec3, screen: &Estimated, world: &Estimated) -> Self {
         let [own, best] = [Estimated { color: shown, ..Estimated::default() }, *screen].map(|one| differs(&one, world));
         match (own, best) {
             (false, _) => Self::Right,
@@ -48,6 +44,12 @@ impl PixelVerdict {
             Self::WrongByScreen => "wrong by the screen",
             Self::WrongByWorld => "wrong by the world",
         }
+    }
+}
+
+impl Serialize for PixelVerdict {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 
@@ -83,8 +85,9 @@ mod tests {
 
     #[test]
     fn what_the_screen_has_decides_who_is_wrong() {
-        let judged =
-            |shown: f32, screen: f32, world: f32| PixelVerdict::of(Vec3::splat(shown), &exact(screen), &exact(world));
+        let judged = |shown: f32, screen: f32, world: f32| {
+            PixelVerdict::judge(Vec3::splat(shown), &exact(screen), &exact(world))
+        };
         assert_eq!(judged(0.5, 0.0, 0.55), PixelVerdict::Right, "whatever the screen has");
         assert_eq!(judged(0.0, 0.5, 0.5), PixelVerdict::WrongByScreen);
         assert_eq!(judged(0.0, 0.0, 0.5), PixelVerdict::WrongByWorld);
@@ -94,7 +97,7 @@ mod tests {
     #[test]
     fn a_dark_reflection_that_is_missing_is_wrong() {
         let dark = exact(0.09);
-        assert_eq!(PixelVerdict::of(Vec3::ZERO, &dark, &dark), PixelVerdict::WrongByScreen);
+        assert_eq!(PixelVerdict::judge(Vec3::ZERO, &dark, &dark), PixelVerdict::WrongByScreen);
         // Half as bright again is shown as 0.36 in place of 0.29: hardly seen.
         assert!(difference(Vec3::splat(0.1), Vec3::splat(0.07)) < WRONG);
         assert_eq!(difference(Vec3::splat(7.0), Vec3::ONE), 0.0, "a display shows nothing above white");
@@ -104,7 +107,7 @@ mod tests {
     fn a_difference_that_chance_explains_is_right() {
         let judged = |error: f32| {
             let world = Estimated { color: Vec3::splat(0.5), standard_error: Vec3::splat(error) };
-            PixelVerdict::of(Vec3::splat(0.8), &exact(0.5), &world)
+            PixelVerdict::judge(Vec3::splat(0.8), &exact(0.5), &world)
         };
         assert_eq!([judged(0.0), judged(0.1)], [PixelVerdict::WrongByScreen, PixelVerdict::Right]);
     }

@@ -72,11 +72,10 @@ pub struct PixelSampling {
 }
 
 impl PixelInWorld {
-    /// Looks up a pixel of a G-buffer, given by its index.
-    pub fn new(world: &World, gbuffer: &GBufferData, index: usize) -> Self {
-        let first_hits = FirstHits::shown_at(world, gbuffer, index);
+    /// Looks up a pixel of a G-buffer, given by its index and what is seen there first ([`FirstHits::shown_at`]).
+    pub fn new(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits, index: usize) -> Self {
         let names = Names { world, rays: PrimaryRays::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]) };
-        let screen = ShownPlaces::new(gbuffer, &first_hits);
+        let screen = ShownPlaces::new(gbuffer, first_hits);
         let (end, met) = match first_hits.receivers.get(index).copied().flatten() {
             Some(receiver) => screen.end(world, &receiver),
             None => (WorldHit::NotReflecting, None),
@@ -91,7 +90,7 @@ impl PixelInWorld {
             }),
             _ => None,
         };
-        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|hit| names.of(&hit)), unseen }
+        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|hit| names.hit(&hit)), unseen }
     }
 }
 
@@ -102,13 +101,13 @@ struct Names<'a> {
 }
 
 impl Names<'_> {
-    fn of(&self, hit: &TriangleHit) -> String {
+    fn hit(&self, hit: &TriangleHit) -> String {
         let mesh = self.world.triangle(hit).mesh as usize;
         self.world.scene.meshes.get(mesh).map_or_else(String::new, |mesh| mesh.name.clone())
     }
 
     fn shown_at(&self, index: usize) -> Option<String> {
-        self.world.closest(&self.rays.ray(index).0).map(|hit| self.of(&hit))
+        self.world.closest(&self.rays.ray(index).0).map(|hit| self.hit(&hit))
     }
 
     /// Why a place is not seen in a pixel that shows something else, given both distances.
@@ -125,12 +124,13 @@ impl Names<'_> {
 pub fn references(
     world: &World,
     gbuffer: &GBufferData,
+    first_hits: &FirstHits,
     index: usize,
     sampling: PixelSampling,
 ) -> (Estimated, Estimated) {
     let mut mask = vec![false; gbuffer.depth.len()];
     mask[index] = gbuffer.reflects(index);
-    let (screen, world) = of_mask(world, gbuffer, &mask, &FirstHits::shown_at(world, gbuffer, index), sampling);
+    let (screen, world) = of_mask(world, gbuffer, &mask, first_hits, sampling);
     (screen[index], world[index])
 }
 
@@ -195,7 +195,8 @@ mod tests {
         let (scene, camera) = room(more);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
-        PixelInWorld::new(&world, &data, data.index(pixel[0], pixel[1]))
+        let index = data.index(pixel[0], pixel[1]);
+        PixelInWorld::new(&world, &data, &FirstHits::shown_at(&world, &data, index), index)
     }
 
     #[test]
@@ -224,7 +225,8 @@ mod tests {
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), lens(), 1.0);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
-        let all = (0..data.depth.len()).map(|i| PixelInWorld::new(&world, &data, i));
+        let all =
+            (0..data.depth.len()).map(|i| PixelInWorld::new(&world, &data, &FirstHits::shown_at(&world, &data, i), i));
         let mut beside = 0;
         for found in all.filter(|found| found.end_mesh.as_deref() == Some("ceiling")) {
             let WorldHit::Hit { pixel, visible, .. } = found.end else { panic!("{found:?}") };
@@ -248,7 +250,11 @@ mod tests {
         let sampling = PixelSampling { rays: 16, bounces: 1, oracle: OracleVersion::V1 };
         let (screens, worlds) = all_references(&world, &data, sampling);
         for index in [data.index(20, 38), data.index(3, 30), data.index(20, 5)] {
-            assert_eq!(references(&world, &data, index, sampling), (screens[index], worlds[index]), "{index}");
+            assert_eq!(
+                references(&world, &data, &FirstHits::shown_at(&world, &data, index), index, sampling),
+                (screens[index], worlds[index]),
+                "{index}"
+            );
         }
         assert!(worlds[data.index(20, 38)].color != Vec3::ZERO && worlds[data.index(20, 5)].color == Vec3::ZERO);
     }

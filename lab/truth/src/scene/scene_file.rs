@@ -124,8 +124,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.impostors.push(coordinates.impostor(impostor));
     }
     apply_changes(path, &changes, &mut scene);
-    let said = if sections.coordinates.is_none() { Some(coordinates) } else { None };
-    let warnings = seen::warnings(&scene, seen, said);
+    let unsaid = sections.coordinates.is_none().then_some(coordinates);
+    let warnings = seen::warnings(&scene, seen, unsaid);
     scene.warnings.extend(warnings.into_iter().map(|warning| format!("{}: {warning}", path.display())));
     scene.notes.extend(note);
     Ok(scene)
@@ -194,20 +194,23 @@ struct Sections {
 impl Sections {
     /// The coordinates of its places.
     fn coordinates(&self) -> Handedness {
-        let has_obj = self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())));
-        Handedness::of_places(self.coordinates, self.handedness, has_obj)
+        Handedness::of_places(self.coordinates, self.handedness, self.has_obj())
+    }
+
+    fn has_obj(&self) -> bool {
+        self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
     }
 
     /// A note about a file that calls its OBJ files right-handed and says nothing of its places, which were left-handed before
     /// there was a key for them.
     fn note(&self, path: &Path) -> Option<String> {
         let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
-        let is_unsaid = self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
+        let is_unsaid = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
         (has_places && is_unsaid).then(|| {
             let path = path.display();
             let (right, left) = (Handedness::Right.key(), Handedness::Left.key());
             format!(
-                "{path}: its places are read as right-handed, as its OBJ files are; {right} says so, too, and {left} says otherwise"
+                "{path}: its places are read as right-handed, as its OBJ files are; write {right} if that is right, or {left} if they are left-handed"
             )
         })
     }

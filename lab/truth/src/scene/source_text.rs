@@ -50,10 +50,10 @@ impl SourceText<'_> {
                 Err(error) => error,
             };
             // An unknown key is taken out, so that what stands behind it is read, too.
-            let is_unknown = error.message().starts_with("unknown field") && wrong.len() < MOST_UNKNOWN_KEYS;
-            let is_removed = is_unknown && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
+            let is_removed =
+                names_unknown_key(&error) && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
             wrong.push(error);
-            if !is_removed {
+            if !is_removed || wrong.len() == MOST_UNKNOWN_KEYS {
                 break;
             }
         }
@@ -62,8 +62,7 @@ impl SourceText<'_> {
 
     /// One error with the sentences of several, which is at the place of the first.
     fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
-        let is_unknown = |e: &toml::de::Error| e.message().starts_with("unknown field");
-        errors.sort_by_key(|e| (!is_unknown(e), e.span().map_or(0, |span| span.start)));
+        errors.sort_by_key(|e| (!names_unknown_key(e), e.span().map_or(0, |span| span.start)));
         let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
         let sentence = |e: &toml::de::Error| {
             let line = e.span().map_or(String::new(), |span| format!("line {}: ", self.line(span)));
@@ -86,24 +85,29 @@ impl SourceText<'_> {
     }
 }
 
+/// Whether an error is about a key that a table may not have.
+fn names_unknown_key(error: &toml::de::Error) -> bool {
+    error.message().starts_with("unknown field")
+}
+
 /// What an error says, in one line.
 fn clause(error: &toml::de::Error) -> String {
     error.message().trim().replace('\n', "; ")
 }
 
 /// Removes the key that stands at a byte range of a text from its table; `false` if no key stands there.
-fn remove_key(table: &mut DeTable, at: &Range<usize>) -> bool {
-    let found = table.iter().find(|(key, _)| key.span() == *at).map(|(key, _)| key.get_ref().to_string());
+fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
+    let found = table.iter().find(|(key, _)| key.span() == *place).map(|(key, _)| key.get_ref().to_string());
     if let Some(key) = found {
         return table.remove(key.as_str()).is_some();
     }
-    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), at))
+    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), place))
 }
 
-fn remove_key_within(value: &mut DeValue, at: &Range<usize>) -> bool {
+fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
     match value {
-        DeValue::Table(table) => remove_key(table, at),
-        DeValue::Array(all) => all.iter_mut().any(|value| remove_key_within(value.get_mut(), at)),
+        DeValue::Table(table) => remove_key(table, place),
+        DeValue::Array(all) => all.iter_mut().any(|value| remove_key_within(value.get_mut(), place)),
         _ => false,
     }
 }

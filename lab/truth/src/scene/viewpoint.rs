@@ -100,7 +100,8 @@ pub(super) struct Ray {
 pub(super) struct Hit {
     /// In lengths of the direction.
     pub(super) distance: f32,
-    facing: bool,
+    /// Whether its front is seen.
+    pub(super) facing: bool,
     /// The normal of the triangle, of any length.
     pub(super) normal: Vec3,
 }

@@ -1,11 +1,11 @@
-//! Works around a bug of lavapipe in Mesa 22.3, which compiles shaders again at every draw.
+//! Works around a bug of lavapipe in Mesa 22.3, which compiles shaders again at every draw and dispatch.
 //!
 //! If a shader's control flow depends on uniforms, `update_inline_shader_state` (lvp_execute.c) inserts their values
 //! into a copy of the shader and compiles the copy: at every draw, even if nothing has changed, and without freeing it.
 //! This costs milliseconds and megabytes per frame. Only if neither uniforms nor push constants are new at a draw does
 //! lavapipe find that the copy is no better, and then it uses one shader from then on. Each pipeline that draws
 //! full-screen triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values.
-//! This crate's shaders for meshes have no such control flow, and dispatches of its compute shaders leave memory flat.
+//! A compute pipeline dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
 //!
 //! This can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
 //! resident memory stays flat, passes on it without this file.
@@ -58,5 +58,18 @@ impl Frame<'_> {
             unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
             Ok(())
         })
+    }
+
+    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the values, and at
+    /// the second one nothing is new.
+    pub(in crate::gpu::frame) fn settle_compute(&mut self, pipeline: &SharedPipeline) {
+        if !self.must_settle(&pipeline.settled) {
+            return;
+        }
+        for _ in 0..2 {
+            self.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
+            // SAFETY: the pipeline is bound, and what it reads was pushed.
+            unsafe { self.device().cmd_dispatch(self.context.commands, 0, 0, 0) };
+        }
     }
 }

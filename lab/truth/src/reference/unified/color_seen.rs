@@ -33,7 +33,7 @@ pub struct Footprint {
 
 impl Footprint {
     /// What is around texture coordinates in an image.
-    pub(super) fn at(image: &Level<Vec3>, uv: Vec2) -> Self {
+    pub(super) fn around(image: &Level<Vec3>, uv: Vec2) -> Self {
         let side = Vec2::new(image.width as f32, image.height as f32);
         let place = (uv * side - 0.5).clamp(Vec2::ZERO, side - 1.0);
         let (first, part) = (place.as_uvec2(), place.fract());

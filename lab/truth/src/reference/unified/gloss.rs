@@ -125,7 +125,7 @@ impl<'a> Gloss<'a> {
         let level = level.clamp(0.0, (self.chain.len() - 1) as f32);
         let (low, share) = (level as usize, level.fract());
         let high = (low + 1).min(self.chain.len() - 1);
-        [(Footprint::at(&self.chain[low], uv), 1.0 - share), (Footprint::at(&self.chain[high], uv), share)]
+        [(Footprint::around(&self.chain[low], uv), 1.0 - share), (Footprint::around(&self.chain[high], uv), share)]
     }
 
     /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level. The

@@ -1,4 +1,4 @@
-//! Twin of `unified/surface.glsl` and of `GoesFar`: which pixels a ray can have seen around its hit, and the sky that the screen
+//! Twin of `unified/surface.glsl`: which pixels a ray can have seen around its hit, and the sky that the screen
 //! shows to a ray.
 
 use super::{Block, Code, Hit, Ray, Traversal, dot};

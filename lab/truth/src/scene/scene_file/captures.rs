@@ -59,7 +59,7 @@ pub(super) struct CaptureSection {
 /// its end, in the coordinates of the file. All else stays as it is. `path` names the file in errors.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the text is no TOML, or has captures that are written in another way.
+/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or has captures that are written in another way.
 pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
     let source = SourceText { path, text };
     let rest = |text: &str| {
@@ -68,6 +68,11 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
         Ok(table)
     };
     let before = rest(text).map_err(|e| source.syntax_error(&e))?;
+    if before.contains_key("bounds") {
+        let message =
+            "it is the list of a folder of captures, whose images stay where they were captured; name another file";
+        return Err(Error::malformed(path, None, message));
+    }
     let mut is_capture = false;
     let mut kept = String::new();
     for line in text.lines() {

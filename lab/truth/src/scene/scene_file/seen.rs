@@ -25,9 +25,14 @@ pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) 
     let is_outside = |eye: Vec3| !(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all());
     let views = &scene.views[..count.min(scene.views.len())];
     let is_room = views.iter().any(|view| is_outside(view.eye)) && viewpoint::is_enclosed(scene);
+    // A room without a front wall, or a court from above, shows the fronts of its surfaces.
+    let sees_a_front = |view: &View| {
+        let ray = Ray { origin: view.eye, direction: view.look_at - view.eye };
+        viewpoint::first_hits(scene, &[ray]).iter().any(|hit| hit.facing)
+    };
     let warning = |view: &View| {
-        let what = if is_room && is_outside(view.eye) {
-            "looks from outside of the room, in which everything stands"
+        let what = if is_room && is_outside(view.eye) && !sees_a_front(view) {
+            "stands outside of the room and sees no front of its walls"
         } else {
             next_to_nothing(scene, view, ONE_PLANE * diagonal)?
         };
@@ -42,7 +47,7 @@ fn hint(read_as: Handedness) -> String {
         Handedness::Left => ("left", Handedness::Right),
         Handedness::Right => ("right", Handedness::Left),
     };
-    format!("; the file's places are read as {word}-handed, and {} says otherwise", other.key())
+    format!("; the file's places are read as {word}-handed: if they are not, write {}", other.key())
 }
 
 /// What is wrong with a view that sees nothing, or nothing but one flat surface; `None` for any other. `tolerance` is how far a
@@ -53,18 +58,21 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
     if !scene.meshes.iter().any(|mesh| frustum.may_see(mesh.bounds.min, mesh.bounds.max)) {
         return Some("sees no surface of the scene");
     }
-    let rays = rays(&camera);
-    let hits = viewpoint::first_hits(scene, &rays);
-    let (first, point) = (*hits.first()?, place(rays.first()?, hits.first()?)?);
-    let normal = first.normal.normalize_or_zero();
-    let is_near = |place: Vec3| (place - point).dot(normal).abs() <= tolerance;
-    let is_in_plane = |ray: &Ray, hit: &Hit| {
-        hit.normal.normalize_or_zero().dot(normal).abs() >= ALIKE && place(ray, hit).is_some_and(is_near)
-    };
-    let is_one = rays.iter().zip(&hits).all(|(ray, hit)| is_in_plane(ray, hit));
+    let mut plane = None;
+    // Column by column, since most views show more than one surface in the first.
+    for column in rays(&camera).chunks(DOWN as usize) {
+        for (ray, hit) in column.iter().zip(viewpoint::first_hits(scene, column)) {
+            let (point, normal) = (place(ray, &hit)?, hit.normal.normalize_or_zero());
+            let (first, across) = *plane.get_or_insert((point, normal));
+            if normal.dot(across).abs() < ALIKE || (point - first).dot(across).abs() > tolerance {
+                return None;
+            }
+        }
+    }
+    let (first, across): (Vec3, Vec3) = plane?;
     // A scene of one flat surface has nothing else to show.
-    let has_more = || scene.meshes.iter().flat_map(|m| &m.vertices).any(|v: &Vertex| !is_near(Vec3::from(v.position)));
-    (is_one && has_more()).then_some("sees nothing but one flat surface")
+    let is_off = |v: &Vertex| (Vec3::from(v.position) - first).dot(across).abs() > tolerance;
+    scene.meshes.iter().flat_map(|m| &m.vertices).any(is_off).then_some("sees nothing but one flat surface")
 }
 
 /// Where a ray meets a surface, if it does.
@@ -72,10 +80,10 @@ fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
     hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
 }
 
-/// Rays from the near plane through the whole picture.
+/// Rays from the near plane through the whole picture, column by column.
 fn rays(camera: &Camera) -> Vec<Ray> {
     let to_world = (camera.view_to_clip() * camera.world_to_view).as_dmat4().inverse();
-    let pixels = (0..DOWN).flat_map(|y| (0..ACROSS).map(move |x| (x, y)));
+    let pixels = (0..ACROSS).flat_map(|x| (0..DOWN).map(move |y| (x, y)));
     let ndc = |n: u32, count: u32| f64::from(2 * n + 1) / f64::from(count) - 1.0;
     let ray = |(x, y): (u32, u32)| {
         let [from, to] = [0.0, 0.5]

@@ -1,0 +1,73 @@
+//! Parts of images, as shaders and attachments see them.
+
+use super::{Image, has_stencil, level_extent};
+use crate::gpu::sync::Tracked;
+use ash::vk;
+
+/// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
+#[derive(Clone, Copy)]
+pub struct ImageSlice<'a> {
+    pub(super) image: &'a Image,
+    pub(super) base: u32,
+    pub(super) count: u32,
+    pub(super) slice: Option<u32>,
+    pub(super) by_face: bool,
+}
+
+impl<'a> ImageSlice<'a> {
+    /// The image.
+    pub fn image(&self) -> &'a Image {
+        self.image
+    }
+
+    /// What a compute program stores to: the slice itself, or of a volume's slice the whole volume, since no view of one slice can
+    /// be stored to on every device.
+    pub(crate) fn stored(&self) -> Self {
+        if self.slice.is_some() { self.image.all() } else { *self }
+    }
+
+    /// The first level.
+    pub fn base_level(&self) -> u32 {
+        self.base
+    }
+
+    /// Width and height of the first level.
+    pub fn extent(&self) -> [u32; 2] {
+        level_extent(self.image.extent, self.base)
+    }
+
+    /// The slices that it covers: the first, and how many.
+    pub(crate) fn slices(&self) -> (u32, u32) {
+        self.slice.map_or((0, self.image.depth), |s| (s, 1))
+    }
+
+    /// The view that shaders see it through.
+    pub fn view(&self) -> vk::ImageView {
+        if self.by_face {
+            self.image.faces_view
+        } else if let Some(slice) = self.slice {
+            self.image.slice_views[slice as usize]
+        } else if self.count == self.image.levels() {
+            self.image.whole_view
+        } else {
+            self.image.level_views[self.base as usize]
+        }
+    }
+
+    /// The view that a depth target with stencil is attached by.
+    pub(crate) fn stencil_view(&self) -> Option<vk::ImageView> {
+        has_stencil(self.image.format).then_some(self.image.stencil_view)
+    }
+
+    /// Returns true if something was written to every level of it. Fresh memory shows nothing, whatever it holds.
+    pub fn is_written(&self) -> bool {
+        self.states().all(|(_, state)| state.get().layout() != vk::ImageLayout::UNDEFINED)
+    }
+
+    /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
+    /// one layout for them all.
+    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Tracked)> + use<'a> {
+        let (base, count) = (self.base as usize, self.count as usize);
+        self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
+    }
+}
