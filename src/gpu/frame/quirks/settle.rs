@@ -17,6 +17,7 @@ use crate::gpu::frame::bind::Given;
 use crate::gpu::frame::target::View;
 use crate::gpu::pipeline::{GraphicsPipeline, SharedPipeline};
 use crate::gpu::programs::Nothing;
+use crate::gpu::validation::MESA_22;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,7 +28,7 @@ pub(in crate::gpu::frame) struct Settling(GraphicsPipeline<Nothing>);
 impl Settling {
     /// Makes the pipeline if the driver needs it.
     pub fn new(gpu: &Gpu) -> Result<Option<Self>> {
-        if !gpu.info().driver.starts_with("llvmpipe Mesa 22.") {
+        if !gpu.info().driver.starts_with(MESA_22) {
             return Ok(None);
         }
         Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, [])?)))
@@ -60,8 +61,8 @@ impl Frame<'_> {
         })
     }
 
-    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the values, and at
-    /// the second one nothing is new.
+    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the values,
+    /// and at the second one nothing is new.
     pub(in crate::gpu::frame) fn settle_compute(&mut self, pipeline: &SharedPipeline) {
         if !self.must_settle(&pipeline.settled) {
             return;
