@@ -60,14 +60,16 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
 
 #else
 
-// The lit colour of the screen over a footprint. From SEEN_LEVELS on, texels have mixed surfaces already. Below, the four texels around
-// the hit are asked, in the level of the chain whose texels are nearest to the footprint in size. Where the ray can have seen all of
-// them, the colour is what the chain has between its levels. Elsewhere it is a mean of those that the ray can have seen in their
-// middles, and that hold no sky or nothing else; or the colour of the pixel that was hit where there are none. `point` and
-// `normal` are those of the surface that reflects.
+// The lit colour of the screen over a footprint: between the four texels around the hit, in the level of the chain whose texels are
+// nearest to the footprint in size. Those count that the ray can have seen in their middles, and that hold no sky or nothing else. From
+// SEEN_LEVELS on, texels have mixed surfaces already, and all count. Where none does, the colour is that of the pixel that was
+// hit. `point` and `normal` are those of the surface that reflects. The share of a texel that is sky (1 - a) was seen in another
+// direction than `along`, which is the sky along the ray.
+//
+// There is no lookup through a filter: a device that takes both ways of a branch would pay for it at every hit, and the mean
+// of several rays hides the step between two levels.
 vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint_level, vec3 along) {
-    if (footprint_level >= SEEN_LEVELS)
-        return ColorOver(hit.position, footprint_level, along);
+    bool mixes = footprint_level >= SEEN_LEVELS;
     int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
     float own_depth = BLOCK_AT(PixelTexel(hit.pixel)).x;
     Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own_depth, exp2(float(level)));
@@ -77,26 +79,24 @@ vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint
     precise vec2 from_middle = hit.position * to_texels - 0.5;
     vec2 low = floor(from_middle), part = from_middle - low;
     precise vec4 sum = vec4(0.0);
-    precise float counted = 0.0;
-    bool sees_all = true;
+    precise float counted = 0.0, sky = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
         ivec2 middle = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
         vec4 seen = texelFetch(color_buffer, texel, level);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        bool counts = IsSeen(from, vec2(middle) + 0.5, BLOCK_AT(PixelTexel(middle)).x);
         bool is_whole = unified.sky == 0 || seen.a == 0.0 || seen.a > 0.999;
-        AddTexel(sum, counted, seen, counts && is_whole, weight.x * weight.y);
-        sees_all = sees_all && counts && is_whole;
+        bool counts = mixes || IsSeen(from, vec2(middle) + 0.5, BLOCK_AT(PixelTexel(middle)).x) && is_whole;
+        AddTexel(sum, counted, seen, counts, weight.x * weight.y);
+        sky += counts && seen.a > 0.0 ? weight.x * weight.y * (1.0 - seen.a) : 0.0;
     }
-    if (sees_all)
-        return ColorOver(hit.position, footprint_level, along);
     vec4 own = texelFetch(color_buffer, hit.pixel, 0);
-    bool shows_sky = ShowsSky(own);
     float whole = 1.0 / max(counted, 1e-6);
     vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
-    return shows_sky ? along : counted > 0.0 ? between : Sound(own.rgb);
+    if (unified.sky != 0)
+        between = Sound(between + sky * whole * (along - Sky(ToWorld(ViewRay(hit.position)))));
+    return ShowsSky(own) && !mixes ? along : counted > 0.0 ? between : Sound(own.rgb);
 }
 
 bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {

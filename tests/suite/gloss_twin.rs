@@ -17,7 +17,7 @@ use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
-use ssct_lab::reference::unified::{Aim, Cell, ColorSeen, Gathered, Gloss, Traversal};
+use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
@@ -201,15 +201,7 @@ fn check_ray(
     };
     let ([key_low, color_low], [key_high, color_high]) = (fold(Vec4::min), fold(Vec4::max));
     let key_allowed = Vec4::from(key_error(&aim, found));
-    // A device's filter has at least 8 bits for the weights of texels.
-    let filter = match gloss.seen(&aim) {
-        Some((_, ColorSeen::Over(levels))) => {
-            let range: Vec3 = levels.iter().map(|(t, weight)| *weight * (t.range[1] - t.range[0])).sum();
-            range / 256.0
-        }
-        _ => Vec3::ZERO,
-    };
-    let color_allowed = Vec4::from(color_high.to_array().map(half_step)) + filter.extend(0.0);
+    let color_allowed = Vec4::from(color_high.to_array().map(half_step));
     let off = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
     let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
         && off(found.color, color_low, color_high).cmple(color_allowed).all();

@@ -6,7 +6,6 @@
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
 mod blocks;
-mod color_seen;
 mod follow;
 mod gather;
 mod gloss;
@@ -15,7 +14,6 @@ mod lobe;
 mod resolve;
 mod surface;
 
-pub use color_seen::{ColorSeen, Footprint};
 pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
 pub use gloss::Gloss;

@@ -1,7 +1,6 @@
 //! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
 //! pixels and cells are narrow, wide, or drawn at all.
 
-use super::color_seen::{ColorSeen, Footprint};
 use super::gloss_trace::cell_pixel;
 use super::{Hit, Traversal};
 use crate::math::constants;
@@ -120,22 +119,10 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// What a lookup of the colour's chain mixes: a footprint in each of two levels, with the weights of the two.
-    fn lookup(&self, uv: Vec2, level: f32) -> [(Footprint, f32); 2] {
-        let level = level.clamp(0.0, (self.chain.len() - 1) as f32);
-        let (low, share) = (level as usize, level.fract());
-        let high = (low + 1).min(self.chain.len() - 1);
-        [(Footprint::around(&self.chain[low], uv), 1.0 - share), (Footprint::around(&self.chain[high], uv), share)]
-    }
-
     /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level. The
     /// ray is the point where it begins, the normal there, and its direction.
-    pub(super) fn color_seen(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> ColorSeen {
-        let over =
-            || ColorSeen::Over(self.lookup(hit.position * self.traversal.parameters.pixel_to_clip, footprint_level));
-        if footprint_level >= constants::SEEN_LEVELS as f32 {
-            return over();
-        }
+    pub(super) fn color_seen(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
+        let mixes = footprint_level >= constants::SEEN_LEVELS as f32;
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
         let from = self.traversal.seeing(ray, hit.pixel, (level as f32).exp2());
         let size = self.traversal.parameters.size;
@@ -144,23 +131,22 @@ impl<'a> Gloss<'a> {
         let to_texels = texels.as_vec2() / size.as_vec2();
         let from_middle = hit.position * to_texels - 0.5;
         let (low, part) = (from_middle.floor(), from_middle - from_middle.floor());
-        let (mut sum, mut counted, mut seen) = (Vec3::ZERO, 0.0, 0);
+        let (mut sum, mut counted) = (Vec3::ZERO, 0.0);
         for i in 0..4 {
             let next = IVec2::new(i & 1, i >> 1);
             let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
             let middle = ((texel.as_vec2() + 0.5) / to_texels).as_ivec2().min(size - 1);
             let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if self.traversal.is_seen(&from, middle) {
+            if mixes || self.traversal.is_seen(&from, middle) {
                 let share = weight.x * weight.y;
                 sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
                 counted += share;
-                seen += 1;
             }
         }
-        match seen {
-            4 => over(),
-            _ if counted > 0.0 => ColorSeen::Between(sum / counted.max(1e-6)),
-            _ => ColorSeen::Between(self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)),
+        if counted > 0.0 {
+            sum * (1.0 / f32::max(counted, 1e-6))
+        } else {
+            self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)
         }
     }
 }

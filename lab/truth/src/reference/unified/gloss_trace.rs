@@ -1,7 +1,6 @@
 //! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
 //! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
 
-use super::color_seen::ColorSeen;
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
 use super::{Code, Gloss, Hit};
 use crate::math::constants;
@@ -86,13 +85,6 @@ impl Gloss<'_> {
     /// The second half of `Look`: where the ray hits a surface or shows the sky of the screen, and the colour and the fade there.
     /// `None` for a miss.
     pub fn follow(&self, aim: &Aim) -> Option<(Hit, Vec4)> {
-        let (hit, seen) = self.seen(aim)?;
-        let fade = self.fade(hit.position * self.traversal.parameters.pixel_to_clip);
-        Some((hit, seen.color().map(super::sound).extend(fade)))
-    }
-
-    /// Where the ray ends, and what it sees there.
-    pub fn seen(&self, aim: &Aim) -> Option<(Hit, ColorSeen)> {
         // Below the surface there is nothing to see.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
             return None;
@@ -103,7 +95,8 @@ impl Gloss<'_> {
         let hit = self.traversal.ends_on_sky(&ray, &hit).or((hit.code == Code::Surface).then_some(hit))?;
         let p = &self.traversal.parameters;
         let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
-        Some((hit, self.color_seen(&hit, [aim.point, aim.lobe.normal, ray.direction], level)))
+        let seen = self.color_seen(&hit, [aim.point, aim.lobe.normal, ray.direction], level);
+        Some((hit, seen.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
     /// What the ray of a narrow lobe leaves for its neighbours, before it is packed.
