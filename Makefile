@@ -7,7 +7,7 @@ PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
 .PHONY: all setup build dist package install-c study gpu-study bars league test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
-	test-debian-13 test-faults test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+	test-debian-13 test-debian-13-backports test-faults test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
 all: build
@@ -81,8 +81,9 @@ test-bevy: build
 test-drivers: setup
 	CARGO="$(CARGO)" scripts/test-drivers.sh
 
-# The README's two commands in a bare Debian, which debootstrap makes in a folder; as root: half an hour.
-test-debian-12 test-debian-13: test-debian-%:
+# The README's two commands in a bare Debian, which debootstrap makes in a folder; as root: half an hour. With -backports, on the
+# youngest Mesa and layers that this Debian has.
+test-debian-12 test-debian-13 test-debian-13-backports: test-debian-%:
 	scripts/test-debian.sh $*
 
 # Every allocation and every submission of every method made to fail: minutes.

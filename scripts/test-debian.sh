@@ -4,6 +4,7 @@
 # about half an hour on two cores. Rust and what Cargo has downloaded are those of this machine.
 #   scripts/test-debian.sh 13            both commands in Debian 13
 #   scripts/test-debian.sh 12 make test  one command in Debian 12
+#   scripts/test-debian.sh 13-backports  the same with what its backports have of Mesa, Vulkan's loader and layers
 #   scripts/test-debian.sh 12 --archive FILE
 #                                        the archive of `make dist`, in a Debian 12 that has nothing but a Vulkan driver: the list
 #                                        of devices and a quick study of the first one
@@ -44,10 +45,12 @@ if [ "${1:-}" = --inside ]; then
 fi
 
 case "${1:-}" in
-    12) suite=bookworm ;;
-    13) suite=trixie ;;
-    *) wrong 'the version of Debian is missing: 12 or 13' ;;
+    12 | 12-backports) suite=bookworm ;;
+    13 | 13-backports) suite=trixie ;;
+    *) wrong 'the version of Debian is missing: 12, 13, 12-backports or 13-backports' ;;
 esac
+backports=
+[ "${1%-backports}" = "$1" ] || backports=$suite-backports
 shift
 archive=
 if [ "${1:-}" = --archive ]; then
@@ -102,6 +105,20 @@ alone debootstrap --variant=minbase --include="$packages" "$suite" "$system" ${M
     exit 1
 }
 rm -f "$system.log"
+if [ -n "$backports" ]; then
+    mirror=$(awk '$1 == "deb" { print $2; exit }' "$system/etc/apt/sources.list")
+    echo "deb $mirror $backports main" >"$system/etc/apt/sources.list.d/backports.list"
+    printf 'Package: mesa-* libvulkan* vulkan-* libdrm*\nPin: release n=%s\nPin-Priority: 600\n' "$backports" \
+        >"$system/etc/apt/preferences.d/backports"
+    # What debootstrap installed of them, if anything, is of the suite itself.
+    alone chroot "$system" sh -c 'apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -qy upgrade' >"$system.log" 2>&1 || {
+        tail -n 5 "$system.log" >&2
+        rm -f "$system.log"
+        say "apt-get cannot take what $backports has"
+        exit 1
+    }
+    rm -f "$system.log"
+fi
 if [ -n "$archive" ]; then
     mkdir "$system/root/ssct"
     tar -xzf "$archive" -C "$system/root/ssct" --strip-components=1
@@ -126,4 +143,4 @@ for package in libc6 mesa-vulkan-drivers vulkan-validationlayers; do
     version=$(chroot "$system" dpkg-query -W -f '${Version}' "$package" 2>/dev/null) || version='not installed'
     say "$package: $version"
 done
-say "passed on $suite"
+say "passed on $suite${backports:+ with $backports}"
