@@ -22,6 +22,7 @@ pub mod other_devices;
 pub mod path;
 pub mod pixel;
 pub mod precision;
+pub mod readme;
 pub mod record;
 pub mod shaders;
 pub mod shard;

@@ -9,6 +9,7 @@ mod claims;
 mod complaints;
 mod coverage;
 mod dda;
+mod devices;
 mod embedding;
 mod ends;
 mod errata;
@@ -26,6 +27,7 @@ mod motion;
 mod outlook;
 mod own_rays;
 mod published;
+mod readme_numbers;
 mod records;
 mod stochastic;
 mod stress;
@@ -337,12 +339,13 @@ fn shown(name: &str, text: &str) -> (String, usize) {
             let target = defined.get(of).unwrap_or_else(|| panic!("{name}: no link definition [{of}]"));
             folder.join(target)
         });
-        let answer =
-            records::show(query, &folders.collect::<Vec<_>>()).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
+        let folders: Vec<_> = folders.collect();
+        let answer = records::show(query, &folders).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
         let is_table = answer.contains('\n');
         // Markdown shows a line that begins with a comment as it stands, so a number may not begin one.
         assert_eq!(is_table, before.ends_with('\n'), "{name}: {marker}: a table begins a line, and a number does not");
-        let answer = if is_table { format!("\n\n{answer}\n") } else { answer };
+        let measured = || devices::line(query, &folders, &answer).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
+        let answer = if is_table { format!("\n\n{answer}\n{}\n\n", measured()) } else { answer };
         result += &format!("{before}{BEGIN}{marker} -->{answer}{END}");
         (rest, count) = (after, count + 1);
     }
@@ -414,4 +417,12 @@ fn options() -> String {
 #[test]
 fn the_page_of_options_is_what_the_tables_declare() {
     keep(&root().join("docs/options.md"), &options());
+}
+
+#[test]
+fn the_readme_s_numbers_stand_in_the_program() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let (readme, _) = shown("README.md", &readme);
+    let folders = definitions(&readme).into_iter().map(|(name, target)| (name, root().join(target))).collect();
+    keep(&root().join("lab/src/study/readme.csv"), &readme_numbers::csv(&readme, &folders).unwrap());
 }

@@ -185,7 +185,7 @@ fn the_passes_add_up_to_the_frame() {
 
 #[test]
 fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
-    let runs = repository().join("benches/runs/2026-11-26-lavapipe");
+    let runs = repository().join("benches/runs/2026-11-28-lavapipe");
     for table in ["table-5.8-atrium", "table-5.8-sponza"] {
         let text = std::fs::read_to_string(runs.join(table).join("time.json")).unwrap();
         let records: Vec<Value> = serde_json::from_str(&text).unwrap();

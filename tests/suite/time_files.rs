@@ -100,7 +100,7 @@ fn ten_lines_of_python_plot_the_samples() {
 
 #[test]
 fn the_seconds_of_table_5_8_are_those_of_the_records() {
-    let path = repository().join("benches/runs/2026-11-26-lavapipe/table-5.8-atrium/time.json");
+    let path = repository().join("benches/runs/2026-11-28-lavapipe/table-5.8-atrium/time.json");
     let records: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     // Frames of one row: ten that count, two that warm up, and one whose work is counted.
     let frames = 10.0 + 2.0 + 1.0;

@@ -3,7 +3,7 @@
 
 use super::cli::DeviceOptions;
 use super::printed;
-use super::run::Run;
+use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -17,17 +17,16 @@ use crate::report::{files, kept_images};
 use crate::scene::{Scene, View, library};
 use crate::stage::{Globals, Stage};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
-use crate::study::error::Variant;
+use crate::study::engine::{self, Bench};
+use crate::study::error::{ErrorRecord, ErrorStudy, Variant};
+use crate::study::readme::{self, JUDGED_SIZE, Measured, TIMED_SIZE, VIEWS};
 use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{bandwidth, other_devices, shaders, steps};
+use crate::study::{bandwidth, other_devices, shaders, steps, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::PathBuf;
-
-/// The views that are timed: the scene and its view.
-const VIEWS: [[&str; 2]; 4] = [["rooms", "corridor"], TABLE_VIEW, ["museum", "exit-sign"], ["street", "car"]];
 
 /// The view of table 5.8.
 const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
@@ -40,6 +39,11 @@ const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
 /// Side of the image that is copied, in texels of four bytes: larger than caches.
 const COPIED: u32 = 4096;
+
+/// Rays a pixel of the references, as the README's records have them.
+const RAYS: u32 = 64;
+/// Rays a pixel of the references of a quick study.
+const QUICK_RAYS: u32 = 16;
 
 /// Pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
 const KEPT_SIZE: [u32; 2] = [97, 55];
@@ -139,6 +143,32 @@ impl Plan {
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }
 
+    /// What the README's tables are of, on a view, at the roughness values that they have of its scene.
+    fn readme<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Result<TimeSpec<'a>> {
+        let variants = readme::variants(TIMED_SIZE, gpu.info().is_cpu())?;
+        let globals = self.readme_roughness(place).iter().map(|r| of_roughness(*r)).collect();
+        Ok(self.time(gpu, place, variants, vec![TIMED_SIZE], globals))
+    }
+
+    fn readme_roughness(&self, (scene, _): &Place) -> &'static [f32] {
+        let is_of_the_screen = readme::SCREEN_SCENES.contains(&scene.name.as_str());
+        if is_of_the_screen && !self.is_quick() { &sweep::ROUGHNESS } else { &sweep::ROUGHNESS[..1] }
+    }
+
+    /// The errors of the same.
+    fn readme_errors(&self, gpu: &Gpu, [scene, view]: [&str; 2]) -> Result<ErrorStudy> {
+        let place = place([scene, view])?;
+        let globals = self.readme_roughness(&place).iter().map(|r| of_roughness(*r)).collect();
+        let variants = readme::variants(JUDGED_SIZE, gpu.info().is_cpu())?;
+        let rays = if self.is_quick() { QUICK_RAYS } else { RAYS };
+        let (scene, view) = place;
+        Ok(ErrorStudy::new(vec![(scene, vec![view])], vec![JUDGED_SIZE], globals, variants, (1, rays)))
+    }
+
+    fn is_quick(&self) -> bool {
+        self.views < VIEWS.len()
+    }
+
     /// `unified` with every pass as a fragment shader, and as a compute shader.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
@@ -194,31 +224,36 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
     let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let timed = || methods.iter().chain(&first).chain(&tracers).chain([&table, &stages]);
+    let quoted = places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
+    let timed = || methods.iter().chain(&first).chain(&tracers).chain(&quoted).chain([&table, &stages]);
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
-    let mut measure = || -> Result<Findings> {
+    let mut measure = || -> Result<(Vec<ErrorRecord>, Findings)> {
         for spec in timed() {
             timing::measure(spec, &mut run.journal, &mut || progress::step(&bar))?;
         }
-        findings(&gpu, options, &plan, &places, &bar)
+        let errors = readme_errors(&gpu, &plan, &mut run, &bar)?;
+        Ok((errors, findings(&gpu, options, &plan, &places, &bar)?))
     };
     let outcome = measure();
     bar.finish_and_clear();
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
     let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
-    let (methods, first, tracers) = (all_of(&methods), all_of(&first), all_of(&tracers));
-    let times = DeviceTimes { table: records(&table), methods, first, tracers, stages: records(&stages) };
+    let [methods, first, tracers, readme] = [&methods, &first, &tracers, &quoted].map(|specs| all_of(specs));
+    let times = DeviceTimes { table: records(&table), methods, first, tracers, readme, stages: records(&stages) };
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = to
         .join("time.json")
         .write(files::json(&all).as_bytes())
         .and_then(|()| to.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
-    let findings = run.ended(outcome)?;
+    let (errors, findings) = run.ended(outcome)?;
     wrote?;
-    report::write(&to, gpu.info(), &command(options), &times, &findings)?;
-    writeln!(printed::out(), "{}", folder.join("index.html").display())?;
+    let readme = readme::compare(&Measured { times: &times.readme, errors: &errors })?;
+    report::write(&to, gpu.info(), &command(options), (&times, &readme), &findings)?;
+    for page in report::PAGES {
+        writeln!(printed::out(), "{}", folder.join(page).display())?;
+    }
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
@@ -229,6 +264,20 @@ fn command(options: &GpuStudyOptions) -> String {
     let quick = if options.quick { " --quick" } else { "" };
     let beside: String = options.beside.iter().map(|folder| format!(" --beside {}", folder.display())).collect();
     format!("ssct gpu-study{quick}{beside}")
+}
+
+/// The errors that stand beside those of the README.
+fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
+    let mut records = Vec::new();
+    for view in &VIEWS[..plan.views] {
+        let mut study = plan.readme_errors(gpu, *view)?;
+        let list = engine::list(&study, gpu, String::new(), None);
+        let journal = &mut run.journal;
+        let (advance, keep) = (&mut |_| progress::step(bar).unwrap_or_default(), &mut |_: &_| Ok(()));
+        engine::measure(&mut study, &list, &mut Bench { gpu, journal, go_on, advance, keep })?;
+        records.extend(engine::rows::<ErrorRecord>(&list, &run.journal));
+    }
+    Ok(records)
 }
 
 /// Measures what is found beside times, and keeps the device's images.

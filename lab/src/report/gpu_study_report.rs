@@ -11,6 +11,7 @@ use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
 use crate::study::exhibit::Table;
 use crate::study::names::roughness;
+use crate::study::readme::{self, ReadmeRecord};
 use crate::study::record::Head;
 use crate::study::shaders::ShaderRecord;
 use crate::study::steps::StepsRecord;
@@ -43,6 +44,8 @@ pub struct DeviceTimes {
     pub first: Vec<TimeRecord>,
     /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without them.
     pub tracers: Vec<TimeRecord>,
+    /// What the README's tables are of.
+    pub readme: Vec<TimeRecord>,
     /// `unified` at each roughness, in fragment and then in compute shaders.
     pub stages: Vec<TimeRecord>,
 }
@@ -50,7 +53,7 @@ pub struct DeviceTimes {
 impl DeviceTimes {
     /// All of them.
     pub fn all(&self) -> Vec<TimeRecord> {
-        [&self.table[..], &self.methods, &self.first, &self.tracers, &self.stages].concat()
+        [&self.table[..], &self.methods, &self.first, &self.tracers, &self.readme, &self.stages].concat()
     }
 }
 
@@ -70,14 +73,29 @@ pub struct Findings {
     pub programs: CompiledPrograms,
 }
 
-/// Writes `gpu-study.json` and `index.html`.
+/// The pages: the study, and the README's numbers beside it.
+pub const PAGES: [&str; 2] = ["index.html", "readme.html"];
+
+/// Writes `gpu-study.json` and the [`PAGES`].
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write(folder: &Inside, device: &DeviceInfo, command: &str, times: &DeviceTimes, found: &Findings) -> Result<()> {
+pub fn write(
+    folder: &Inside,
+    device: &DeviceInfo,
+    command: &str,
+    (times, readme): (&DeviceTimes, &[ReadmeRecord]),
+    found: &Findings,
+) -> Result<()> {
     let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
-    folder.join("gpu-study.json").write(files::json(&records(device, &rates, found)).as_bytes())?;
-    folder.join("index.html").write(page(device, command, times, &rates, found).as_bytes())
+    let all: Vec<_> = records(device, &rates, found).into_iter().chain(readme.iter().map(|r| json!(r))).collect();
+    folder.join("gpu-study.json").write(files::json(&all).as_bytes())?;
+    let [index, beside] = PAGES;
+    folder.join(index).write(page(device, command, times, &rates, found).as_bytes())?;
+    let table = readme::table(readme);
+    folder
+        .join(beside)
+        .write(html::tables_page(&table.title, Some(device), command, std::slice::from_ref(&table)).as_bytes())
 }
 
 fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {

@@ -61,8 +61,8 @@ pub fn sizes() -> Vec<[u32; 2]> {
 }
 
 /// Seconds that each size took with the command's own numbers of frames where the table was measured on two cores of a
-/// CPU, by the records in benches/runs/2026-11-26-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
-pub const SECONDS: [u32; 5] = [15, 21, 24, 39, 75];
+/// CPU, by the records in benches/runs/2026-11-28-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
+pub const SECONDS: [u32; 5] = [15, 22, 22, 37, 80];
 
 /// What can be measured of the table, and how long it takes, as the end of a sentence.
 pub fn rows_and_seconds() -> String {

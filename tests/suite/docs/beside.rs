@@ -26,7 +26,7 @@ pub fn beside(folder: &Path, methods: &str, scenes: &str, roughness: &str) -> Re
         }
     }
     let errors = methods.iter().map(|m| format!("error, `{m}`"));
-    let times = methods[..methods.len() - 1].iter().map(|m| format!("time over `{last}`, `{m}`"));
+    let times = methods[..methods.len() - 1].iter().map(|m| format!("`{m}`: time / `{last}`'s"));
     let head: Vec<String> = ["scene".to_owned(), "ϱ".to_owned()].into_iter().chain(errors).chain(times).collect();
     table(&head.iter().map(String::as_str).collect::<Vec<_>>(), rows)
 }

@@ -144,7 +144,7 @@ pub fn beyond(folders: &[PathBuf], roughness: &str) -> Result<String> {
         Ok(row)
     };
     let places = "rays that end right";
-    let all = ["scene", "`ssct`", "`captures`", "`unified`", "floor", "`unified` over `ssct`", places];
+    let all = ["scene", "`ssct`", "`captures`", "`unified`", "floor", "`unified` / `ssct`", places];
     let head: Vec<_> = all.into_iter().filter(|h| is_mirror || !["floor", places].contains(h)).collect();
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
@@ -189,12 +189,12 @@ pub fn fallbacks(folders: &[PathBuf]) -> Result<String> {
     rows.push(["*all views*".to_owned()].into_iter().chain(cells).collect());
     let head = [
         "scene",
-        "over `ssct`, ϱ 0",
-        "over `ssct` + `environment`",
-        "over `ssct` + `pccm`",
-        "over `ssct`, ϱ 0.1",
-        "over `ssct` + `environment`",
-        "over `ssct` + `pccm`",
+        "error / `ssct`'s, ϱ 0",
+        "/ `ssct` + `environment`",
+        "/ `ssct` + `pccm`",
+        "error / `ssct`'s, ϱ 0.1",
+        "/ `ssct` + `environment`",
+        "/ `ssct` + `pccm`",
     ];
     table(&head, rows)
 }
@@ -223,8 +223,13 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
         let time = median_and_greatest(&times_over(folders, scene, "unified", "0")?)?;
         Ok(vec![(*scene).to_owned(), over(ALONE)?, over(("ssct", "pccm"))?, right_places(&records)?, time])
     };
-    let head =
-        ["scene", "error over `ssct`", "error over `ssct --fallback pccm`", "rays that end right", "time over `ssct`"];
+    let head = [
+        "scene",
+        "error / `ssct`'s",
+        "error / that of `ssct --fallback pccm`",
+        "rays that end right",
+        "time / `ssct`'s",
+    ];
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
 
@@ -278,12 +283,30 @@ pub fn triangles(folder: &Path, roughness: &str) -> Result<String> {
     rows.push(last);
     let head = [
         "scene",
-        "error of `unified`",
-        "error of `traced`",
+        "`unified`: error / `ssct`'s",
+        "`traced`: error / `ssct`'s",
         "rays that end right",
-        "time of `unified`",
-        "time of `traced`",
+        "`unified`: time / `ssct`'s",
+        "`traced`: time / `ssct`'s",
     ];
     let head: Vec<_> = head.into_iter().filter(|h| roughness == "0" || *h != "rays that end right").collect();
     table(&head, rows)
+}
+
+/// A table's figures of one view: of `unified` and `traced` the error over that of `ssct`, the share of `unified`'s mirror rays that
+/// end right, and both times over that of `ssct`.
+pub fn triangles_of_view(folder: &Path, scene: &str, view: &str) -> Result<[f64; 5]> {
+    let folders = [folder.to_owned()];
+    let records = of_scene(&folders, scene)?;
+    let one = |values: &BTreeMap<String, f64>| values.get(view).copied().ok_or(format!("{scene} has no {view}"));
+    let error = |of| one(&by_view(&records, of, "0", "rmse"));
+    let time = |method| one(&times(&folders, scene, method, "0")?);
+    let (error_of_ssct, time_of_ssct) = (error(ALONE)?, time(ALONE.0)?);
+    Ok([
+        error(("unified", "none"))? / error_of_ssct,
+        error(("traced", "none"))? / error_of_ssct,
+        one(&by_view(&records, CAPTURED, "0", "place_agreement"))?,
+        time("unified")? / time_of_ssct,
+        time("traced")? / time_of_ssct,
+    ])
 }

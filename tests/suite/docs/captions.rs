@@ -33,8 +33,8 @@ pub fn captions(folder: &Path) -> Result<String> {
         "SSCT, thesis, ms",
         "beside it",
         "its time, thesis, ms",
-        "its time over SSCT's, thesis",
-        "its time over SSCT's, here",
+        "its time / SSCT's, thesis",
+        "its time / SSCT's, here",
     ];
     table(&head, rows(folder)?)
 }

@@ -91,5 +91,5 @@ pub fn beside(folder: &Path) -> Result<String> {
         let all: Vec<_> = runs.iter().flatten().filter(|r| r["method"] == method).collect();
         rows.push([vec![format!("`{method}`"), ratio(time)], errors(&all)?].concat());
     }
-    table(&[["method", "time over `ssct`"].as_slice(), &ERRORS].concat(), rows)
+    table(&[["method", "time / `ssct`'s"].as_slice(), &ERRORS].concat(), rows)
 }

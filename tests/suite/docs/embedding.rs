@@ -24,7 +24,7 @@ pub fn hit_colors(folder: &Path) -> Result<String> {
             format!("{:.1}, {:.1}", one("color_bytes")? / 1e6, one("texture_bytes")? / 1e6),
         ])
     };
-    let head = ["scene", "colours, ms", "textures, ms", "over colours", "ms to make them", "MB"];
+    let head = ["scene", "colours, ms", "textures, ms", "textures / colours", "ms to make them", "MB"];
     table(&head, ["rooms", "street", "atrium"].iter().map(row).collect::<Result<_>>()?)
 }
 

@@ -81,7 +81,7 @@ pub fn walks(folder: &Path, is_timed: bool) -> Result<String> {
         "`stochastic`",
         "error of changes, `unified`",
         "`stochastic`",
-        "time, `unified` over `stochastic`",
+        "time, `unified` / `stochastic`",
     ];
     table(&head[..head.len() - usize::from(!is_timed)], rows)
 }
@@ -131,7 +131,7 @@ pub fn own_rays(folder: &Path) -> Result<String> {
             }
         }
     }
-    let head = ["walk", "ϱ", "method", "JOD", "of reflections", "error of changes", "time over `stochastic`"];
+    let head = ["walk", "ϱ", "method", "JOD", "of reflections", "error of changes", "time / `stochastic`'s"];
     table(&head, rows)
 }
 
@@ -216,7 +216,7 @@ pub fn stops(folder: &Path) -> Result<String> {
             rows.push([names, shown_after, ends].concat());
         }
     }
-    let head = ["what stops", "method", "0", "1", "2", "4", "8", "16", "the end", "4 over the end"];
+    let head = ["what stops", "method", "0", "1", "2", "4", "8", "16", "the end", "4 / the end"];
     table(&head, rows)
 }
 
@@ -327,7 +327,7 @@ pub fn history_times(folder: &Path) -> Result<String> {
     // By their lengths first, so that the smaller size is the first.
     let mut rows = found.iter().map(row).collect::<Result<Vec<_>>>()?;
     rows.sort_by_key(|row| (row[0].len(), row[1].clone()));
-    table(&["size", "ϱ", "`unified`, ms", "the history's pass, ms", "with it over without"], rows)
+    table(&["size", "ϱ", "`unified`, ms", "the history's pass, ms", "with it / without"], rows)
 }
 
 /// So many samples at the beginning of a run have other directions of rays each, and from this one on all have those of before.

@@ -71,5 +71,5 @@ pub fn sides(folder: &Path) -> Result<String> {
         Ok(vec![format!("{side}²"), ratio(follow / usual), ratio(effect), ratio(rest)])
     };
     let rows = SIDES.iter().map(row).collect::<Result<_>>()?;
-    table(&["faces", "following rays, over that with 512²", "effect over `ssct`", "without following"], rows)
+    table(&["faces", "following rays / those with 512²", "effect / `ssct`'s", "without following"], rows)
 }

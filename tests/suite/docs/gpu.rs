@@ -93,7 +93,7 @@ pub fn stages_on(folder: &Path) -> Result<String> {
         Ok(vec![shortest(&roughness).to_owned(), format!("{slow:.2}"), format!("{fast:.2}"), ratio(slow / fast)])
     };
     table(
-        &["roughness", "fragment, ms", "compute, ms", "fragment over compute"],
+        &["roughness", "fragment, ms", "compute, ms", "fragment / compute"],
         told.chunks_exact(2).map(row).collect::<Result<_>>()?,
     )
 }

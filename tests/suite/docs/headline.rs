@@ -53,13 +53,13 @@ pub fn plot(timed: &Path, judged: &Path) -> Result<String, String> {
         line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, at + 4.0));
     }
     line(format!(
-        r#"<text x="{:.1}" y="{:.1}" text-anchor="middle">time, over that of ssct</text>"#,
+        r#"<text x="{:.1}" y="{:.1}" text-anchor="middle">time / ssct's</text>"#,
         (left + right) / 2.0,
         bottom + 38.0
     ));
     let middle = (top + bottom) / 2.0;
     line(format!(
-        r#"<text x="16" y="{middle:.1}" text-anchor="middle" transform="rotate(270 16 {middle:.1})">error, over that of ssct</text>"#
+        r#"<text x="16" y="{middle:.1}" text-anchor="middle" transform="rotate(270 16 {middle:.1})">error / ssct's</text>"#
     ));
     for method in ["hzct", "unified"] {
         for (roughness, color) in ROUGHNESS.iter().zip(COLORS) {

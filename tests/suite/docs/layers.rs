@@ -89,7 +89,7 @@ pub fn layers(folder: &Path) -> Result<String> {
         "right places, 1 layer",
         "2nd empty",
         "2 layers",
-        "time over 1 layer",
+        "time / that of 1 layer",
     ];
     table(&head, all)
 }

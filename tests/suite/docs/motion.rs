@@ -43,7 +43,7 @@ pub fn by_rays(folders: &[PathBuf]) -> Result<String> {
     }
     rows.push(row("`unified`", most, own)?);
     rows.push(row("`unified` with `--history on`", with_history, own)?);
-    rows.push(row(&format!("`unified` over the world, {}", rays(most)?), most, |r| {
+    rows.push(row(&format!("`unified` / the world, {}", rays(most)?), most, |r| {
         Ok(ratio(figure(&r["world"], "ratio")?))
     })?);
     table(&["what", "moved by an eighth of a pixel", "panned by a quarter of a pixel"], rows)

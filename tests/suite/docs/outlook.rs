@@ -63,7 +63,7 @@ pub fn bounce_times(folder: &Path) -> Result<String> {
             ]);
         }
     }
-    table(&["method", "passes, first bounce", "passes, second", "time of the second over the first"], rows)
+    table(&["method", "passes, first bounce", "passes, second", "time of the second / of the first"], rows)
 }
 
 /// Filters of the colour chain: errors of `ssct` against the screen and the world by roughness, and its time over that of
@@ -91,7 +91,7 @@ pub fn chain_masks(folder: &Path) -> Result<String> {
         }
         rows.push(row);
     }
-    let head = ["filter", "mask", "time over `dda`", "screen, ϱ 0.1", "screen, ϱ 0.3", "screen, ϱ 0.6"];
+    let head = ["filter", "mask", "time / `dda`'s", "screen, ϱ 0.1", "screen, ϱ 0.3", "screen, ϱ 0.6"];
     table(&[head.as_slice(), &["world, ϱ 0.1", "world, ϱ 0.3", "world, ϱ 0.6"]].concat(), rows)
 }
 
@@ -108,5 +108,5 @@ pub fn billboard_glow(folder: &Path) -> Result<String> {
             rows.push(vec![format!("`{occlusion}`"), says.to_owned(), ratio(of("billboard")? / of("linear")?)]);
         }
     }
-    table(&["occlusion", "glow", "time over `linear`"], rows)
+    table(&["occlusion", "glow", "time / `linear`'s"], rows)
 }

@@ -37,7 +37,7 @@ pub fn times(folder: &Path) -> Result<String> {
         Ok(std::iter::once(roughness.clone()).chain(cells.into_iter().skip(1)).collect())
     };
     table(
-        &["roughness", "none, ms", "4, over none", "ms", "8, over none", "ms"],
+        &["roughness", "none, ms", "4 / none", "ms", "8 / none", "ms"],
         roughness.iter().map(row).collect::<Result<_>>()?,
     )
 }

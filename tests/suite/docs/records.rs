@@ -5,7 +5,7 @@ use super::figures::{
     median_and_range, number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, complaints, coverage, dda, embedding, ends, errata, films, follow, gpu,
+    beside, beyond, captions, claims, complaints, coverage, dda, devices, embedding, ends, errata, films, follow, gpu,
     large_gltf, layers, league, measured, motion, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
@@ -166,7 +166,7 @@ pub fn bars_errors(folder: &Path) -> Result<BTreeMap<Cell, Errors>> {
 }
 
 /// Time of `unified` over that of a method, at a roughness, for each view.
-fn times_over(folder: &Path, size: &str, roughness: &str, method: &str) -> Result<Vec<f64>> {
+pub fn times_over(folder: &Path, size: &str, roughness: &str, method: &str) -> Result<Vec<f64>> {
     let times = bars_times(folder, size)?;
     let here = times.iter().filter(|((.., r), _)| r == roughness);
     here.map(|(_, t)| {
@@ -177,7 +177,7 @@ fn times_over(folder: &Path, size: &str, roughness: &str, method: &str) -> Resul
 }
 
 /// Error of a method over that of another, each against a reference, at a roughness, for each view.
-fn errors_over(folder: &Path, roughness: &str, of: (&str, &str), over: (&str, &str)) -> Result<Vec<f64>> {
+pub fn errors_over(folder: &Path, roughness: &str, of: (&str, &str), over: (&str, &str)) -> Result<Vec<f64>> {
     let errors = bars_errors(folder)?;
     let here = errors.iter().filter(|((.., r), _)| r == roughness);
     here.map(|(_, e)| {
@@ -198,7 +198,10 @@ fn headline(folders: &[PathBuf]) -> Result<String> {
         Ok(vec![shortest(roughness), time("ssct")?, time("hzct")?, median_and_greatest(&rmse)?])
     };
     let rows = ROUGHNESS.iter().map(row).collect::<Result<_>>()?;
-    table(&["roughness", "time over `ssct`", "time over `hzct`", "error over `ssct`"], rows)
+    let name =
+        |what, over, folder: &Path| Ok::<_, String>(format!("{what} / `{over}`'s, on {}", devices::kind(folder)?));
+    let head = [name("time", "ssct", timed)?, name("time", "hzct", timed)?, name("error", "ssct", judged)?];
+    table(&["roughness", &head[0], &head[1], &head[2]], rows)
 }
 
 fn times(folder: &Path, size: &str) -> Result<String> {
@@ -206,7 +209,7 @@ fn times(folder: &Path, size: &str) -> Result<String> {
         let time = |method| median_and_range(&times_over(folder, size, roughness, method)?);
         Ok(vec![shortest(roughness), time("ssct")?, time("hzct")?])
     };
-    table(&["roughness", "time over `ssct`", "time over `hzct`"], ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
+    table(&["roughness", "time / `ssct`'s", "time / `hzct`'s"], ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
 }
 
 fn errors(folder: &Path) -> Result<String> {
@@ -221,9 +224,9 @@ fn errors(folder: &Path) -> Result<String> {
     };
     let head = [
         "roughness",
-        "against the screen, over `ssct`",
-        "against the world, over `ssct`",
-        "against the world, over the screen reference's",
+        "error against the screen / `ssct`'s",
+        "error against the world / `ssct`'s",
+        "error against the world / the screen reference's",
     ];
     table(&head, ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
 }
@@ -237,6 +240,14 @@ fn slowest(folder: &Path, method: &str) -> Result<String> {
         }
     }
     Ok(ratio(greatest(&all)))
+}
+
+/// The share of a view's mirror rays that `unified` ends where the oracle says.
+pub fn agreement(folder: &Path, scene: &str, view: &str) -> Result<f64> {
+    let rows = csv(folder, "errors.csv")?;
+    let is_it =
+        |r: &&Row| r["method"] == "unified" && r["against"] == "oracle" && r["scene"] == scene && r["view"] == view;
+    number(rows.iter().find(is_it).ok_or_else(|| format!("no hits of {scene} {view}"))?, "hit_agreement")
 }
 
 fn least_agreement(folder: &Path) -> Result<String> {
@@ -333,7 +344,7 @@ fn methods(folders: &[PathBuf]) -> Result<String> {
         rows.push(row);
     }
     let head =
-        ["method", "time over `ssct`", "right hits", "screen, ϱ 0", "screen, ϱ 0.1", "world, ϱ 0", "world, ϱ 0.1"];
+        ["method", "time / `ssct`'s", "right hits", "screen, ϱ 0", "screen, ϱ 0.1", "world, ϱ 0", "world, ϱ 0.1"];
     table(&head, rows)
 }
 
@@ -395,7 +406,7 @@ fn wrong_rays(folders: &[PathBuf]) -> Result<String> {
             rows.push(vec![size.replace('x', "×"), oracle.to_owned(), median_and_greatest(&over)?]);
         }
     }
-    table(&["size", "version of the oracle", "wrong rays, over those of `ssct`"], rows)
+    table(&["size", "version of the oracle", "wrong rays / those of `ssct`"], rows)
 }
 
 fn why_wrong(folder: &Path, scene: &str, view: &str, size: &str) -> Result<String> {
@@ -409,7 +420,7 @@ fn why_wrong(folder: &Path, scene: &str, view: &str, size: &str) -> Result<Strin
     };
     let head = [
         "version",
-        "wrong, over `ssct`",
+        "wrong / `ssct`'s",
         "wrong",
         "false, on a side",
         "false, on a front",
@@ -454,7 +465,7 @@ fn door(folder: &Path) -> Result<String> {
             format!("{bytes:.1}"),
         ])
     };
-    let head = ["method", "effect over the command's", "`import` in ms", "MB on the device"];
+    let head = ["method", "effect / the command's", "`import` in ms", "MB on the device"];
     table(&head, ["unified", "ssct", "hzct"].iter().map(row).collect::<Result<_>>()?)
 }
 

@@ -97,7 +97,7 @@ pub fn tuning(folder: &Path) -> Result<String> {
     for method in ["unified", "ssct"] {
         rows.push(row(format!("`{method}`"), method, &Value::Null)?);
     }
-    table(&[["variant", "time over `ssct`"].as_slice(), &ERRORS].concat(), rows)
+    table(&[["variant", "time / `ssct`'s"].as_slice(), &ERRORS].concat(), rows)
 }
 
 /// With a history and without it, at rest.

@@ -31,7 +31,8 @@ fn printed_rows(folder: &Path) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let [width, "x", height, rest @ ..] = &words[..] else { continue };
+        // Roughness and ten numbers, and then the drift, in per cent.
+        let [width, "x", height, rest @ .., _, "%"] = &words[..] else { continue };
         if rest.len() != 11 {
             return Err(format!("a row of {} columns in {}/time.txt", rest.len(), folder.display()));
         }
@@ -110,7 +111,7 @@ pub fn cone_angle(folder: &Path) -> Result<String> {
             rows.push(vec![format!("`{method}`"), roughness.to_string(), lobe, interpolated, ratio(time)]);
         }
     }
-    table(&["method", "ϱ", "RMSE, lobe", "RMSE, interpolated", "time, interpolated over lobe"], rows)
+    table(&["method", "ϱ", "RMSE, lobe", "RMSE, interpolated", "time, interpolated / lobe"], rows)
 }
 
 /// What passes cost that another renderer would not need: the time of the effect with them and without.

@@ -68,9 +68,9 @@ pub fn plot(folder: &Path) -> Result<String, String> {
         line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, at + 4.0));
     }
     let (middle_x, middle_y) = ((left + right) / 2.0, (top + bottom) / 2.0);
-    let axis = "time, over that of ssct";
+    let axis = "time / ssct's";
     line(format!(r#"<text x="{middle_x:.1}" y="{:.1}" text-anchor="middle">{axis}</text>"#, bottom + 38.0));
-    let axis = "error against the world, over that of ssct";
+    let axis = "error against the world / ssct's";
     line(format!(
         r#"<text x="16" y="{middle_y:.1}" text-anchor="middle" transform="rotate(270 16 {middle_y:.1})">{axis}</text>"#
     ));

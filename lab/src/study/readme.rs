@@ -1,0 +1,315 @@
+//! The README's numbers beside what a device does: which of them are the same there, which are other, and which this study
+//! does not measure.
+//!
+//! The README's figures are medians over many views. So that like is held against like, the numbers of the views that are
+//! measured here come with them (`readme.csv`, which `make docs` writes from the README's own records).
+
+use super::error::{Against, ErrorRecord, Variant};
+use super::exhibit::Table;
+use super::record::{Head, TimeRecord};
+use crate::error::{Error, Result};
+use crate::methods::setup::{BeyondScreen, Stage};
+use crate::methods::{self, EffectParams, Setup};
+use serde::{Deserialize, Serialize};
+
+/// What `make docs` writes.
+const QUOTED: &str = include_str!("readme.csv");
+
+/// The size at which the README's times were measured.
+pub const TIMED_SIZE: [u32; 2] = [960, 540];
+/// The size at which its errors and hits were.
+pub const JUDGED_SIZE: [u32; 2] = [480, 270];
+/// The views that are measured again: the scene and its view.
+pub const VIEWS: [[&str; 2]; 4] =
+    [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
+
+/// The scenes of them that the README's table of the screen is of, at all its roughness values; the other table is of mirrors.
+pub const SCREEN_SCENES: [&str; 2] = ["rooms", "atrium"];
+
+/// How far a ratio of times may be from the README's and count as the same.
+const TIME_TOLERANCE: f64 = 0.1;
+/// How far a ratio of errors may be: the rays of the references are others on another device's G-buffer.
+const ERROR_TOLERANCE: f64 = 0.05;
+/// How far a share of rays may be.
+const SHARE_TOLERANCE: f64 = 0.002;
+
+/// A number of the README as its record has it on one view.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Quoted {
+    /// Which table or text of the README.
+    pub place: String,
+    /// Its row there.
+    pub row: String,
+    /// Its column there.
+    pub column: String,
+    /// What the README says, over all its views.
+    pub says: String,
+    /// The kind of device that it was measured on.
+    pub measured_on: String,
+    /// What it is.
+    pub figure: Figure,
+    /// The variant that it is of; empty where this study does not measure it.
+    pub of: String,
+    /// The variant that it is divided by; empty for a share.
+    pub over: String,
+    /// The roughness.
+    pub roughness: Option<f32>,
+    /// The scene.
+    pub scene: String,
+    /// The view.
+    pub view: String,
+    /// The number on that view.
+    pub value: Option<f64>,
+}
+
+/// What a number of the README is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Figure {
+    /// A time over another.
+    Time,
+    /// An error over another.
+    Error,
+    /// The share of mirror rays that end where they do in the world.
+    Ends,
+    /// The share of mirror rays that end where the oracle says.
+    Hits,
+    /// What other programs, or half an hour, measure: `of` names the command.
+    Elsewhere,
+}
+
+/// What a device says of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It is as near as [`Figure`] allows.
+    Same,
+    /// Further away.
+    Other,
+    /// Nothing here measures it.
+    NotComparable,
+}
+
+impl Verdict {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Same => "same",
+            Self::Other => "other",
+            Self::NotComparable => "not comparable",
+        }
+    }
+}
+
+/// A number of the README beside that of a device.
+#[derive(Debug, Clone, Serialize)]
+pub struct ReadmeRecord {
+    /// Always `readme`.
+    pub kind: &'static str,
+    /// Where the number stands, and what it says.
+    #[serde(flatten)]
+    pub quoted: Quoted,
+    /// The number by the README's records: the median of the views that were measured here.
+    pub there: Option<f64>,
+    /// The median of the same views here.
+    pub here: Option<f64>,
+    /// The number of these views.
+    pub views: usize,
+    /// What it comes to.
+    pub verdict: Verdict,
+}
+
+/// What was measured here.
+pub struct Measured<'a> {
+    /// Times of [`variants`].
+    pub times: &'a [TimeRecord],
+    /// Errors of them.
+    pub errors: &'a [ErrorRecord],
+}
+
+/// The variants that the README's tables are of, with the names that they have there. On a GPU all are compute shaders, so that
+/// like stands beside like; on a CPU each runs in the stage that it has by default, as it did for the README.
+///
+/// # Errors
+/// [`Error::Usage`] if there is no such method.
+pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
+    let plain = Setup::new(extent);
+    let stage = if is_cpu { plain.effect().stage } else { Stage::Compute };
+    let of = |(method, beyond): (&str, Option<BeyondScreen>)| {
+        let setup = plain.with(|p: &mut EffectParams| (p.stage, p.beyond) = (stage, beyond.unwrap_or(p.beyond)));
+        Ok(Variant { method: methods::find(method)?, setup })
+    };
+    let screen = Some(BeyondScreen::None);
+    [("ssct", None), ("hzct", None), ("unified", screen), ("unified", None), ("traced", None)]
+        .into_iter()
+        .map(of)
+        .collect()
+}
+
+/// What `unified` is called in a table of the screen alone.
+pub const ON_SCREEN: &str = "unified on the screen";
+
+/// The README's name of what a record is of.
+fn name(head: &Head) -> String {
+    let is_alone = head.method == "unified" && head.setting("beyond") == "none";
+    if is_alone { ON_SCREEN.to_owned() } else { head.method.clone() }
+}
+
+impl Measured<'_> {
+    /// A number of the README on its view, as measured here.
+    fn value(&self, quoted: &Quoted) -> Option<f64> {
+        let one = |variant: &str| match quoted.figure {
+            Figure::Time => {
+                let mut own = self.times.iter().filter(|r| is_of(&r.head, quoted, variant));
+                own.next().map(|r| r.total.median_ms)
+            }
+            Figure::Error => {
+                let against = if quoted.of == ON_SCREEN { Against::Screen } else { Against::World };
+                let own = self.error(quoted, variant, against)?;
+                // The reference's own variance is no error of the method's.
+                let noise = own.image.standard_error.unwrap_or_default();
+                own.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
+            }
+            Figure::Ends => self.error(quoted, variant, Against::World)?.place_agreement,
+            Figure::Hits => self.error(quoted, variant, Against::Oracle)?.hits.hit_agreement,
+            Figure::Elsewhere => None,
+        };
+        let value = one(&quoted.of)?;
+        if quoted.over.is_empty() {
+            Some(value)
+        } else {
+            one(&quoted.over).filter(|over| *over > 0.0).map(|o| value / o)
+        }
+    }
+
+    fn error(&self, quoted: &Quoted, variant: &str, against: Against) -> Option<&ErrorRecord> {
+        self.errors.iter().find(|r| r.against == against && is_of(&r.head, quoted, variant))
+    }
+}
+
+fn is_of(head: &Head, quoted: &Quoted, variant: &str) -> bool {
+    let is_there = head.scene == quoted.scene && head.view == quoted.view && name(head) == variant;
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
+    is_there && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| near(a, b))
+}
+
+/// The README's numbers by view.
+///
+/// # Errors
+/// [`Error::Usage`] if the file cannot be read, which a test excludes.
+pub fn quoted() -> Result<Vec<Quoted>> {
+    let read = csv::Reader::from_reader(QUOTED.as_bytes()).into_deserialize().collect::<csv::Result<_>>();
+    read.map_err(|e| Error::Usage(format!("the README's numbers: {e}")))
+}
+
+/// Every number of the README beside what was measured.
+///
+/// # Errors
+/// Errors of [`quoted`].
+pub fn compare(measured: &Measured) -> Result<Vec<ReadmeRecord>> {
+    let mut records: Vec<ReadmeRecord> = Vec::new();
+    let all = quoted()?;
+    let is_one = |a: &Quoted, b: &Quoted| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
+    for views in all.chunk_by(is_one) {
+        let pairs: Vec<_> = views.iter().filter_map(|q| q.value.zip(measured.value(q))).collect();
+        let [there, here] = [pairs.iter().map(|p| p.0).collect(), pairs.iter().map(|p| p.1).collect()].map(median);
+        let verdict = there.zip(here).map_or(Verdict::NotComparable, |pair| verdict(views[0].figure, pair));
+        let quoted = views[0].clone();
+        records.push(ReadmeRecord { kind: "readme", quoted, there, here, views: pairs.len(), verdict });
+    }
+    Ok(records)
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    (n > 0).then(|| f64::midpoint(values[(n - 1) / 2], values[n / 2]))
+}
+
+fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
+    let near = match figure {
+        Figure::Time => (here / there - 1.0).abs() <= TIME_TOLERANCE,
+        Figure::Error => (here / there - 1.0).abs() <= ERROR_TOLERANCE,
+        Figure::Ends | Figure::Hits => (here - there).abs() <= SHARE_TOLERANCE,
+        Figure::Elsewhere => return Verdict::NotComparable,
+    };
+    if near { Verdict::Same } else { Verdict::Other }
+}
+
+/// The table of the page.
+pub fn table(records: &[ReadmeRecord]) -> Table {
+    let about = format!(
+        "Each number of the README, as it stands there over all its views, and then the median of the views that were measured \
+         here: by the README's records, and on this device. Times are of {} x {} pixels, errors and rays of {} x {}. The same is \
+         a ratio of times within {:.0} %, a ratio of errors within {:.0} %, and a share of rays within {:.1} points. Hits and \
+         errors carry over to other devices. Times need not, so that another ratio of times is nobody's fault. What no view here \
+         has, or what another command measures, is not comparable.",
+        TIMED_SIZE[0],
+        TIMED_SIZE[1],
+        JUDGED_SIZE[0],
+        JUDGED_SIZE[1],
+        100.0 * TIME_TOLERANCE,
+        100.0 * ERROR_TOLERANCE,
+        100.0 * SHARE_TOLERANCE,
+    );
+    let head =
+        ["where", "row", "what", "README", "measured on", "views", "README, there", "here", "here / there", "verdict"];
+    let mut cells = vec![head.map(str::to_owned).to_vec()];
+    for r in records {
+        let shown = |value: Option<f64>| match (value, r.quoted.figure) {
+            (None, _) => "-".to_owned(),
+            (Some(share), Figure::Ends | Figure::Hits) => format!("{:.2} %", 100.0 * share),
+            (Some(ratio), _) => format!("{ratio:.2}"),
+        };
+        let is_ratio = !matches!(r.quoted.figure, Figure::Ends | Figure::Hits);
+        let quotient = r.here.zip(r.there).filter(|_| is_ratio).map(|(here, there)| here / there);
+        let verdict = match (r.verdict, r.quoted.figure) {
+            (Verdict::NotComparable, Figure::Elsewhere) => format!("not comparable: {}", r.quoted.of),
+            (Verdict::NotComparable, _) => "not comparable: not measured here".to_owned(),
+            (verdict, _) => verdict.name().to_owned(),
+        };
+        let q = &r.quoted;
+        let mut row = [&q.place, &q.row, &q.column, &q.says, &q.measured_on].map(Clone::clone).to_vec();
+        row.extend([r.views.to_string(), shown(r.there), shown(r.here), shown(quotient), verdict]);
+        cells.push(row);
+    }
+    Table::new("readme", "The README's numbers here", &about, cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_of_a_view_that_is_measured_or_of_another_command() {
+        let all = quoted().unwrap();
+        let names = ["ssct", "hzct", ON_SCREEN, "unified", "traced"];
+        for q in &all {
+            let is_elsewhere = q.figure == Figure::Elsewhere;
+            assert_eq!(is_elsewhere, q.value.is_none(), "{q:?}");
+            assert!(is_elsewhere || names.contains(&q.of.as_str()), "{q:?}");
+            assert!(q.over.is_empty() || names.contains(&q.over.as_str()), "{q:?}");
+            assert!(is_elsewhere || VIEWS.contains(&[q.scene.as_str(), q.view.as_str()]), "{q:?}");
+        }
+        assert!(all.iter().filter(|q| q.figure == Figure::Time).count() > 20);
+        assert!(all.iter().filter(|q| q.figure == Figure::Error).count() > 10);
+    }
+
+    #[test]
+    fn a_number_is_the_same_within_what_its_figure_allows() {
+        let of = |figure, there, here| verdict(figure, (there, here));
+        assert_eq!(of(Figure::Time, 0.40, 0.43), Verdict::Same);
+        assert_eq!(of(Figure::Time, 0.40, 0.45), Verdict::Other);
+        assert_eq!(of(Figure::Error, 0.40, 0.43), Verdict::Other);
+        assert_eq!(of(Figure::Ends, 0.999, 0.9975), Verdict::Same);
+        assert_eq!(of(Figure::Ends, 0.999, 0.99), Verdict::Other);
+    }
+
+    #[test]
+    fn without_measurements_nothing_compares() {
+        let records = compare(&Measured { times: &[], errors: &[] }).unwrap();
+        assert!(records.len() > 20 && records.iter().all(|r| r.verdict == Verdict::NotComparable && r.views == 0));
+        let table = table(&records);
+        assert_eq!(table.cells.len(), records.len() + 1);
+        assert!(table.cells[1].last().unwrap().starts_with("not comparable"));
+    }
+}
