@@ -165,6 +165,11 @@ impl Plan {
         Ok(ErrorStudy::new(vec![(scene, vec![view])], vec![JUDGED_SIZE], globals, variants, (1, rays)))
     }
 
+    /// The number of views for the README's numbers.
+    fn readme_views(&self) -> usize {
+        if self.is_quick() { 1 } else { self.views }
+    }
+
     fn is_quick(&self) -> bool {
         self.views < VIEWS.len()
     }
@@ -224,7 +229,8 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
     let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let quoted = places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
+    let quoted =
+        places[..plan.readme_views()].iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
     let timed = || methods.iter().chain(&first).chain(&tracers).chain(&quoted).chain([&table, &stages]);
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
@@ -269,7 +275,7 @@ fn command(options: &GpuStudyOptions) -> String {
 /// The errors that stand beside those of the README.
 fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
     let mut records = Vec::new();
-    for view in &VIEWS[..plan.views] {
+    for view in &VIEWS[..plan.readme_views()] {
         let mut study = plan.readme_errors(gpu, *view)?;
         let list = engine::list(&study, gpu, String::new(), None);
         let journal = &mut run.journal;
