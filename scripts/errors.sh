@@ -5,7 +5,7 @@
 #
 #   scripts/errors.sh OUT SCENES [FOLDER...]   SCENES contains ssct-rooms/ and sponza/; of the folders, all by default
 #
-# The environment may set SSCT, the program. What is there already is not measured again.
+# The environment may set SSCT, the program. An interrupted run goes on where it was.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
@@ -16,21 +16,20 @@ scenes=${2:?usage: scripts/errors.sh OUT SCENES [FOLDER...]}
 shift 2
 mkdir -p "$out"
 
-# One run in a folder of its own, of which the records stay.
-run() { # folder, options...
-    local folder=$out/$1
+# One run, of which the records stay, and files that are named after --.
+run() { # folder, options... [-- file...]
+    local folder=$1 options=() file
     shift
-    [ ! -e "$folder/error.json" ] || return 0
-    mkdir -p "$folder"
-    "$ssct" error "$@" --json >"$folder/error.json.part"
-    mv "$folder/error.json.part" "$folder/error.json"
+    while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1") && shift; done
+    "$ssct" error "${options[@]}" -o "$out/whole/$folder" --resume >/dev/null
+    mkdir -p "$out/$folder"
+    for file in error.json "${@:2}"; do cp "$out/whole/$folder/$file" "$out/$folder/"; done
 }
 
-# The same of several scenes, as one file.
+# One run for each of several scenes, whose records become one file.
 together() { # folder, "scenes", options...
     local folder=$1 all=$2 scene files=()
     shift 2
-    [ ! -e "$out/$folder/error.json" ] || return 0
     for scene in $all; do
         run "parts/$folder/$scene" --scene "$scene" "$@"
         files+=("$out/parts/$folder/$scene/error.json")
@@ -48,13 +47,9 @@ bars() {
     WHAT=error ERROR_SIZES=480x270 RAYS=32 SSCT=$ssct "$root/scripts/bars.sh" "$out/bars" "$scenes"
 }
 
-# With its chart, which a page shows.
 error_rooms() {
-    [ ! -e "$out/error-rooms/error.json" ] || return 0
-    "$ssct" error --scene rooms --method ssct,hzct,sslr,linear,poster,ssr,ssr-fast,dda,stochastic,unified \
-        --beyond none "${plain[@]}" --samples 3 -o "$out/parts/error-rooms" --resume >/dev/null
-    mkdir -p "$out/error-rooms"
-    cp "$out/parts/error-rooms/error-screen.svg" "$out/parts/error-rooms/error.json" "$out/error-rooms/"
+    run error-rooms --scene rooms --method ssct,hzct,sslr,linear,poster,ssr,ssr-fast,dda,stochastic,unified --beyond none \
+        "${plain[@]}" --samples 3 -- error-screen.svg
 }
 
 methods_quick() { run methods-quick --quick --no-sweep; }
@@ -68,17 +63,17 @@ impostors() {
 }
 
 search() {
-    local of=(--scene rooms --method ssct,linear --roughness 0 "${plain[@]}" --samples 3)
-    run search/published "${of[@]}"
-    run search/tolerance "${of[@]}" --search-tolerance 0.0002
-    run search/first "${of[@]}" --search-first 0.16667
-    run search/both "${of[@]}" --search-tolerance 0.0002 --search-first 0.16667
+    local common=(--scene rooms --method ssct,linear --roughness 0 "${plain[@]}" --samples 3)
+    run search/published "${common[@]}"
+    run search/tolerance "${common[@]}" --search-tolerance 0.0002
+    run search/first "${common[@]}" --search-first 0.16667
+    run search/both "${common[@]}" --search-tolerance 0.0002 --search-first 0.16667
 }
 
 cone_angle() {
-    local of=(--scene rooms --method ssct,hzct --roughness 0.1,0.3,0.6 "${plain[@]}" --samples 3)
-    run cone-angle/lobe "${of[@]}"
-    run cone-angle/interpolated "${of[@]}" --cone-angle interpolated
+    local common=(--scene rooms --method ssct,hzct --roughness 0.1,0.3,0.6 "${plain[@]}" --samples 3)
+    run cone-angle/lobe "${common[@]}"
+    run cone-angle/interpolated "${common[@]}" --cone-angle interpolated
 }
 
 dda() {
@@ -93,24 +88,24 @@ dda() {
 }
 
 stochastic() {
-    local scene history of=(--roughness 0.05,0.1,0.3,0.6 "${small[@]}" --samples 1 --fade off)
+    local scene history common=(--roughness 0.05,0.1,0.3,0.6 "${small[@]}" --samples 1 --fade off)
     for scene in rooms museum street; do
-        run "stochastic/$scene" --scene "$scene" --method stochastic,unified,ssct "${of[@]}"
+        run "stochastic/$scene" --scene "$scene" --method stochastic,unified,ssct "${common[@]}"
     done
     for history in rooms-16-1 museum-16-1 street-16-1 rooms-16-0.5 rooms-16-2 rooms-32-1 rooms-8-1; do
         IFS=- read -r scene frames deviations <<<"$history"
-        run "stochastic/$scene-history-$frames-$deviations" --scene "$scene" --method stochastic,unified "${of[@]}" --no-sweep \
+        run "stochastic/$scene-history-$frames-$deviations" --scene "$scene" --method stochastic,unified "${common[@]}" --no-sweep \
             --history on --history-frames "$frames" --history-deviations "$deviations"
     done
 }
 
 normals() {
-    local kind of=(--scene rooms --method ssct,unified --roughness 0,0.3 "${plain[@]}" --samples 5)
+    local kind common=(--scene rooms --method ssct,unified --roughness 0,0.3 "${plain[@]}" --samples 5)
     for kind in shading geometric up; do
-        run "normals/$kind" "${of[@]}" --trace-normals "$kind"
+        run "normals/$kind" "${common[@]}" --trace-normals "$kind"
     done
     for kind in 0.05 0.2; do
-        run "normals/bump-$kind" "${of[@]}" --trace-normals geometric --bump-after "$kind"
+        run "normals/bump-$kind" "${common[@]}" --trace-normals geometric --bump-after "$kind"
     done
 }
 
@@ -133,10 +128,10 @@ bounces() {
 }
 
 chain_mask() {
-    local mask of=(--method ssct,dda --roughness 0.1,0.3,0.6 "${plain[@]}" --samples 3)
-    together chain-mask/hardware-none 'rooms museum street' "${of[@]}" --chain-filter hardware --chain-mask none
+    local mask common=(--method ssct,dda --roughness 0.1,0.3,0.6 "${plain[@]}" --samples 3)
+    together chain-mask/hardware-none 'rooms museum street' "${common[@]}" --chain-filter hardware --chain-mask none
     for mask in none covered surface; do
-        together "chain-mask/gaussian-$mask" 'rooms museum street' "${of[@]}" --chain-filter gaussian --chain-mask "$mask"
+        together "chain-mask/gaussian-$mask" 'rooms museum street' "${common[@]}" --chain-filter gaussian --chain-mask "$mask"
     done
 }
 

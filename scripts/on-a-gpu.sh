@@ -7,7 +7,7 @@
 #   scripts/on-a-gpu.sh [OUT]
 #
 # The environment may set SSCT (the program, built in release by default), BEFORE (an older program, for the third), SIZES
-# (960x540,1920x1080), SAMPLES (15), VIEWS (all, or the number of views), LIMIT (480, in seconds) and SSCT_DEVICE.
+# (960x540,1920x1080), SAMPLES (15), VIEWS (4, the number of views) and LIMIT (480, in seconds); SSCT_DEVICE chooses a device.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
@@ -21,8 +21,6 @@ samples=${SAMPLES:-15}
 limit=${LIMIT:-480}
 [ -x "$ssct" ] || { echo "on-a-gpu: there is no program $ssct; make build PROFILE=release makes it" >&2 && exit 1; }
 [ -z "$before" ] || [ -x "$before" ] || { echo "on-a-gpu: BEFORE names $before, which is no program" >&2 && exit 1; }
-device=()
-[ -z "${SSCT_DEVICE:-}" ] || device=(--device "$SSCT_DEVICE")
 places=('rooms corridor' 'atrium hall' 'museum exit-sign' 'street car')
 places=("${places[@]:0:${VIEWS:-4}}")
 mkdir -p "$out"
@@ -37,7 +35,7 @@ run() { # name, program, arguments...
         return
     fi
     local from=$SECONDS
-    timeout --signal INT "$left" "$program" "$@" "${device[@]}" >"$out/$name.txt" 2>"$out/$name.log" || status=$?
+    timeout --signal INT "$left" "$program" "$@" >"$out/$name.txt" 2>"$out/$name.log" || status=$?
     case $status in
         0) echo "on-a-gpu: $name, $((SECONDS - from)) s" >&2 ;;
         124 | 130) left_out+=("$name") ;;
@@ -45,14 +43,14 @@ run() { # name, program, arguments...
     esac
 }
 
-# The options of a view, as the name of its run and as arguments.
-of() { read -r scene view <<<"$1" && place=(--scene "$scene" --view "$view"); }
+# Sets scene, view and place, the arguments that choose them.
+choose() { read -r scene view <<<"$1" && place=(--scene "$scene" --view "$view"); }
 
 "$ssct" devices >"$out/devices.txt"
 
 # 1. What a history costs, in either stage.
 for view in "${places[@]}"; do
-    of "$view"
+    choose "$view"
     run "history-$scene" "$ssct" time "${place[@]}" --size "$sizes" --roughness 0.05,0.1,0.3,0.6 --samples "$samples" \
         --variant unified --variant 'unified --history on --history-stage fragment' \
         --variant 'unified --history on --history-stage compute' -o "$out/history-$scene" --resume
@@ -60,7 +58,7 @@ done
 
 # 2. Published methods in either stage, and what follows rays beyond the screen.
 for view in "${places[@]}"; do
-    of "$view"
+    choose "$view"
     variants=()
     for method in ssct hzct sslr linear poster ssr dda stochastic; do
         variants+=(--variant "$method --stage fragment" --variant "$method --stage compute")
@@ -78,7 +76,7 @@ for round in ${before:+1 2 3}; do
         program=$ssct
         [ "$which" = after ] || program=$before
         for view in "${places[@]}"; do
-            of "$view"
+            choose "$view"
             run "$which-$scene-$round" "$program" time "${place[@]}" --size "$largest" --roughness 0,0.1,0.3 --samples "$samples" \
                 --variant 'unified --beyond none' --variant unified --variant traced --variant 'unified --captures 4' \
                 --variant 'unified --history on' -o "$out/$which-$scene-$round" --resume
@@ -90,10 +88,7 @@ done
 run shaders "$ssct" shaders -o "$out/shaders" --resume
 if radv=$("$root/scripts/drivers.sh" --radv 2>/dev/null) && [ -n "$radv" ]; then
     read -r -a variables <<<"${radv#export }"
-    own=("${device[@]}")
-    device=()
-    run shaders-radv env "${variables[@]}" RADV_FORCE_FAMILY=navi31 "$ssct" shaders -o "$out/shaders-radv" --resume
-    device=("${own[@]}")
+    run shaders-radv env -u SSCT_DEVICE "${variables[@]}" RADV_FORCE_FAMILY=navi31 "$ssct" shaders -o "$out/shaders-radv" --resume
 fi
 
 # 5. A film beside the truth's.
@@ -102,7 +97,7 @@ run film "$ssct" video --scene rooms --view corridor --way walk --roughness 0.1 
 
 # 6. Ray queries beside the tree, where the device has them.
 for view in "${places[@]}"; do
-    of "$view"
+    choose "$view"
     run "queries-$scene" "$ssct" time "${place[@]}" --size "$largest" --roughness 0,0.1 --samples "$samples" \
         --variant 'traced --tracer tree' --variant 'traced --tracer query' -o "$out/queries-$scene" --resume
 done

@@ -5,7 +5,7 @@
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
 
-#include "captures/color_seen.glsl"
+#include "captures/sky_along.glsl"
 #include "captures/push.glsl"
 #include "unified/surface.glsl"
 #ifdef CONFIRMED

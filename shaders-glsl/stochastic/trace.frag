@@ -22,7 +22,7 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 
 #include "stochastic/stochastic.glsl"
-#include "captures/color_seen.glsl"
+#include "captures/sky_along.glsl"
 #ifdef EXACT
 #include "unified/surface.glsl"
 #endif

@@ -4,7 +4,7 @@
 #ifndef UNIFIED_SURFACE_GLSL
 #define UNIFIED_SURFACE_GLSL
 
-#include "captures/color_seen.glsl"
+#include "captures/sky_along.glsl"
 #include "unified/traverse.glsl"
 
 // Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.

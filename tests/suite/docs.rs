@@ -345,7 +345,7 @@ fn shown(name: &str, text: &str) -> (String, usize) {
         // Markdown shows a line that begins with a comment as it stands, so a number may not begin one.
         assert_eq!(is_table, before.ends_with('\n'), "{name}: {marker}: a table begins a line, and a number does not");
         let measured = || devices::line(query, &folders, &answer).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
-        let answer = if is_table { format!("\n\n{answer}\n{}\n\n", measured()) } else { answer };
+        let answer = if is_table { format!("\n{answer}\n{}\n", measured()) } else { answer };
         result += &format!("{before}{BEGIN}{marker} -->{answer}{END}");
         (rest, count) = (after, count + 1);
     }

@@ -1,6 +1,7 @@
 //! `ssct render --pixel` and `--dump`: what is said of a pixel agrees with the images, and a dump holds what was recorded.
 
 use crate::common::folder::Folder;
+use crate::common::repository;
 use serde_json::Value;
 use ssct::passes::PathCode;
 
@@ -177,5 +178,17 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
         let (stem, _) = name.rsplit_once('.').unwrap();
         let stem = stem.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('-');
         assert!(page.contains(&format!("`{stem}")), "docs/dump.md does not name {stem}");
+    }
+}
+
+#[test]
+fn the_pixel_that_the_readme_explains_is_wrong() {
+    let readme = std::fs::read_to_string(repository().join("README.md")).unwrap();
+    let of_the_readme = readme.split("--pixel ").nth(1).unwrap().split(' ').next().unwrap();
+    // The other one ends right in a window, where the references show the environment along the ray.
+    for (pixel, why) in [(of_the_readme, "The method's ray hits"), ("480,204", "The ray ends right, and its colour")] {
+        let report = Folder::new().succeed(&["render", "--view", "corridor", "--pixel", pixel]);
+        let flowing = report.replace('\n', " ");
+        assert!(flowing.contains("wrong by the screen") && flowing.contains(why), "{pixel}: {report}");
     }
 }

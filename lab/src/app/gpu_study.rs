@@ -40,7 +40,7 @@ const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 /// Side of the image that is copied, in texels of four bytes: larger than caches.
 const COPIED: u32 = 4096;
 
-/// Rays a pixel of the references, as the README's records have them.
+/// Rays a pixel of the references that the README's errors are held against. An error is without the variance of its reference.
 const RAYS: u32 = 64;
 /// Rays a pixel of the references of a quick study.
 const QUICK_RAYS: u32 = 16;
@@ -143,7 +143,7 @@ impl Plan {
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }
 
-    /// What the README's tables are of, on a view, at the roughness values that they have of its scene.
+    /// The variants of the README's tables on a view, at the roughness values that the tables have of its scene.
     fn readme<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Result<TimeSpec<'a>> {
         let variants = readme::variants(TIMED_SIZE, gpu.info().is_cpu())?;
         let globals = self.readme_roughness(place).iter().map(|r| of_roughness(*r)).collect();
@@ -155,7 +155,7 @@ impl Plan {
         if is_of_the_screen && !self.is_quick() { &sweep::ROUGHNESS } else { &sweep::ROUGHNESS[..1] }
     }
 
-    /// The errors of the same.
+    /// The errors of these variants on a view.
     fn readme_errors(&self, gpu: &Gpu, [scene, view]: [&str; 2]) -> Result<ErrorStudy> {
         let place = place([scene, view])?;
         let globals = self.readme_roughness(&place).iter().map(|r| of_roughness(*r)).collect();
@@ -279,7 +279,7 @@ fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Re
         let mut study = plan.readme_errors(gpu, *view)?;
         let list = engine::list(&study, gpu, String::new(), None);
         let journal = &mut run.journal;
-        let (advance, keep) = (&mut |_| progress::step(bar).unwrap_or_default(), &mut |_: &_| Ok(()));
+        let (advance, keep) = (&mut |steps| bar.inc(steps as u64), &mut |_: &_| Ok(()));
         engine::measure(&mut study, &list, &mut Bench { gpu, journal, go_on, advance, keep })?;
         records.extend(engine::rows::<ErrorRecord>(&list, &run.journal));
     }

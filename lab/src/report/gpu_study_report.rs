@@ -44,7 +44,7 @@ pub struct DeviceTimes {
     pub first: Vec<TimeRecord>,
     /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without them.
     pub tracers: Vec<TimeRecord>,
-    /// What the README's tables are of.
+    /// The variants of the README's tables.
     pub readme: Vec<TimeRecord>,
     /// `unified` at each roughness, in fragment and then in compute shaders.
     pub stages: Vec<TimeRecord>,

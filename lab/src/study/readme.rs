@@ -10,6 +10,7 @@ use super::record::{Head, TimeRecord};
 use crate::error::{Error, Result};
 use crate::methods::setup::{BeyondScreen, Stage};
 use crate::methods::{self, EffectParams, Setup};
+use crate::metrics::bootstrap::median_of;
 use serde::{Deserialize, Serialize};
 
 /// What `make docs` writes.
@@ -23,7 +24,7 @@ pub const JUDGED_SIZE: [u32; 2] = [480, 270];
 pub const VIEWS: [[&str; 2]; 4] =
     [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
 
-/// The scenes of them that the README's table of the screen is of, at all its roughness values; the other table is of mirrors.
+/// Their scenes that the README's table of the screen has, at several roughness values. Its table of the triangles has mirrors alone.
 pub const SCREEN_SCENES: [&str; 2] = ["rooms", "atrium"];
 
 /// How far a ratio of times may be from the README's and count as the same.
@@ -48,10 +49,12 @@ pub struct Quoted {
     pub measured_on: String,
     /// What it is.
     pub figure: Figure,
-    /// The variant that it is of; empty where this study does not measure it.
-    pub of: String,
+    /// The variant that it belongs to; empty where this study does not measure it.
+    pub variant: String,
     /// The variant that it is divided by; empty for a share.
     pub over: String,
+    /// What measures it where this study does not; else empty.
+    pub command: String,
     /// The roughness.
     pub roughness: Option<f32>,
     /// The scene.
@@ -74,7 +77,7 @@ pub enum Figure {
     Ends,
     /// The share of mirror rays that end where the oracle says.
     Hits,
-    /// What other programs, or half an hour, measure: `of` names the command.
+    /// What another command measures.
     Elsewhere,
 }
 
@@ -134,14 +137,14 @@ pub struct Measured<'a> {
 pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
     let plain = Setup::new(extent);
     let stage = if is_cpu { plain.effect().stage } else { Stage::Compute };
-    let of = |(method, beyond): (&str, Option<BeyondScreen>)| {
+    let variant = |(method, beyond): (&str, Option<BeyondScreen>)| {
         let setup = plain.with(|p: &mut EffectParams| (p.stage, p.beyond) = (stage, beyond.unwrap_or(p.beyond)));
         Ok(Variant { method: methods::find(method)?, setup })
     };
     let screen = Some(BeyondScreen::None);
     [("ssct", None), ("hzct", None), ("unified", screen), ("unified", None), ("traced", None)]
         .into_iter()
-        .map(of)
+        .map(variant)
         .collect()
 }
 
@@ -163,7 +166,7 @@ impl Measured<'_> {
                 own.next().map(|r| r.total.median_ms)
             }
             Figure::Error => {
-                let against = if quoted.of == ON_SCREEN { Against::Screen } else { Against::World };
+                let against = if quoted.variant == ON_SCREEN { Against::Screen } else { Against::World };
                 let own = self.error(quoted, variant, against)?;
                 // The reference's own variance is no error of the method's.
                 let noise = own.image.standard_error.unwrap_or_default();
@@ -173,7 +176,7 @@ impl Measured<'_> {
             Figure::Hits => self.error(quoted, variant, Against::Oracle)?.hits.hit_agreement,
             Figure::Elsewhere => None,
         };
-        let value = one(&quoted.of)?;
+        let value = one(&quoted.variant)?;
         if quoted.over.is_empty() {
             Some(value)
         } else {
@@ -211,18 +214,13 @@ pub fn compare(measured: &Measured) -> Result<Vec<ReadmeRecord>> {
     let is_one = |a: &Quoted, b: &Quoted| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
     for views in all.chunk_by(is_one) {
         let pairs: Vec<_> = views.iter().filter_map(|q| q.value.zip(measured.value(q))).collect();
-        let [there, here] = [pairs.iter().map(|p| p.0).collect(), pairs.iter().map(|p| p.1).collect()].map(median);
-        let verdict = there.zip(here).map_or(Verdict::NotComparable, |pair| verdict(views[0].figure, pair));
-        let quoted = views[0].clone();
+        let medians = || (median_of(pairs.iter().map(|p| p.0)), median_of(pairs.iter().map(|p| p.1)));
+        let both = (!pairs.is_empty()).then(medians);
+        let verdict = both.map_or(Verdict::NotComparable, |both| verdict(views[0].figure, both));
+        let (quoted, there, here) = (views[0].clone(), both.map(|b| b.0), both.map(|b| b.1));
         records.push(ReadmeRecord { kind: "readme", quoted, there, here, views: pairs.len(), verdict });
     }
     Ok(records)
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    (n > 0).then(|| f64::midpoint(values[(n - 1) / 2], values[n / 2]))
 }
 
 fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
@@ -238,11 +236,11 @@ fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
 /// The table of the page.
 pub fn table(records: &[ReadmeRecord]) -> Table {
     let about = format!(
-        "Each number of the README, as it stands there over all its views, and then the median of the views that were measured \
-         here: by the README's records, and on this device. Times are of {} x {} pixels, errors and rays of {} x {}. The same is \
-         a ratio of times within {:.0} %, a ratio of errors within {:.0} %, and a share of rays within {:.1} points. Hits and \
-         errors carry over to other devices. Times need not, so that another ratio of times is nobody's fault. What no view here \
-         has, or what another command measures, is not comparable.",
+        "A row has a number as the README says it, over all the README's views. Beside it stand two medians over the views that were \
+         measured here: one by the README's records, and one of this device. Times are of {} x {} pixels, errors and rays of {} x \
+         {}. Quotients of times are the same within {:.0} %, quotients of errors within {:.0} %, and shares of rays within {:.1} \
+         points. Hits and errors carry over to other devices. Times and their quotients need not: what a stage costs beside \
+         another depends on the device. A number is not comparable where no view here has it, or where another command measures it.",
         TIMED_SIZE[0],
         TIMED_SIZE[1],
         JUDGED_SIZE[0],
@@ -263,7 +261,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         let is_ratio = !matches!(r.quoted.figure, Figure::Ends | Figure::Hits);
         let quotient = r.here.zip(r.there).filter(|_| is_ratio).map(|(here, there)| here / there);
         let verdict = match (r.verdict, r.quoted.figure) {
-            (Verdict::NotComparable, Figure::Elsewhere) => format!("not comparable: {}", r.quoted.of),
+            (Verdict::NotComparable, Figure::Elsewhere) => format!("not comparable: {}", r.quoted.command),
             (Verdict::NotComparable, _) => "not comparable: not measured here".to_owned(),
             (verdict, _) => verdict.name().to_owned(),
         };
@@ -285,8 +283,8 @@ mod tests {
         let names = ["ssct", "hzct", ON_SCREEN, "unified", "traced"];
         for q in &all {
             let is_elsewhere = q.figure == Figure::Elsewhere;
-            assert_eq!(is_elsewhere, q.value.is_none(), "{q:?}");
-            assert!(is_elsewhere || names.contains(&q.of.as_str()), "{q:?}");
+            assert_eq!([q.value.is_none(), !q.command.is_empty(), q.variant.is_empty()], [is_elsewhere; 3], "{q:?}");
+            assert!(is_elsewhere || names.contains(&q.variant.as_str()), "{q:?}");
             assert!(q.over.is_empty() || names.contains(&q.over.as_str()), "{q:?}");
             assert!(is_elsewhere || VIEWS.contains(&[q.scene.as_str(), q.view.as_str()]), "{q:?}");
         }
@@ -296,12 +294,11 @@ mod tests {
 
     #[test]
     fn a_number_is_the_same_within_what_its_figure_allows() {
-        let of = |figure, there, here| verdict(figure, (there, here));
-        assert_eq!(of(Figure::Time, 0.40, 0.43), Verdict::Same);
-        assert_eq!(of(Figure::Time, 0.40, 0.45), Verdict::Other);
-        assert_eq!(of(Figure::Error, 0.40, 0.43), Verdict::Other);
-        assert_eq!(of(Figure::Ends, 0.999, 0.9975), Verdict::Same);
-        assert_eq!(of(Figure::Ends, 0.999, 0.99), Verdict::Other);
+        assert_eq!(verdict(Figure::Time, (0.40, 0.43)), Verdict::Same);
+        assert_eq!(verdict(Figure::Time, (0.40, 0.45)), Verdict::Other);
+        assert_eq!(verdict(Figure::Error, (0.40, 0.43)), Verdict::Other);
+        assert_eq!(verdict(Figure::Ends, (0.999, 0.9975)), Verdict::Same);
+        assert_eq!(verdict(Figure::Ends, (0.999, 0.99)), Verdict::Other);
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub fn line(query: &str, folders: &[impl AsRef<Path>], table: &str) -> Result<St
     let (times, others): (Vec<&str>, Vec<&str>) = figures.copied().partition(|cell| is_time(cell));
     let is_timed = ALL_TIMES.contains(&query.split(' ').next().unwrap_or_default());
     if query == "registers" {
-        return Ok(format!("*Read from {}: what a device with it takes, nobody measured.*", kinds.join(", ")));
+        return Ok(format!("*Read from {}. Nobody measured what these programs take on one.*", kinds.join(", ")));
     }
     let what = match (times.is_empty() && !is_timed, others.is_empty() || is_timed) {
         (false, true) => "Times and their quotients hold for that kind of device alone.",

@@ -38,12 +38,12 @@ pub fn csv(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<String> 
 }
 
 /// What a number is called: `unified: time / ssct's`.
-fn column(figure: Figure, of: &str, over: &str) -> String {
+fn column(figure: Figure, variant: &str, over: &str) -> String {
     match figure {
-        Figure::Time => format!("{of}: time / {over}'s"),
-        Figure::Error => format!("{of}: error / {over}'s"),
-        Figure::Hits => format!("{of}: rays that end where the oracle says"),
-        Figure::Ends | Figure::Elsewhere => format!("{of}: rays that end right"),
+        Figure::Time => format!("{variant}: time / {over}'s"),
+        Figure::Error => format!("{variant}: error / {over}'s"),
+        Figure::Hits => format!("{variant}: rays that end where the oracle says"),
+        Figure::Ends | Figure::Elsewhere => format!("{variant}: rays that end right"),
     }
 }
 
@@ -54,18 +54,19 @@ fn triangles(folder: &Path) -> Result<Vec<Quoted>> {
     for line in table.lines().skip(2) {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let scene = cells[1];
-        let view = VIEWS.iter().find(|[of, _]| *of == scene).map(|[_, view]| *view);
+        let view = VIEWS.iter().find(|[name, _]| *name == scene).map(|[_, view]| *view);
         let values = view.map(|view| triangles_of_view(folder, scene, view)).transpose()?;
-        for (n, (figure, of, over)) in TRIANGLES.into_iter().enumerate().filter(|(n, _)| cells[n + 2] != "–") {
+        for (n, (figure, variant, over)) in TRIANGLES.into_iter().enumerate().filter(|(n, _)| cells[n + 2] != "–") {
             all.push(Quoted {
                 place: "among the triangles, mirrors".to_owned(),
                 row: scene.trim_matches('*').to_owned(),
-                column: column(figure, of, over),
+                column: column(figure, variant, over),
                 says: cells[n + 2].to_owned(),
                 measured_on: devices::kind(folder)?.to_owned(),
                 figure: if values.is_some() { figure } else { Figure::Elsewhere },
-                of: if values.is_some() { of } else { "ssct error and ssct time of its views" }.to_owned(),
+                variant: if values.is_some() { variant } else { "" }.to_owned(),
                 over: if values.is_some() { over } else { "" }.to_owned(),
+                command: if values.is_some() { "" } else { "ssct error and ssct time of its views" }.to_owned(),
                 roughness: Some(0.0),
                 scene: view.map_or("", |_| scene).to_owned(),
                 view: view.unwrap_or_default().to_owned(),
@@ -75,9 +76,6 @@ fn triangles(folder: &Path) -> Result<Vec<Quoted>> {
     }
     Ok(all)
 }
-
-/// What the table of the screen is of.
-const OF: &str = ON_SCREEN;
 
 /// The table of the screen, at each roughness and on each view that its records and [`VIEWS`] share.
 fn screen(timed: &Path, judged: &Path) -> Result<Vec<Quoted>> {
@@ -99,12 +97,13 @@ fn screen(timed: &Path, judged: &Path) -> Result<Vec<Quoted>> {
                 all.push(Quoted {
                     place: "against the screen".to_owned(),
                     row: format!("roughness {}", shortest(roughness)),
-                    column: column(figure, OF, over),
+                    column: column(figure, ON_SCREEN, over),
                     says: median_and_greatest(&over_all)?,
                     measured_on: devices::kind(if figure == Figure::Time { timed } else { judged })?.to_owned(),
                     figure,
-                    of: OF.to_owned(),
+                    variant: ON_SCREEN.to_owned(),
                     over: over.to_owned(),
+                    command: String::new(),
                     roughness: Some(roughness.parse().map_err(|_| format!("{roughness} is no number"))?),
                     scene: (*scene).to_owned(),
                     view: (*view).to_owned(),
@@ -123,12 +122,13 @@ fn hits(folder: &Path) -> Result<Vec<Quoted>> {
         all.push(Quoted {
             place: "against the screen".to_owned(),
             row: "at least".to_owned(),
-            column: column(Figure::Hits, OF, ""),
+            column: column(Figure::Hits, ON_SCREEN, ""),
             says: records::show("least-agreement", &[folder.to_owned()])?,
             measured_on: devices::kind(folder)?.to_owned(),
             figure: Figure::Hits,
-            of: OF.to_owned(),
+            variant: ON_SCREEN.to_owned(),
             over: String::new(),
+            command: String::new(),
             roughness: Some(0.0),
             scene: (*scene).to_owned(),
             view: (*view).to_owned(),
@@ -143,10 +143,10 @@ fn elsewhere(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<Vec<Qu
     let mut all = Vec::new();
     for after in readme.split("<!-- show: ").skip(1) {
         let (marker, after) = after.split_once(" -->").ok_or("a marker without an end")?;
-        let (query, of) = marker.split_once(" of ").ok_or_else(|| format!("{marker}: of which records?"))?;
+        let (query, records) = marker.split_once(" of ").ok_or_else(|| format!("{marker}: of which records?"))?;
         let first = query.split(' ').next().unwrap_or_default();
         let Some((_, place, command)) = ELSEWHERE.iter().find(|(word, ..)| *word == first) else { continue };
-        let folder = folders.get(of).ok_or_else(|| format!("the README has no link [{of}]"))?;
+        let folder = folders.get(records).ok_or_else(|| format!("the README has no link [{records}]"))?;
         all.push(Quoted {
             place: (*place).to_owned(),
             row: String::new(),
@@ -154,8 +154,9 @@ fn elsewhere(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<Vec<Qu
             says: after.split("<!--").next().unwrap_or_default().trim().to_owned(),
             measured_on: devices::kind(folder)?.to_owned(),
             figure: Figure::Elsewhere,
-            of: (*command).to_owned(),
+            variant: String::new(),
             over: String::new(),
+            command: (*command).to_owned(),
             roughness: None,
             scene: String::new(),
             view: String::new(),

@@ -1,7 +1,7 @@
 //! Nothing is judged where it cannot be seen: no verdict and no row of a table is of a method whose reflection is black
 //! everywhere in the records that are quoted for it. And no record against an older reference is quoted.
 
-use super::figures::{Made, of_todays_references};
+use super::figures::{Made, TO_MEASURE_AGAIN, is_of_an_older_screen, of_todays_references};
 use super::{definitions, outside_code, pages, records, root};
 use serde_json::{Map, Value};
 use ssct::methods::{METHODS, MethodInfo};
@@ -164,6 +164,22 @@ fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
     targets.into_iter().filter(is_run).collect()
 }
 
+/// What the rows of a file are held against, and by which definitions.
+fn judged<'a>(file: &'a Path, rows: &'a [Map<String, Value>]) -> impl Iterator<Item = (&'a str, Made<'a>)> {
+    rows.iter().filter_map(|row| {
+        let made = row.get("definitions").and_then(Value::as_u64).map_or(Made::OnDayOf(file), Made::By);
+        Some((row.get("against")?.as_str()?, made))
+    })
+}
+
+#[test]
+fn what_is_to_be_measured_again_is_of_an_older_screen() {
+    for folder in TO_MEASURE_AGAIN {
+        let is_older = |file: &PathBuf| judged(file, &rows(file)).any(is_of_an_older_screen);
+        assert!(files(&root().join("benches/runs").join(folder)).iter().any(is_older), "{folder} needs no excuse");
+    }
+}
+
 #[test]
 fn no_record_against_an_older_reference_is_quoted() {
     let (mut older, mut read) = (Vec::new(), 0);
@@ -174,11 +190,7 @@ fn no_record_against_an_older_reference_is_quoted() {
             for file in files(&folder) {
                 read += 1;
                 let rows = rows(&file);
-                let judged = rows.iter().filter_map(|row| {
-                    let made = row.get("definitions").and_then(Value::as_u64).map_or(Made::OnDayOf(&file), Made::By);
-                    Some((row.get("against")?.as_str()?, made))
-                });
-                older.extend(of_todays_references(&file, judged).err().map(|e| format!("{name}: {e}")));
+                older.extend(of_todays_references(&file, judged(&file, &rows)).err().map(|e| format!("{name}: {e}")));
             }
         }
     }

@@ -21,6 +21,7 @@ pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes
         all.extend(method(own, oracle, report.world_end.as_ref()));
     }
     all.extend(fade(report));
+    all.extend(if is_rough { None } else { color(report) });
     if is_rough {
         let own = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
         all.push(format!(
@@ -50,10 +51,10 @@ fn verdict(report: &PixelReport) -> String {
     match report.verdict {
         PixelVerdict::Right => format!("The reflection is right: {by}."),
         PixelVerdict::WrongByScreen => {
-            format!("The reflection is wrong, though the screen has what belongs there: {by}.")
+            format!("The reflection is wrong, though the screen has its colour: {by}.")
         }
         PixelVerdict::WrongByWorld => {
-            format!("The reflection is wrong, and the screen does not have what belongs there: {by}.")
+            format!("The reflection is wrong, and the screen does not have its colour: {by}.")
         }
         PixelVerdict::NotReflecting => "The pixel does not reflect.".to_owned(),
     }
@@ -113,7 +114,13 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
                 (a, b) => a.is_none() && b.is_none(),
             };
             let ends = if place.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
-            let rest = if as_world { "" } else { "; in the world it ends elsewhere" };
+            let rest = match place.zip(visible) {
+                _ if as_world => "",
+                Some(_) => {
+                    "; the place where it ends in the world is on the screen, too, but the ray meets something before it"
+                }
+                None => "; in the world it ends elsewhere",
+            };
             format!("On the screen the method's ray {ends}{rest}.")
         }
         HitVerdict::False => {
@@ -131,13 +138,27 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
     })
 }
 
+/// Why the colour of a mirror's pixel is wrong though its ray ends right and nothing of it fades.
+fn color(report: &PixelReport) -> Option<String> {
+    let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
+    let place = own.pixel.map(|p| p.map(f64::from));
+    let ends_right = HitVerdict::of(place, oracle.pixel) == HitVerdict::Agrees
+        && place.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
+    let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
+    (is_wrong && ends_right && fade(report).is_none()).then(|| {
+        "The ray ends right, and its colour differs: the references are means over the area of the pixel, and in a window they \
+         show the environment along the ray."
+            .to_owned()
+    })
+}
+
 /// What the fade leaves.
 fn fade(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
     // A fade is stored as a float of 16 bits, so that one of 1 may be a little less.
     let is_partial = is_hit && (0.0..0.995).contains(&fade);
-    is_partial.then(|| format!("The fade leaves {:.0} % of the reflection.", 100.0 * fade))
+    is_partial.then(|| format!("The fade at the picture's border leaves {:.0} % of the reflection.", 100.0 * fade))
 }
 
 /// How a ray ends that hits nothing on the screen.

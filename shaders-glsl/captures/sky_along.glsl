@@ -1,7 +1,7 @@
 // The sky that a ray sees, and where the lit colour of the screen shows it.
 
-#ifndef CAPTURES_COLOR_SEEN_GLSL
-#define CAPTURES_COLOR_SEEN_GLSL
+#ifndef CAPTURES_SKY_ALONG_GLSL
+#define CAPTURES_SKY_ALONG_GLSL
 
 #include "captures/captures.glsl"
 
