@@ -240,7 +240,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
          measured here: one by the README's records, and one of this device. Times are of {} x {} pixels, errors and rays of {} x \
          {}. Quotients of times are the same within {:.0} %, quotients of errors within {:.0} %, and shares of rays within {:.1} \
          points. Hits and errors carry over to other devices. Times and their quotients need not: what a stage costs beside \
-         another depends on the device. A number is not comparable where no view here has it, or where another command measures it.",
+         another depends on the device. A number is not comparable where no view here has it, or where another command measures it, which the last column names.",
         TIMED_SIZE[0],
         TIMED_SIZE[1],
         JUDGED_SIZE[0],
@@ -249,25 +249,35 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         100.0 * ERROR_TOLERANCE,
         100.0 * SHARE_TOLERANCE,
     );
-    let head =
-        ["where", "row", "what", "README", "measured on", "views", "README, there", "here", "here / there", "verdict"];
+    let head = [
+        "verdict",
+        "where",
+        "row",
+        "what",
+        "README",
+        "README, these views",
+        "here",
+        "here / README",
+        "views",
+        "README measured on",
+        "measured by",
+    ];
     let mut cells = vec![head.map(str::to_owned).to_vec()];
-    for r in records {
-        let shown = |value: Option<f64>| match (value, r.quoted.figure) {
-            (None, _) => "-".to_owned(),
-            (Some(share), Figure::Ends | Figure::Hits) => format!("{:.2} %", 100.0 * share),
-            (Some(ratio), _) => format!("{ratio:.2}"),
+    // What compares stands first.
+    let (others, compared): (Vec<_>, Vec<_>) = records.iter().partition(|r| r.verdict == Verdict::NotComparable);
+    for r in compared.into_iter().chain(others) {
+        let is_share = matches!(r.quoted.figure, Figure::Ends | Figure::Hits);
+        let shown = |value: Option<f64>| match value {
+            None => "-".to_owned(),
+            Some(share) if is_share => format!("{:.2} %", 100.0 * share),
+            Some(ratio) => format!("{ratio:.2}"),
         };
-        let is_ratio = !matches!(r.quoted.figure, Figure::Ends | Figure::Hits);
-        let quotient = r.here.zip(r.there).filter(|_| is_ratio).map(|(here, there)| here / there);
-        let verdict = match (r.verdict, r.quoted.figure) {
-            (Verdict::NotComparable, Figure::Elsewhere) => format!("not comparable: {}", r.quoted.command),
-            (Verdict::NotComparable, _) => "not comparable: not measured here".to_owned(),
-            (verdict, _) => verdict.name().to_owned(),
-        };
+        let quotient = r.here.zip(r.there).filter(|_| !is_share).map(|(here, there)| here / there);
         let q = &r.quoted;
-        let mut row = [&q.place, &q.row, &q.column, &q.says, &q.measured_on].map(Clone::clone).to_vec();
-        row.extend([r.views.to_string(), shown(r.there), shown(r.here), shown(quotient), verdict]);
+        let mut row = vec![r.verdict.name().to_owned()];
+        row.extend([&q.place, &q.row, &q.column, &q.says].map(Clone::clone));
+        row.extend([shown(r.there), shown(r.here), shown(quotient), r.views.to_string(), q.measured_on.clone()]);
+        row.push(if q.command.is_empty() { "this study".to_owned() } else { q.command.clone() });
         cells.push(row);
     }
     Table::new("readme", "The README's numbers here", &about, cells)
@@ -307,6 +317,6 @@ mod tests {
         assert!(records.len() > 20 && records.iter().all(|r| r.verdict == Verdict::NotComparable && r.views == 0));
         let table = table(&records);
         assert_eq!(table.cells.len(), records.len() + 1);
-        assert!(table.cells[1].last().unwrap().starts_with("not comparable"));
+        assert_eq!(table.cells[1][0], "not comparable");
     }
 }
