@@ -168,7 +168,12 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     let folder = Folder::new();
     let study = |more: &[&str]| {
         let told = ["gpu-study", "--quick", "--device", LAVAPIPE, "-o", "study"];
-        assert!(folder.succeed(&[&told, more].concat()).contains("index.html"));
+        let output = folder.run(&[&told, more].concat());
+        let [pages, said] = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
+        // The README's numbers come first, and what begins is said where there is no terminal for a bar.
+        assert_eq!(pages.lines().collect::<Vec<_>>(), ["study/readme.html", "study/index.html"], "{said}");
+        assert!(said.starts_with("ssct: gpu-study, part 1 of 7: the README's numbers\n"), "{said}");
+        assert!(said.lines().count() == 7 && said.contains("part 7 of 7"), "{said}");
         let all: Vec<Value> = serde_json::from_str(&folder.text("study/gpu-study.json")).unwrap();
         all
     };

@@ -129,6 +129,32 @@ fn rows_of_table_5_8_carry_the_drift_between_them() {
 }
 
 #[test]
+fn quotients_of_table_5_8_are_medians_over_turns_with_their_interval() {
+    let timed = |method: &str, turns: &[f64]| {
+        let record = time_record(method, 0.1, 1.0);
+        TimeRecord { samples: turns.iter().map(|ms| vec![ms / 7.0; 7]).collect(), ..record }
+    };
+    let shown = |turns: [&[f64]; 2]| {
+        let cells = cells(&compare(&[timed("ssct", turns[0]), timed("hzct", turns[1])]));
+        let column = cells[0].iter().position(|cell| cell == "HZCT/SSCT here").unwrap();
+        cells[1][column].clone()
+    };
+    // The machine became slower by half; each turn says a half all the same.
+    assert_eq!(shown([&[10.0, 10.0, 15.0, 15.0, 15.0], &[5.0, 5.0, 7.5, 7.5, 7.5]]), "0.50 [0.50, 0.50]");
+    assert_eq!(shown([&[10.0, 10.0, 10.0], &[9.0, 8.0, 7.0]]), "0.80", "too few turns for an interval");
+}
+
+#[test]
+fn the_median_of_a_group_is_that_of_its_sums() {
+    let mut record = time_record("ssct", 0.1, 7.0);
+    // Two levels of the Hi-Z, the second and third pass: one is slow where the other is fast.
+    record.samples = [[1.0, 9.0], [9.0, 1.0], [2.0, 2.0]].map(|[a, b]| vec![1.0, a, b, 1.0, 1.0, 1.0, 1.0]).to_vec();
+    let stages = record.stages();
+    assert_eq!(stages[1], ("hi-z".to_owned(), 10.0), "not 2 + 2: {stages:?}");
+    assert_eq!(record.totals(), [15.0, 15.0, 9.0]);
+}
+
+#[test]
 fn what_is_prepared_is_plotted_where_it_differs() {
     let prepared =
         |bytes| Prepared { time_ms: 1.0, device_bytes: bytes, captures: vec![[0.0; 3]], ..Prepared::default() };

@@ -95,8 +95,9 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     assert!(sentence.contains("64,3") && sentence.contains("64x48") && sentence.contains("63,47"), "{sentence}");
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
     let up = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,9,1", "--size", "64x48"];
-    let output = folder.succeed(&[&["render", "--pixel", "32,0", "--json"], &up[..]].concat());
-    let sky = serde_json::from_str::<Value>(&output).unwrap()[0]["pixel"].clone();
+    // A view of the sky alone gets a warning as well.
+    let output = folder.run(&[&["render", "--pixel", "32,0", "--json"], &up[..]].concat());
+    let sky = serde_json::from_slice::<Value>(&output.stdout).unwrap()[0]["pixel"].clone();
     assert_eq!(sky["why"][0], "The pixel does not reflect: it shows the sky.", "{sky}");
     assert!(sky["oracle_end"].is_null() && sky["world_end"].is_null() && sky["walk"].is_null(), "{sky}");
     let dull = said(&folder, "32,44", &["--reflectivity", "0"]);
@@ -191,4 +192,31 @@ fn the_pixel_that_the_readme_explains_is_wrong() {
         let flowing = report.replace('\n', " ");
         assert!(flowing.contains("wrong by the screen") && flowing.contains(why), "{pixel}: {report}");
     }
+}
+
+#[test]
+fn a_fade_that_is_the_only_cause_is_named_first() {
+    let why = |more: &[&str]| {
+        let pixel =
+            ["render", "--view", "corridor", "--size", "320x180", "--roughness", "0", "--pixel", "20,150", "--json"];
+        let report: Value = serde_json::from_str(&Folder::new().succeed(&[&pixel[..], more].concat())).unwrap();
+        report[0]["pixel"]["why"].clone()
+    };
+    let faded = why(&[]);
+    assert!(faded[0].as_str().unwrap().contains("wrong by the fade at the picture's border alone"), "{faded}");
+    assert_eq!(faded.to_string().matches("fade").count(), 1, "{faded}");
+    let whole = why(&["--fade", "off"]);
+    assert!(whole[0].as_str().unwrap().starts_with("The reflection is right"), "{whole}");
+}
+
+#[test]
+fn a_view_that_options_place_before_a_wall_gets_a_warning() {
+    let folder = folder();
+    let place = ["render", "--scene", "room.obj", "--eye", "0,3,5.5", "--size", "64x48", "-o", "a.png", "--look-at"];
+    let warned = |look_at: &str| {
+        let output = folder.run(&[&place[..], &[look_at]].concat());
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).contains("warning: --eye and --look-at: the view sees nothing but one")
+    };
+    assert_eq!([warned("0,3,6"), warned("0,0,6")], [true, false]);
 }

@@ -19,7 +19,7 @@ use crate::stage::{Globals, Stage};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
 use crate::study::engine::{self, Bench};
 use crate::study::error::{ErrorRecord, ErrorStudy, Variant};
-use crate::study::readme::{self, JUDGED_SIZE, Measured, TIMED_SIZE, VIEWS};
+use crate::study::readme::{self, JUDGED_SIZE, Measured, ReadmeRecord, TIMED_SIZE, VIEWS};
 use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{bandwidth, other_devices, shaders, steps, sweep};
@@ -231,38 +231,65 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let stages = plan.stages(&gpu, &places[0]);
     let quoted =
         places[..plan.readme_views()].iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
-    let timed = || methods.iter().chain(&first).chain(&tracers).chain(&quoted).chain([&table, &stages]);
+    let (table, stages) = ([table], [stages]);
+    let others: [(&str, &[TimeSpec]); 5] = [
+        ("table 5.8", &table),
+        ("every method in either stage", &methods),
+        ("the screen or the triangles first", &first),
+        ("tree and ray queries", &tracers),
+        ("passes in either stage", &stages),
+    ];
+    let timed = || quoted.iter().chain(others.iter().flat_map(|(_, specs)| *specs));
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
-    let mut measure = || -> Result<(Vec<ErrorRecord>, Findings)> {
-        for spec in timed() {
-            timing::measure(spec, &mut run.journal, &mut || progress::step(&bar))?;
-        }
+    let mut measure = || -> Result<(Vec<ReadmeRecord>, Findings)> {
+        progress::part(&bar, &begins(1, "the README's numbers"));
+        time(&quoted, &mut run, &bar)?;
         let errors = readme_errors(&gpu, &plan, &mut run, &bar)?;
-        Ok((errors, findings(&gpu, options, &plan, &places, &bar)?))
+        let times: Vec<_> = quoted.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
+        let readme = readme::compare(&Measured { times: &times, errors: &errors })?;
+        report::write_readme(&to, gpu.info(), &command(options), &readme)?;
+        let page = folder.join(report::README).display().to_string();
+        writeln!(printed::out(), "{page}").map_err(|e| Error::io("name on standard output", &page, e))?;
+        for (n, (what, specs)) in others.into_iter().enumerate() {
+            progress::part(&bar, &begins(n + 2, what));
+            time(specs, &mut run, &bar)?;
+        }
+        progress::part(&bar, &begins(PARTS, "steps, images, programs and the validation layers"));
+        Ok((readme, findings(&gpu, options, &plan, &places, &bar)?))
     };
     let outcome = measure();
     bar.finish_and_clear();
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
     let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
-    let [methods, first, tracers, readme] = [&methods, &first, &tracers, &quoted].map(|specs| all_of(specs));
-    let times = DeviceTimes { table: records(&table), methods, first, tracers, readme, stages: records(&stages) };
+    let [table, methods, first, tracers, stages] = others.map(|(_, specs)| all_of(specs));
+    let times = DeviceTimes { table, methods, first, tracers, readme: all_of(&quoted), stages };
     // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = to
         .join("time.json")
         .write(files::json(&all).as_bytes())
         .and_then(|()| to.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
-    let (errors, findings) = run.ended(outcome)?;
+    let (readme, findings) = run.ended(outcome)?;
     wrote?;
-    let readme = readme::compare(&Measured { times: &times.readme, errors: &errors })?;
     report::write(&to, gpu.info(), &command(options), (&times, &readme), &findings)?;
-    for page in report::PAGES {
-        writeln!(printed::out(), "{}", folder.join(page).display())?;
-    }
+    writeln!(printed::out(), "{}", folder.join(report::PAGE).display())?;
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
+}
+
+/// Parts that the command says the beginning of.
+const PARTS: usize = 7;
+
+fn begins(part: usize, what: &str) -> String {
+    format!("gpu-study, part {part} of {PARTS}: {what}")
+}
+
+/// Times what the journal lacks.
+fn time(specs: &[TimeSpec], run: &mut Run, bar: &ProgressBar) -> Result<()> {
+    let mut timed = specs.iter();
+    timed.try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(bar)))
 }
 
 /// The command as the page shows it.

@@ -1,4 +1,4 @@
-//! Progress on standard error, and only on a terminal.
+//! Progress on standard error: a bar on a terminal.
 
 use super::run::go_on;
 use crate::error::Result;
@@ -12,6 +12,14 @@ pub fn bar(what: &str, length: usize) -> ProgressBar {
     }
     bar.set_message(what.to_owned());
     bar
+}
+
+/// Says which part of a long command begins: on the bar, and as a line where standard error is no terminal.
+pub fn part(bar: &ProgressBar, what: &str) {
+    if bar.is_hidden() {
+        eprintln!("ssct: {what}");
+    }
+    bar.set_message(what.to_owned());
 }
 
 /// One step further, unless a signal asked to stop.

@@ -113,7 +113,17 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
         (Some(name), ..) => scene.view(name)?.clone(),
         _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
     };
-    with_lens(scene, view, options)
+    let view = with_lens(scene, view, options)?;
+    if options.eye.is_some() {
+        warn_of_nothing(scene, &view);
+    }
+    Ok(view)
+}
+
+/// Says what is wrong with a view that flags place, as a scene file's views are warned of.
+fn warn_of_nothing(scene: &Scene, view: &View) {
+    let found = scene_file::seen::wrong(scene, std::slice::from_ref(view)).into_iter().flatten();
+    found.for_each(|what| eprintln!("ssct: warning: --eye and --look-at: the view {what}"));
 }
 
 /// A view with the lens that the flags ask for.

@@ -47,7 +47,10 @@ fn try_family() -> Result<()> {
         Ok(tried) if tried.status.code().is_none() => {
             let said = String::from_utf8_lossy(&tried.stderr);
             let (said, family) = (said.trim(), family.to_string_lossy());
-            Err(Error::NoDevice(format!("the driver gave up on {FAMILY}={family}, and said: {said}")))
+            Err(Error::NoDevice(format!(
+                "the driver gave up on {FAMILY}={family}, and said: {said}; a younger Mesa may know the family \
+                 (scripts/drivers.sh --radv, docs/devices.md)"
+            )))
         }
         _ => Ok(()),
     }

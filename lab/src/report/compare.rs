@@ -57,6 +57,7 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
+    text.extend(compare::own_note(records).map(|note| format!("\n{note}\n")));
     text += &only_in_one(records, all);
     let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
     let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", totals(*v), v.name())).collect();
@@ -91,7 +92,7 @@ fn how(first: &TimeComparison) -> String {
     let bound = percent(how.threshold);
     format!(
         "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
-         where one was measured.\nUNDECIDED: neither; behind it stands about how many samples would decide.\n\n"
+         where one was measured.\nUNDECIDED: neither; measured again with about as many samples as stand behind it, it would be decided.\n\n"
     )
 }
 

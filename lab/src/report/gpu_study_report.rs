@@ -73,10 +73,22 @@ pub struct Findings {
     pub programs: CompiledPrograms,
 }
 
-/// The pages: the study, and the README's numbers beside it.
-pub const PAGES: [&str; 2] = ["index.html", "readme.html"];
+/// The page of the study.
+pub const PAGE: &str = "index.html";
+/// The page of the README's numbers.
+pub const README: &str = "readme.html";
 
-/// Writes `gpu-study.json` and the [`PAGES`].
+/// Writes the page of the README's numbers.
+///
+/// # Errors
+/// Errors of writing a file.
+pub fn write_readme(folder: &Inside, device: &DeviceInfo, command: &str, readme: &[ReadmeRecord]) -> Result<()> {
+    let table = readme::table(readme);
+    let page = html::tables_page(&table.title, Some(device), command, std::slice::from_ref(&table));
+    folder.join(README).write(page.as_bytes())
+}
+
+/// Writes `gpu-study.json` and the [`PAGE`].
 ///
 /// # Errors
 /// Errors of writing a file.
@@ -90,12 +102,7 @@ pub fn write(
     let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
     let all: Vec<_> = records(device, &rates, found).into_iter().chain(readme.iter().map(|r| json!(r))).collect();
     folder.join("gpu-study.json").write(files::json(&all).as_bytes())?;
-    let [index, beside] = PAGES;
-    folder.join(index).write(page(device, command, times, &rates, found).as_bytes())?;
-    let table = readme::table(readme);
-    folder
-        .join(beside)
-        .write(html::tables_page(&table.title, Some(device), command, std::slice::from_ref(&table)).as_bytes())
+    folder.join(PAGE).write(page(device, command, times, &rates, found).as_bytes())
 }
 
 fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {

@@ -45,12 +45,12 @@ pub fn wrapped(name: &str, column: usize, said: &str) -> String {
     text + "\n"
 }
 
-/// Rows of sentences: what the table says, then a paragraph for each row under its first cell, with the header's names.
+/// Rows of sentences: a paragraph for each row under its first cell, with the header's names.
 fn paragraphs(table: &Table) -> String {
     const INDENT: usize = 2;
     let Some((header, rows)) = table.cells.split_first() else { return String::new() };
     let longest = header.iter().skip(1).map(|name| name.chars().count()).max().unwrap_or(0);
-    let mut text = if table.about.is_empty() { String::new() } else { wrapped("", 0, &table.about) };
+    let mut text = String::new();
     for row in rows {
         text += &row.first().map_or_else(String::new, |first| wrapped("", 0, first));
         let cells = header.iter().zip(row).skip(1);
@@ -59,13 +59,14 @@ fn paragraphs(table: &Table) -> String {
     text
 }
 
-/// Tables for a terminal, each under its title; those that are too large for one are left out.
+/// Tables for a terminal, each under its title and what it says; those that are too large for one are left out.
 pub fn text(tables: &[Table]) -> String {
-    let of = |table: &Table| {
+    let shown = |table: &Table| {
         let title = if table.title.is_empty() { String::new() } else { format!("{}\n", one_line(&table.title)) };
-        title + &if table.is_prose { paragraphs(table) } else { aligned(&table.cells) }
+        let about = if table.about.is_empty() { String::new() } else { wrapped("", 0, &table.about) };
+        title + &about + &if table.is_prose { paragraphs(table) } else { aligned(&table.cells) }
     };
-    for_terminal(tables).map(of).collect::<Vec<_>>().join("\n")
+    for_terminal(tables).map(shown).collect::<Vec<_>>().join("\n")
 }
 
 /// The tables that are not too large.

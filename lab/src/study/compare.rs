@@ -8,7 +8,7 @@ mod settings;
 mod subject;
 
 pub use self::images::{ImageComparison, LinearImage, display, images};
-pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, shown_drift, subject_labels};
+pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, own_note, shown_drift, subject_labels};
 pub use self::samples::{Run, TimeSample};
 pub use self::settings::{Selection, in_turns, settings};
 pub use self::subject::Subject;

@@ -310,22 +310,41 @@ impl TimeRecord {
         self.passes.iter().map(|p| p.stats.median_ms).sum::<f64>() / self.frame.median_ms
     }
 
+    /// Sum of the counted passes in each frame, in milliseconds.
+    pub fn totals(&self) -> Vec<f64> {
+        let counted = |frame: &Vec<f64>| {
+            let passes = self.passes.iter().zip(frame).filter(|(pass, _)| pass.counted);
+            passes.map(|(_, ms)| ms).sum()
+        };
+        self.samples.iter().map(counted).collect()
+    }
+
     /// Medians of the counted passes with the levels of a chain added up, in order.
     pub fn stages(&self) -> Vec<(String, f64)> {
         self.grouped(true)
     }
 
-    /// Medians of the passes that count, or of those that do not, with the levels of a chain added up, in order.
+    /// Medians of the passes that count, or of those that do not, with the levels of a chain added up in each frame, in order.
+    /// A record without its samples has the sums of the medians of the levels.
     pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
-        let mut stages: Vec<(String, f64)> = Vec::new();
-        for pass in self.passes.iter().filter(|p| p.counted == counted) {
+        let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+        for (n, pass) in self.passes.iter().enumerate().filter(|(_, p)| p.counted == counted) {
             let name = group_of(&pass.name);
-            match stages.iter_mut().find(|(n, _)| n == name) {
-                Some((_, ms)) => *ms += pass.stats.median_ms,
-                None => stages.push((name.to_owned(), pass.stats.median_ms)),
+            match groups.iter_mut().find(|(known, _)| known == name) {
+                Some((_, parts)) => parts.push(n),
+                None => groups.push((name.to_owned(), vec![n])),
             }
         }
-        stages
+        groups.into_iter().map(|(name, parts)| (name, self.median_of_sum(&parts))).collect()
+    }
+
+    /// The median over the frames of the sum of some passes, by their numbers.
+    fn median_of_sum(&self, parts: &[usize]) -> f64 {
+        if self.samples.is_empty() {
+            return parts.iter().filter_map(|n| self.passes.get(*n)).map(|pass| pass.stats.median_ms).sum();
+        }
+        let sum = |frame: &Vec<f64>| parts.iter().filter_map(|n| frame.get(*n)).sum();
+        Stats::of(&self.samples.iter().map(sum).collect::<Vec<_>>()).median_ms
     }
 }
 

@@ -1,9 +1,10 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
-use super::compare::shown_drift;
+use super::compare::{SEED, shown_drift};
 use super::drift::drift;
 use super::record::TimeRecord;
 use crate::methods::{METHODS, MethodInfo};
+use crate::metrics::bootstrap::{MIN_SAMPLES, Ratio, median_of_ratios};
 use crate::stage::Globals;
 use crate::study::exhibit::distinct;
 use serde::Serialize;
@@ -100,7 +101,7 @@ pub struct Compared {
     /// How much longer the scene passes took than in the first row of this size, as a share, if several rows have it
     /// ([`drift`]).
     pub drift: Option<f64>,
-    /// Per method: name, published and measured milliseconds, and both over `ssct`'s.
+    /// Per method: name, published and measured milliseconds, and both over those of `ssct`.
     pub columns: Vec<Column>,
 }
 
@@ -115,8 +116,11 @@ pub struct Column {
     pub measured_ms: f64,
     /// Published, over SSCT's; null for SSCT itself, and for a size that has no row in print.
     pub published_ratio: Option<f64>,
-    /// Measured, over SSCT's; null for SSCT itself or where SSCT was not measured.
+    /// Measured, over SSCT's, the median over the turns in which both were timed; null for SSCT itself or where SSCT was not
+    /// measured.
     pub measured_ratio: Option<f64>,
+    /// The ends of the interval of `measured_ratio`; null with fewer than [`MIN_SAMPLES`] turns.
+    pub interval: Option<[f64; 2]>,
 }
 
 /// The size and the roughness of each row of the table for some records: those of the print first, in its order, and then
@@ -146,19 +150,21 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
         let is_here = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
         let here: Vec<_> = records.iter().filter(|r| is_here(r)).collect();
         let drift = records.iter().zip(&drifts).find(|(r, _)| is_here(r)).and_then(|(_, drift)| *drift);
-        let ssct = here.iter().find(|r| r.head.method == "ssct").map(|r| r.total.median_ms);
+        let ssct = here.iter().find(|r| r.head.method == "ssct");
         let columns: Vec<_> = here
             .iter()
             .filter_map(|r| {
                 TABLE_5_8[0].of(&r.head.method)?;
                 let published_ms = published.and_then(|row| row.of(&r.head.method));
                 let other = r.head.method != "ssct";
+                let measured = ssct.filter(|_| other).and_then(|ssct| over(r, ssct));
                 Some(Column {
                     method: r.head.method.clone(),
                     published_ms,
                     measured_ms: r.total.median_ms,
                     published_ratio: published_ms.zip(published).filter(|_| other).map(|(ms, row)| ms / row.ssct),
-                    measured_ratio: ssct.filter(|_| other).map(|s| r.total.median_ms / s),
+                    measured_ratio: measured.map(|(ratio, _)| ratio),
+                    interval: measured.and_then(|(_, interval)| interval),
                 })
             })
             .collect();
@@ -168,12 +174,25 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
     rows.collect()
 }
 
+/// The time of a record over that of another one with which it was timed in turn, and the ends of its interval if there are
+/// turns enough for one. Records without their samples have the quotient of their medians.
+fn over(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
+    let pairs: Vec<_> = base.totals().into_iter().zip(record.totals()).map(|(base, own)| [base, own]).collect();
+    if pairs.is_empty() {
+        return Some((record.total.median_ms / base.total.median_ms, None));
+    }
+    let Ratio { ratio, low, high } = median_of_ratios(&pairs, SEED)?;
+    Some((ratio, (pairs.len() >= MIN_SAMPLES).then_some([low, high])))
+}
+
 /// The title of the table beside our times.
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
 
 /// What the table says.
-pub const ABOUT: &str = "Medians of the effect without the scene passes. Drift is how much longer the passes of the scene, the same \
-    work in each row of a size, took than in the first row: by as much the machine had changed between the two moments.";
+pub const ABOUT: &str = "Medians of the effect without the scene passes. A quotient measured here is the median over the turns in which \
+    both methods were timed, with the 95 % interval in brackets; fewer than 5 samples decide nothing and have none. Drift is how \
+    much longer the passes of the scene, the same work in each row of a size, took than in the first row: by as much the machine \
+    had changed between the two moments.";
 
 /// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
 pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
@@ -197,7 +216,8 @@ pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
             line.extend([number(c.published_ms), number(Some(c.measured_ms))]);
         }
         for c in row.columns.iter().filter(|c| c.is_over_ssct()) {
-            line.extend([number(c.published_ratio), number(c.measured_ratio)]);
+            let interval = c.interval.map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
+            line.extend([number(c.published_ratio), number(c.measured_ratio) + &interval]);
         }
         line.extend(has_drift.then(|| shown_drift(row.drift)));
         cells.push(line);

@@ -64,6 +64,12 @@ impl TimeComparison {
     }
 }
 
+/// What the word of a value that is not set means, if a row of [`cells`] has it.
+pub fn own_note(records: &[TimeComparison]) -> Option<&'static str> {
+    let has_own = |r: &TimeComparison| r.only_in.is_none() && subject_labels(&r.subject).iter().any(|s| s == NOT_SET);
+    records.iter().any(has_own).then_some("own: each material has its own value, since no option set one.")
+}
+
 /// How much longer the scene passes took at one moment than at another, as tables show it.
 pub fn shown_drift(drift: Option<f64>) -> String {
     drift.map_or_else(|| "-".to_owned(), |drift| format!("{:+.0} %", 100.0 * drift))

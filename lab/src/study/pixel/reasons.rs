@@ -5,7 +5,7 @@ use crate::metrics::hits::HitVerdict;
 use crate::metrics::verdict::{PixelVerdict, WRONG};
 use crate::metrics::world::is_same_place;
 use crate::reference::MissReason;
-use crate::reference::pixel::Unseen;
+use crate::reference::pixel::{Estimated, Unseen};
 
 /// The sentences of a pixel. `is_sky_surface` says that its mesh shows the environment; `traces_lobes`, that the method's own
 /// ray of a rough pixel is not the mirror ray.
@@ -20,7 +20,7 @@ pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes
     if let (Some(own), Some(oracle), true) = (&report.method_end, &report.oracle_end, compares) {
         all.extend(method(own, oracle, report.world_end.as_ref()));
     }
-    all.extend(fade(report));
+    all.extend(fade(report).filter(|_| !is_wrong_by_fade_alone(report)));
     all.extend(if is_rough { None } else { color(report) });
     if is_rough {
         let own = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
@@ -48,6 +48,12 @@ fn verdict(report: &PixelReport) -> String {
         "it differs from the world's by {off:.0} % of white (more than {:.0} % beyond what chance explains is wrong)",
         100.0 * WRONG
     );
+    if is_wrong_by_fade_alone(report) {
+        let left = 100.0 * report.colors.fade;
+        return format!(
+            "The reflection is wrong by the fade at the picture's border alone, which leaves {left:.0} % of its colour: {by}."
+        );
+    }
     match report.verdict {
         PixelVerdict::Right => format!("The reflection is right: {by}."),
         PixelVerdict::WrongByScreen => {
@@ -159,6 +165,17 @@ fn fade(report: &PixelReport) -> Option<String> {
     // A fade is stored as a float of 16 bits, so that one of 1 may be a little less.
     let is_partial = is_hit && (0.0..0.995).contains(&fade);
     is_partial.then(|| format!("The fade at the picture's border leaves {:.0} % of the reflection.", 100.0 * fade))
+}
+
+/// Whether a reflection is wrong that would be right without its fade.
+fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
+    let colors = &report.colors;
+    let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
+    let Some((screen, world)) = colors.screen.as_ref().zip(colors.world.as_ref()) else { return false };
+    let [screen, world] =
+        [screen, world].map(|one| Estimated { color: one.color.into(), standard_error: one.standard_error.into() });
+    let without_fade = PixelVerdict::judge(colors.reflection.into(), &screen, &world);
+    is_wrong && fade(report).is_some() && without_fade == PixelVerdict::Right
 }
 
 /// How a ray ends that hits nothing on the screen.

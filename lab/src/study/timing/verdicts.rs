@@ -50,9 +50,12 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
     let title = format!(
         "B beside A, turn by turn; SAME is within ±{bound:.0} %, FASTER and SLOWER beyond it and beyond the noise floor"
     );
+    let about = [ABOUT].into_iter().chain(compare::own_note(&found)).collect::<Vec<_>>().join(" ");
     let cells = compare::cells(&found, false);
-    (!found.is_empty()).then(|| Table::new("verdicts", &title, ABOUT, cells))
+    (!found.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
 }
 
 const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
-    with its interval. ssct compare FOLDER compares any two, and shows the parts of passes.";
+    with its interval. UNDECIDED is neither: measured again with about as many samples as stand behind it, \
+    it would be decided. \
+    ssct compare FOLDER compares any two, and shows the parts of passes.";

@@ -5,7 +5,7 @@ pub(super) mod captures;
 mod coordinates;
 mod motions;
 mod proxies;
-mod seen;
+pub mod seen;
 
 pub use captures::with_captures;
 

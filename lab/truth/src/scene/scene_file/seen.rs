@@ -20,25 +20,33 @@ const ALIKE: f32 = 0.9999;
 /// The warnings about the first `count` views of a scene, without the file. `unsaid` are the coordinates that the file's places
 /// are read in where it says nothing of them.
 pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) -> Vec<String> {
+    let views = &scene.views[..count.min(scene.views.len())];
+    let found = wrong(scene, views).into_iter().zip(views);
+    let warning = |(what, view): (Option<&str>, &View)| {
+        Some(format!("[view.{}] {}{}", view.name, what?, unsaid.map_or(String::new(), hint)))
+    };
+    found.filter_map(warning).collect()
+}
+
+/// For each view of a scene what is wrong with it, as the end of a sentence: that it sees nothing, nothing but one flat surface,
+/// or a room from outside. `None` for any other view.
+pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
     let bounds = scene.bounds();
     let diagonal = (bounds.max - bounds.min).length();
     let is_outside = |eye: Vec3| !(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all());
-    let views = &scene.views[..count.min(scene.views.len())];
     let is_room = views.iter().any(|view| is_outside(view.eye)) && viewpoint::is_enclosed(scene);
     // A room without a front wall, or a court from above, shows the fronts of its surfaces.
     let sees_a_front = |view: &View| {
         let ray = Ray { origin: view.eye, direction: view.look_at - view.eye };
         viewpoint::first_hits(scene, &[ray]).iter().any(|hit| hit.facing)
     };
-    let warning = |view: &View| {
-        let what = if is_room && is_outside(view.eye) && !sees_a_front(view) {
-            "stands outside of the room and sees no front of its walls"
-        } else {
-            next_to_nothing(scene, view, ONE_PLANE * diagonal)?
-        };
-        Some(format!("[view.{}] {what}{}", view.name, unsaid.map_or(String::new(), hint)))
+    let judged = |view: &View| {
+        if is_room && is_outside(view.eye) && !sees_a_front(view) {
+            return Some("stands outside of the room and sees no front of its walls");
+        }
+        next_to_nothing(scene, view, ONE_PLANE * diagonal)
     };
-    views.iter().filter_map(warning).collect()
+    views.iter().map(judged).collect()
 }
 
 /// What a sentence about a view of a file that does not name its coordinates ends with.
