@@ -7,7 +7,7 @@ PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
 .PHONY: all setup build dist package install-c study gpu-study bars league test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
-	test-debian-13 test-debian-13-backports test-faults test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
 all: build
@@ -89,6 +89,10 @@ test-debian-12 test-debian-13 test-debian-13-backports: test-debian-%:
 # Every allocation and every submission of every method made to fail: minutes.
 test-faults: setup
 	$(CARGO) test --test alone -- faults:: --include-ignored
+
+# The tests of the interface for C under AddressSanitizer and ThreadSanitizer: a quarter of an hour.
+test-sanitized: setup
+	CARGO="$(CARGO)" scripts/test-sanitized.sh
 
 # Every method and unified's own tests with instrumented shaders; known failures of drivers and layers are listed in
 # tests/expected_failures.toml. lavapipe optimises instrumented shaders for longer than it runs them, so it does not.

@@ -83,12 +83,12 @@ dda() {
             run "dda/$scene-stride-$stride" --scene "$scene" --method dda --roughness 0 "${small[@]}" --samples 1 \
                 --dda-stride "$stride"
         done
-        run "dda/$scene" --scene "$scene" --method dda,ssct,linear,unified --roughness 0 "${plain[@]}" --samples 5
+        run "dda/$scene" --scene "$scene" --method dda,ssct,linear,unified --beyond none --roughness 0 "${plain[@]}" --samples 5
     done
 }
 
 stochastic() {
-    local scene history common=(--roughness 0.05,0.1,0.3,0.6 "${small[@]}" --samples 1 --fade off)
+    local scene history common=(--beyond none --roughness 0.05,0.1,0.3,0.6 "${small[@]}" --samples 1 --fade off)
     for scene in rooms museum street; do
         run "stochastic/$scene" --scene "$scene" --method stochastic,unified,ssct "${common[@]}"
     done
@@ -100,7 +100,7 @@ stochastic() {
 }
 
 normals() {
-    local kind common=(--scene rooms --method ssct,unified --roughness 0,0.3 "${plain[@]}" --samples 5)
+    local kind common=(--scene rooms --method ssct,unified --beyond none --roughness 0,0.3 "${plain[@]}" --samples 5)
     for kind in shading geometric up; do
         run "normals/$kind" "${common[@]}" --trace-normals "$kind"
     done
@@ -122,7 +122,7 @@ poster() {
 bounces() {
     local scene
     for scene in rooms museum; do
-        run "bounces/$scene" --scene "$scene" --method ssct,unified,stochastic --bounces 3 --bounces-sweep \
+        run "bounces/$scene" --scene "$scene" --method ssct,unified,stochastic --beyond none --bounces 3 --bounces-sweep \
             --roughness 0,0.1,0.3,0.6 "${small[@]}" --samples 3
     done
 }

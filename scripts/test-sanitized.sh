@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Runs the tests of the interface for C under AddressSanitizer, then under ThreadSanitizer: null pointers, wrong sizes, objects that
+# were destroyed, and two threads on one object (c/src/tests/misuse.rs). The compiler is the stable one, which has both
+# runtimes; RUSTC_BOOTSTRAP lets it take the flags. ThreadSanitizer has to see the locks of the standard library, which is
+# compiled with it from its source: rustup component add rust-src. Two builds: a quarter of an hour on two cores.
+#
+#   scripts/test-sanitized.sh [address | thread]    one of the two
+set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
+cd "$(dirname "$0")/.."
+cargo=${CARGO:-cargo}
+host=$(rustc -vV | sed -n 's/^host: //p')
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# The driver is not compiled with a sanitizer. So leaks, which are the driver's, are not looked for, and of races those count
+# that stand in the code of this program or of its crates.
+export ASAN_OPTIONS=detect_leaks=0
+export TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66"
+
+sanitized() { # a sanitizer, options of Cargo
+    local name=$1
+    shift
+    echo "test-sanitized: $name" >&2
+    RUSTC_BOOTSTRAP=1 RUSTFLAGS="-Zsanitizer=$name -Cunsafe-allow-abi-mismatch=sanitizer" \
+        "$cargo" test "$@" --package ssct-c --lib --features compile-shaders --target "$host" \
+        --target-dir "${CARGO_TARGET_DIR:-target}/sanitized-$name" -- --test-threads 1 2>&1 | tee "$log"
+    ! grep -q 'Sanitizer:' "$log" || { echo "test-sanitized: $name has something to say" >&2; exit 1; }
+}
+
+thread() {
+    [ -d "$(rustc --print sysroot)/lib/rustlib/src/rust/library" ] || {
+        echo 'test-sanitized: the source of the standard library is missing; rustup component add rust-src brings it' >&2
+        exit 1
+    }
+    sanitized thread -Zbuild-std
+}
+
+case "${1:-both}" in
+    both) sanitized address && thread ;;
+    address) sanitized address ;;
+    thread) thread ;;
+    *) echo "test-sanitized: '$1' is neither address nor thread" >&2 && exit 2 ;;
+esac
