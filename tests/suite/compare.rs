@@ -261,12 +261,7 @@ fn mistakes_are_sentences() {
     fails(&folder, &["a"], 2, "two folders or images, A and B, or one folder of times with --a and --b");
     fails(&folder, &["a", "--a", "ssct"], 2, "--b");
     fails(&folder, &["a", "--a", "ssct 3", "--b", "ssct"], 2, "no option stands before \"3\"");
-    fails(
-        &folder,
-        &["a", "--a", "ssct", "--b", "hzct"],
-        1,
-        "--b \"hzct\": a has no such setting; its methods are ssct",
-    );
+    fails(&folder, &["a", "--a", "ssct", "--b", "hzct"], 1, "--b \"hzct\": a has no such setting; it has method ssct");
     fails(&folder, &["small.png", "small.png", "--all"], 2, "--all: for times, not for images");
     fails(&folder, &["a", "small.png"], 2, "not one of each");
     fails(&folder, &["a", "text.txt"], 2, "text.txt: neither a folder");

@@ -299,3 +299,18 @@ fn a_link_brings_no_file_into_a_method() {
     let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png"]));
     assert!(said.contains("m/a.glsl is outside of the method's folder m"), "{said}");
 }
+
+#[test]
+fn a_preset_is_not_for_a_folder() {
+    let folder = with_example("ssct");
+    let told = [
+        on_room("render", &["--method", "./m", "--preset", "author", "-o", "a.png"]),
+        on_room("time", &["--preset", "author", "--variant", "ssct", "--variant", "./m", "--samples", "1"]),
+    ];
+    for args in told {
+        let output = folder.run(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("no preset changes the values of") && said.contains("manifest"), "{said}");
+    }
+}

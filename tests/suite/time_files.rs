@@ -77,7 +77,7 @@ fn medians_are_those_of_the_printed_table_in_its_groups() {
 }
 
 #[test]
-fn ten_lines_of_python_plot_the_samples() {
+fn twelve_lines_of_python_plot_the_samples() {
     if Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: there is no python3");
         return;
@@ -85,7 +85,7 @@ fn ten_lines_of_python_plot_the_samples() {
     let (folder, section) = (run(), section());
     let (_, code) = section.split_once("```python\n").unwrap();
     let code = code.split("```").next().unwrap();
-    assert_eq!(code.lines().count(), 10);
+    assert_eq!(code.lines().count(), 12);
     folder.write("plot.py", code);
     let samples = folder.path(&format!("run/{SAMPLES}"));
     let output = Command::new("python3").arg("plot.py").arg(samples).current_dir(folder.root()).output().unwrap();
@@ -96,6 +96,8 @@ fn ten_lines_of_python_plot_the_samples() {
         svg.split("<polyline points=\"").skip(1).map(|line| line.split('"').next().unwrap()).collect();
     assert_eq!(lines.iter().map(|line| line.split(' ').count()).collect::<Vec<_>>(), [5, 5], "{svg}");
     assert!(svg.contains(">ssct</text>") && svg.contains(">environment</text>"), "{svg}");
+    // The last frame stands at the right border, however many there are.
+    assert!(lines.iter().all(|line| line.rsplit(' ').next().unwrap().starts_with("890.0,")), "{svg}");
 }
 
 #[test]

@@ -60,9 +60,14 @@ pub struct SceneOptions {
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at"])]
     pub view: Option<String>,
     /// Position of the camera in metres, with --look-at
+    ///
+    /// It is in the program's own space, which is left-handed, with +y up: of a place in an OBJ, a glTF or a scene file, the sign
+    /// of z is turned.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "look_at")]
     pub eye: Option<Vec3>,
     /// Point in metres that the camera looks at, with --eye
+    ///
+    /// It is in the same space as --eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
     /// Vertical field of view in degrees

@@ -72,7 +72,14 @@ impl StudyOptions for ShadersOptions {
             return Err(Error::Usage(message.into()));
         }
         try_family()?;
-        Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() })
+        let named = std::env::var_os(FAMILY).is_some_and(|family| !family.is_empty());
+        let opened = Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() });
+        opened.map_err(|error| match error {
+            Error::NoDevice(why) if !named => {
+                Error::NoDevice(format!("{why}; for Mesa's RADV, {FAMILY}=navi31 names a GPU that need not be there"))
+            }
+            error => error,
+        })
     }
 
     fn study(&self) -> Result<ShadersStudy> {

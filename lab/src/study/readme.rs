@@ -240,7 +240,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
          measured here: one by the README's records, and one of this device. Times are of {} x {} pixels, errors and rays of {} x \
          {}. Quotients of times are the same within {:.0} %, quotients of errors within {:.0} %, and shares of rays within {:.1} \
          points. Hits and errors carry over to other devices. Times and their quotients need not: what a stage costs beside \
-         another depends on the device. A number is not comparable where no view here has it, or where another command measures it, which the last column names.",
+         another depends on the device. An error that is other on one view of a quick study may be so by its few reference rays. A number is not comparable where no view here has it, or where another command measures it, which the last column names.",
         TIMED_SIZE[0],
         TIMED_SIZE[1],
         JUDGED_SIZE[0],
@@ -277,7 +277,11 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         let mut row = vec![r.verdict.name().to_owned()];
         row.extend([&q.place, &q.row, &q.column, &q.says].map(Clone::clone));
         row.extend([shown(r.there), shown(r.here), shown(quotient), r.views.to_string(), q.measured_on.clone()]);
-        row.push(if q.command.is_empty() { "this study".to_owned() } else { q.command.clone() });
+        row.push(match (q.command.is_empty(), r.views) {
+            (true, 0) => "gpu-study without --quick".to_owned(),
+            (true, _) => "this study".to_owned(),
+            _ => q.command.clone(),
+        });
         cells.push(row);
     }
     Table::new("readme", "The README's numbers here", &about, cells)

@@ -3,7 +3,7 @@
 use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
 use crate::methods::{self, MethodInfo};
-use crate::metrics::bootstrap::{MOST_FORETOLD, Verdict};
+use crate::metrics::bootstrap::{MIN_SAMPLES, MOST_FORETOLD, Ratio, Verdict};
 use crate::parameter::{Choices, Preset};
 use crate::study::record::differing;
 
@@ -41,13 +41,23 @@ impl TimeComparison {
         [place, size, roughness, normals, first, second, self.pass.clone()]
     }
 
-    /// The verdict; of an open one, with about how many samples would decide.
+    /// The verdict; of an open one, with about how many samples may decide, and whether the noise floor alone keeps it open.
     fn shown_verdict(&self) -> String {
+        let open = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
         match (self.verdict, self.samples_to_decide) {
-            (Some(Verdict::Undecided), Some(n)) => format!("UNDECIDED, n about {n}"),
-            (Some(Verdict::Undecided), None) => format!("UNDECIDED, n above {MOST_FORETOLD}"),
+            (Some(Verdict::Undecided), Some(n)) => format!("{open}, n about {n}"),
+            (Some(Verdict::Undecided), None) => format!("{open}, n above {MOST_FORETOLD}"),
             (verdict, _) => verdict.map_or("-", Verdict::name).to_owned(),
         }
+    }
+
+    /// Whether the interval alone would decide what the noise floor keeps open.
+    fn is_open_by_floor(&self) -> bool {
+        let (Some(ratio), Some(low), Some(high), Some(_)) = (self.ratio, self.low, self.high, self.noise_floor) else {
+            return false;
+        };
+        let enough = self.samples_a.min(self.samples_b) >= MIN_SAMPLES;
+        enough && Verdict::of(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
     }
 
     /// Its place in a table: the total, then the passes that became faster or slower, by how much time that is, then the

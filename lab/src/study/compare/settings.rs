@@ -97,12 +97,20 @@ impl Selection {
         }
         let found: Vec<&Group> = all.iter().filter(|(subject, _)| self.fits(subject)).collect();
         if found.is_empty() {
-            let methods: BTreeSet<&str> = all.iter().map(|(s, _)| s.get("method")).collect();
-            let methods: Vec<&str> = methods.into_iter().collect();
-            let has = methods.join(", ");
-            return Err(format!("{:?}: {} has no such setting; its methods are {has}", self.text, run.name));
+            let has = self.values_in(all).join("; ");
+            return Err(format!("{:?}: {} has no such setting; it has {has}", self.text, run.name));
         }
         Ok(found)
+    }
+
+    /// The values that some groups have of what the selection names, and their methods.
+    fn values_in(&self, all: &[Group]) -> Vec<String> {
+        let names: BTreeSet<&str> = self.values.iter().map(|(name, _)| name.as_str()).chain(["method"]).collect();
+        let shown = |name: &str| {
+            let values: BTreeSet<&str> = all.iter().map(|(s, _)| s.get(name)).filter(|v| !v.is_empty()).collect();
+            format!("{} {}", name.replace('_', "-"), values.into_iter().collect::<Vec<_>>().join(", "))
+        };
+        names.into_iter().map(shown).collect()
     }
 
     /// The one of some groups of one place that is meant: the only one, or the only one in which everything that is not

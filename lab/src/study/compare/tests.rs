@@ -59,6 +59,9 @@ fn nothing_within_the_noise_floor_is_faster_or_slower() {
     assert_eq!(verdicts([None, None]), [slower, slower]);
     assert_eq!(verdicts([Some(0.3), Some(0.1)]), [open, slower]);
     assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, open]);
+    let told = cells(&times(&run("ssct", 1.0), &with_floor(1.2, [Some(0.3), None]), 0.05), false);
+    let row = told.iter().find(|row| row.iter().any(|cell| cell == "trace")).expect("the pass");
+    assert!(row.last().is_some_and(|said| said.starts_with("UNDECIDED by the floor, n ")), "{row:?}");
 }
 
 #[test]
@@ -204,7 +207,8 @@ fn a_selection_means_one_setting_or_says_why_not() {
     let records = settings(&run, &run, [&plain, &few], 0.05).expect("both are there");
     assert_eq!(records[0].setting_a.as_deref(), Some("ssct iterations 1024"));
     let said = |a: &str, run: &Run| settings(run, run, [&selection(a), &plain], 0.05).expect_err(a);
-    assert!(said("hzct", &run).contains("--a \"hzct\": ssct has no such setting; its methods are ssct"));
+    assert!(said("hzct", &run).contains("--a \"hzct\": ssct has no such setting; it has method ssct"));
+    assert!(said("ssct --iterations 65", &run).contains("it has iterations 1024, 64; method ssct"));
     assert!(said("ssct --iteration 64", &run).contains("have no iteration"));
     let odd = |n: &str| with(two_settings(), "cone_samples", n).samples;
     let several = Run { samples: [odd("3"), odd("5")].concat(), ..two_settings() };

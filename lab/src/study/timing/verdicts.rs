@@ -56,6 +56,6 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
 }
 
 const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
-    with its interval. UNDECIDED is neither: measured again with about as many samples as stand behind it, \
-    it would be decided. \
-    ssct compare FOLDER compares any two, and shows the parts of passes.";
+    from low to high with 95 % confidence. Floor is how far a setting strays from itself, if it was timed against itself, n the \
+    samples of A and of B, and normals the normal deviation. UNDECIDED is neither: about as many samples as stand behind it may \
+    decide. ssct compare FOLDER compares any two, and shows the parts of passes.";
