@@ -278,7 +278,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         row.extend([&q.place, &q.row, &q.column, &q.says].map(Clone::clone));
         row.extend([shown(r.there), shown(r.here), shown(quotient), r.views.to_string(), q.measured_on.clone()]);
         row.push(match (q.command.is_empty(), r.views) {
-            (true, 0) => "gpu-study without --quick".to_owned(),
+            (true, 0) => "a whole study, not a quick one".to_owned(),
             (true, _) => "this study".to_owned(),
             _ => q.command.clone(),
         });

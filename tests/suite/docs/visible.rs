@@ -1,7 +1,7 @@
 //! Nothing is judged where it cannot be seen: no verdict and no row of a table is of a method whose reflection is black
 //! everywhere in the records that are quoted for it. And no record against an older reference is quoted.
 
-use super::figures::{Made, TO_MEASURE_AGAIN, is_of_an_older_screen, of_todays_references};
+use super::figures::{Made, of_todays_references};
 use super::{definitions, outside_code, pages, records, root};
 use serde_json::{Map, Value};
 use ssct::methods::{METHODS, MethodInfo};
@@ -170,14 +170,6 @@ fn judged<'a>(file: &'a Path, rows: &'a [Map<String, Value>]) -> impl Iterator<I
         let made = row.get("definitions").and_then(Value::as_u64).map_or(Made::OnDayOf(file), Made::By);
         Some((row.get("against")?.as_str()?, made))
     })
-}
-
-#[test]
-fn what_is_to_be_measured_again_is_of_an_older_screen() {
-    for folder in TO_MEASURE_AGAIN {
-        let is_older = |file: &PathBuf| judged(file, &rows(file)).any(is_of_an_older_screen);
-        assert!(files(&root().join("benches/runs").join(folder)).iter().any(is_older), "{folder} needs no excuse");
-    }
 }
 
 #[test]
