@@ -108,7 +108,7 @@ rm -f "$system.log"
 if [ -n "$backports" ]; then
     mirror=$(awk '$1 == "deb" { print $2; exit }' "$system/etc/apt/sources.list")
     echo "deb $mirror $backports main" >"$system/etc/apt/sources.list.d/backports.list"
-    printf 'Package: mesa-* libvulkan* vulkan-* libdrm*\nPin: release n=%s\nPin-Priority: 600\n' "$backports" \
+    printf 'Package: mesa-* *-mesa-* *-mesa0 libgbm* libvulkan* vulkan-* libdrm*\nPin: release n=%s\nPin-Priority: 600\n' "$backports" \
         >"$system/etc/apt/preferences.d/backports"
     # What debootstrap installed of them, if anything, is of the suite itself.
     alone chroot "$system" sh -c 'apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -qy upgrade' >"$system.log" 2>&1 || {
