@@ -380,7 +380,7 @@ fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
     let row = |line: &str| {
         let cells: Vec<&str> = line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect();
         let from_end = |n: usize| cells[cells.len() - n].to_owned();
-        [from_end(9), from_end(6), from_end(1)]
+        [from_end(10), from_end(7), from_end(1)]
     };
     rows.map(row).collect()
 }

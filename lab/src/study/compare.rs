@@ -124,8 +124,8 @@ pub struct TimeComparison {
     pub verdict: Option<Verdict>,
     /// If it is undecided: about how many samples would decide; null if they are too many to say.
     pub samples_to_decide: Option<u64>,
-    /// Where A and B were timed at different moments: how much longer the scene passes of B took, as a share. Null if they were
-    /// timed in turn, and if the files say nothing of scene passes.
+    /// How much longer the scene passes of B took, as a share: they are the same work as those of A. Null if the files say nothing
+    /// of scene passes.
     pub drift: Option<f64>,
     /// How.
     #[serde(flatten)]
@@ -200,7 +200,7 @@ impl<'a> Comparison<'a> {
         let first = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
         let missing = b.iter().filter(|s| find(a, s).is_none());
         let all = first.chain(missing.map(|s| self.record(subject, [None, Some(s)], paired)));
-        let drift = if paired { None } else { drift([a, b]) };
+        let drift = drift([a, b]);
         all.map(|record| TimeComparison { drift: drift.filter(|_| record.only_in.is_none()), ..record }).collect()
     }
 }

@@ -294,7 +294,7 @@ fn sides_of_different_moments_carry_their_drift() {
     let turns = two_settings();
     let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
     let in_turn = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
-    assert!(in_turn.iter().all(|r| r.drift.is_none()), "what was timed in turn has none");
+    assert!(in_turn.iter().all(|r| r.drift.is_some_and(|drift| drift.abs() < 0.5)), "in turn, too: {in_turn:?}");
 }
 
 #[test]

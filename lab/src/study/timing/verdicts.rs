@@ -57,5 +57,6 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
 
 const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
     from low to high with 95 % confidence. Floor is how far a setting strays from itself, if it was timed against itself, n the \
-    samples of A and of B, and normals the normal deviation. UNDECIDED is neither: about as many samples as stand behind it may \
+    samples of A and of B, and normals the normal deviation. Drift is how much longer the scene passes, the same work, took in B: \
+    what differs by no more may be the machine's. UNDECIDED is neither: about as many samples as stand behind it may \
     decide. ssct compare FOLDER compares any two, and shows the parts of passes.";
