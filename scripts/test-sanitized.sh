@@ -13,8 +13,8 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# The driver is not compiled with a sanitizer. So leaks, which are the driver's, are not looked for, and of races those count
-# that stand in the code of this program or of its crates.
+# The driver is not compiled with a sanitizer. So nobody looks for leaks, which the driver has, and only races count that stand in
+# the code of this program or of its crates.
 export ASAN_OPTIONS=detect_leaks=0
 export TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66"
 
@@ -25,7 +25,7 @@ sanitized() { # a sanitizer, options of Cargo
     RUSTC_BOOTSTRAP=1 RUSTFLAGS="-Zsanitizer=$name -Cunsafe-allow-abi-mismatch=sanitizer" \
         "$cargo" test "$@" --package ssct-c --lib --features compile-shaders --target "$host" \
         --target-dir "${CARGO_TARGET_DIR:-target}/sanitized-$name" -- --test-threads 1 2>&1 | tee "$log"
-    ! grep -q 'Sanitizer:' "$log" || { echo "test-sanitized: $name has something to say" >&2; exit 1; }
+    ! grep -q 'Sanitizer:' "$log" || { echo "test-sanitized: $name found something" >&2; exit 1; }
 }
 
 thread() {

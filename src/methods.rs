@@ -444,10 +444,10 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
     Ok(methods)
 }
 
-/// Refuses a parameter that is given and that none of some methods reads, and a preset for a method that was added.
+/// Refuses a parameter that is given and that none of some methods reads.
 ///
 /// # Errors
-/// [`Error::Usage`] with the parameter and the methods that have it, or with the method that no preset changes.
+/// [`Error::Usage`] with the parameter and the methods that have it.
 pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
     // What surrounds every method has a say even where a method does not read it: the oracle judges all of them, and
     // a fallback or a smaller resolution that a method cannot have is refused where it is made.
@@ -465,14 +465,7 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
             )));
         }
     }
-    let added = methods.iter().find(|m| m.added.is_some());
-    match added.filter(|_| setup.values.preset != Preset::default()) {
-        Some(method) => Err(Error::Usage(format!(
-            "no preset changes the values of {}, which its manifest has; choose presets for built-in methods alone",
-            method.name
-        ))),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// The method of a name, or an error that lists the names there are.

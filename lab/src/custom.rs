@@ -31,7 +31,7 @@ mod values;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{self, Added, Making, Method, MethodInfo};
-use crate::parameter::Parameter;
+use crate::parameter::{Choices, Parameter, Preset};
 pub use includes::allow as allow_includes;
 use manifest::Manifest;
 use method::CustomMethod;
@@ -114,6 +114,13 @@ impl Added for FromFolder {
     }
 
     fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
+        let preset = making.setup.values.preset;
+        if preset != Preset::default() {
+            let (name, preset) = (&self.manifest.name, preset.name());
+            return Err(Error::Usage(format!(
+                "the preset {preset} does not change {name}, whose values are those of its manifest: name it without a preset"
+            )));
+        }
         if let Some(give_up) = GIVE_UP.get() {
             gpu.wait_at_most(self.manifest.patience, *give_up);
         }

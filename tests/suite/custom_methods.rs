@@ -311,6 +311,6 @@ fn a_preset_is_not_for_a_folder() {
         let output = folder.run(&args);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains("no preset changes the values of") && said.contains("manifest"), "{said}");
+        assert!(said.contains("the preset author does not change") && said.contains("manifest"), "{said}");
     }
 }

@@ -97,6 +97,7 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     let up = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,9,1", "--size", "64x48"];
     // A view of the sky alone gets a warning as well.
     let output = folder.run(&[&["render", "--pixel", "32,0", "--json"], &up[..]].concat());
+    assert!(output.status.success(), "{output:?}");
     let sky = serde_json::from_slice::<Value>(&output.stdout).unwrap()[0]["pixel"].clone();
     assert_eq!(sky["why"][0], "The pixel does not reflect: it shows the sky.", "{sky}");
     assert!(sky["oracle_end"].is_null() && sky["world_end"].is_null() && sky["walk"].is_null(), "{sky}");

@@ -77,7 +77,7 @@ fn medians_are_those_of_the_printed_table_in_its_groups() {
 }
 
 #[test]
-fn twelve_lines_of_python_plot_the_samples() {
+fn ten_lines_of_python_plot_the_samples() {
     if Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: there is no python3");
         return;
@@ -85,7 +85,7 @@ fn twelve_lines_of_python_plot_the_samples() {
     let (folder, section) = (run(), section());
     let (_, code) = section.split_once("```python\n").unwrap();
     let code = code.split("```").next().unwrap();
-    assert_eq!(code.lines().count(), 12);
+    assert_eq!(code.lines().count(), 10);
     folder.write("plot.py", code);
     let samples = folder.path(&format!("run/{SAMPLES}"));
     let output = Command::new("python3").arg("plot.py").arg(samples).current_dir(folder.root()).output().unwrap();

@@ -61,8 +61,8 @@ pub struct SceneOptions {
     pub view: Option<String>,
     /// Position of the camera in metres, with --look-at
     ///
-    /// It is in the program's own space, which is left-handed, with +y up: of a place in an OBJ, a glTF or a scene file, the sign
-    /// of z is turned.
+    /// It is in the program's own space, which is left-handed, with +y up. A place of an OBJ or glTF file, or of a scene file in
+    /// the same coordinates, has the other sign of z there.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "look_at")]
     pub eye: Option<Vec3>,
     /// Point in metres that the camera looks at, with --eye

@@ -241,9 +241,15 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     ];
     let timed = || quoted.iter().chain(others.iter().flat_map(|(_, specs)| *specs));
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
+    // The README's numbers stand before the others, and what is found beside times behind them.
+    let (parts, mut part) = (others.len() + 2, 0);
+    let mut begin = |what: &str| {
+        part += 1;
+        progress::part(&bar, &format!("gpu-study, part {part} of {parts}: {what}"));
+    };
 
     let mut measure = || -> Result<(Vec<ReadmeRecord>, Findings)> {
-        progress::part(&bar, &begins(1, "the README's numbers"));
+        begin("the README's numbers");
         time(&quoted, &mut run, &bar)?;
         let errors = readme_errors(&gpu, &plan, &mut run, &bar)?;
         let times: Vec<_> = quoted.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
@@ -251,11 +257,11 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
         report::write_readme(&to, gpu.info(), &command(options), &readme)?;
         let page = folder.join(report::README).display().to_string();
         writeln!(printed::out(), "{page}").map_err(|e| Error::io("name on standard output", &page, e))?;
-        for (n, (what, specs)) in others.into_iter().enumerate() {
-            progress::part(&bar, &begins(n + 2, what));
+        for (what, specs) in others {
+            begin(what);
             time(specs, &mut run, &bar)?;
         }
-        progress::part(&bar, &begins(PARTS, "steps, images, programs and the validation layers"));
+        begin("steps, images, programs and the validation layers");
         Ok((readme, findings(&gpu, options, &plan, &places, &bar)?))
     };
     let outcome = measure();
@@ -277,13 +283,6 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
-}
-
-/// Parts that the command says the beginning of.
-const PARTS: usize = 7;
-
-fn begins(part: usize, what: &str) -> String {
-    format!("gpu-study, part {part} of {PARTS}: {what}")
 }
 
 /// Times what the journal lacks.

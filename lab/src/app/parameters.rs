@@ -75,11 +75,7 @@ impl TypedVariant {
     /// Errors of [`methods::find`] and [`methods::check_read`].
     pub fn over(&self, base: &Setup) -> crate::error::Result<Variant> {
         let method = methods::find(&self.method)?;
-        let mut values = self.values.clone();
-        if values.preset == Preset::default() {
-            values.preset = base.values.preset;
-        }
-        methods::check_read(&[method], &Setup { values, ..base.clone() })?;
+        methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
         let mut setup = base.clone();
         if self.values.preset != Preset::default() {
             setup.values.preset = self.values.preset;

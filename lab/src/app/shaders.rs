@@ -11,6 +11,7 @@ use crate::study::engine::Last;
 use crate::study::error::Variant;
 use crate::study::shaders::ShadersStudy;
 use clap::Args;
+use std::ffi::OsString;
 
 /// Roughness values whose frames are compiled unless flags say otherwise: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
@@ -37,10 +38,15 @@ pub struct ShadersOptions {
 /// Mesa's variable that names a GPU which need not be there.
 const FAMILY: &str = "RADV_FORCE_FAMILY";
 
+/// The family that the variable names.
+fn family() -> Option<OsString> {
+    std::env::var_os(FAMILY).filter(|family| !family.is_empty())
+}
+
 /// Lists the devices in a process of its own where a family is named: Mesa ends the process that names one which it does not
 /// know.
 fn try_family() -> Result<()> {
-    let Some(family) = std::env::var_os(FAMILY).filter(|family| !family.is_empty()) else { return Ok(()) };
+    let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     match std::process::Command::new(program).arg("devices").output() {
         // A process that a signal ended has no exit status.
@@ -72,10 +78,9 @@ impl StudyOptions for ShadersOptions {
             return Err(Error::Usage(message.into()));
         }
         try_family()?;
-        let named = std::env::var_os(FAMILY).is_some_and(|family| !family.is_empty());
         let opened = Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() });
         opened.map_err(|error| match error {
-            Error::NoDevice(why) if !named => {
+            Error::NoDevice(why) if family().is_none() => {
                 Error::NoDevice(format!("{why}; for Mesa's RADV, {FAMILY}=navi31 names a GPU that need not be there"))
             }
             error => error,

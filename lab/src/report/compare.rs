@@ -92,7 +92,7 @@ fn how(first: &TimeComparison) -> String {
     let bound = percent(how.threshold);
     format!(
         "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
-         where one was measured.\nUNDECIDED: neither; about as many samples as stand behind it may decide. Floor: how far a setting strays from itself. n: samples of A and B.\n\n"
+         where one was measured.\nUNDECIDED: neither; about as many samples as stand behind it may decide.\nn: samples of A and of B.\n\n"
     )
 }
 

@@ -136,8 +136,10 @@ fn page(
             Table::new(
                 "table-5.8",
                 "Table 5.8",
-                "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside those of this device on the atrium, for the \
-                 effect without the scene passes.",
+                &format!(
+                    "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside those of this device on the atrium. {}",
+                    table::about()
+                ),
                 table::cells(&table::compare(&times.table)),
             ),
             Table::new(

@@ -240,7 +240,9 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
          measured here: one by the README's records, and one of this device. Times are of {} x {} pixels, errors and rays of {} x \
          {}. Quotients of times are the same within {:.0} %, quotients of errors within {:.0} %, and shares of rays within {:.1} \
          points. Hits and errors carry over to other devices. Times and their quotients need not: what a stage costs beside \
-         another depends on the device. An error that is other on one view of a quick study may be so by its few reference rays. A number is not comparable where no view here has it, or where another command measures it, which the last column names.",
+         another depends on the device. In a \
+         quick study, an error may be other because its references have few rays. A number is not comparable where no view here has it, \
+         or where another command measures it, which the last column names.",
         TIMED_SIZE[0],
         TIMED_SIZE[1],
         JUDGED_SIZE[0],

@@ -4,7 +4,7 @@ use super::compare::{SEED, shown_drift};
 use super::drift::drift;
 use super::record::TimeRecord;
 use crate::methods::{METHODS, MethodInfo};
-use crate::metrics::bootstrap::{MIN_SAMPLES, Ratio, median_of_ratios};
+use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, Ratio, median_of_ratios};
 use crate::stage::Globals;
 use crate::study::exhibit::distinct;
 use serde::Serialize;
@@ -189,10 +189,15 @@ fn over(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
 
 /// What the table says.
-pub const ABOUT: &str = "Medians of the effect without the scene passes. A quotient measured here is the median over the turns in which \
-    both methods were timed, with the 95 % interval in brackets; fewer than 5 samples decide nothing and have none. Drift is how \
-    much longer the passes of the scene, the same work in each row of a size, took than in the first row: by as much the machine \
-    had changed between the two moments.";
+pub fn about() -> String {
+    format!(
+        "Medians of the effect without the scene passes. A quotient measured here is the median over the turns in which both methods \
+         were timed, with the {} % interval in brackets; fewer than {MIN_SAMPLES} samples have none. Drift is how much longer the \
+         passes of the scene, the same work in each row of a size, took than in the first row: by as much the machine had changed \
+         between the two moments.",
+        100.0 * CONFIDENCE
+    )
+}
 
 /// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
 pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {

@@ -245,7 +245,7 @@ impl Row for TimeRow {
             Beside::Nothing => None,
             Beside::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
-                let about = table_5_8::ABOUT.to_owned();
+                let about = table_5_8::about();
                 Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), about, cells, ..Table::default() })
             }
             Beside::Captions => {

@@ -1,5 +1,6 @@
 //! Verdicts on settings that were timed in turn: each beside the first of its place (docs/definitions.md, "Verdicts").
 
+use crate::metrics::bootstrap::CONFIDENCE;
 use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
 use crate::study::exhibit::Table;
 use crate::study::record::{Head, PassRecord, TimeRecord};
@@ -50,13 +51,19 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
     let title = format!(
         "B beside A, turn by turn; SAME is within ±{bound:.0} %, FASTER and SLOWER beyond it and beyond the noise floor"
     );
-    let about = [ABOUT].into_iter().chain(compare::own_note(&found)).collect::<Vec<_>>().join(" ");
+    let about = [about()].into_iter().chain(compare::own_note(&found).map(str::to_owned)).collect::<Vec<_>>().join(" ");
     let cells = compare::cells(&found, false);
     (!found.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
 }
 
-const ABOUT: &str = "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, \
-    from low to high with 95 % confidence. Floor is how far a setting strays from itself, if it was timed against itself, n the \
-    samples of A and of B, and normals the normal deviation. Drift is how much longer the scene passes, the same work, took in B: \
-    what differs by no more may be the machine's. UNDECIDED is neither: about as many samples as stand behind it may \
-    decide. ssct compare FOLDER compares any two, and shows the parts of passes.";
+/// What the table says.
+fn about() -> String {
+    format!(
+        "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, from low to high \
+         with {} % confidence. Floor is how far a setting strays from itself, if it was timed against itself; n is the samples of A and \
+         of B, and normals the normal deviation. Drift is how much longer the scene passes, the same work, took in B: what differs by \
+         no more may be the machine's. UNDECIDED is neither: about as many samples as stand behind it may decide. ssct compare FOLDER \
+         compares any two, and shows the parts of passes.",
+        100.0 * CONFIDENCE
+    )
+}
