@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars league test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars league test shader-test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
 	clean
 
@@ -60,6 +60,11 @@ league: build
 test: setup
 	$(CARGO) test --package ssct-c --features compile-shaders
 	$(CARGO) test
+
+# The tests of a shader that changed, as they were built last: FILE=shaders-glsl/common/history.glsl, and TESTS names others than
+# those that share a word with it.
+shader-test:
+	@scripts/shader-test.sh "$(FILE)" $(TESTS)
 
 # The same tests beside eight busy loops: no test may depend on how fast a machine is.
 test-busy: setup

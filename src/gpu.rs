@@ -26,6 +26,8 @@ pub mod ray_structure;
 pub mod readback;
 pub mod sampler;
 pub mod shader;
+#[cfg(feature = "reload")]
+pub mod sources;
 pub mod sync;
 pub mod testing;
 pub mod timing;

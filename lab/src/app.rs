@@ -43,6 +43,7 @@ mod video;
 mod view;
 
 use crate::error::Error;
+use crate::gpu::sources;
 use crate::study::names::one_line;
 use clap::FromArgMatches;
 use command::{Cli, Command};
@@ -104,9 +105,18 @@ pub fn program<P: FromArgMatches>(
             };
         }
     };
+    say_other_shaders();
     // What is still in the buffer may fail to be printed, as on a full disk.
     let flushed = || Ok(std::io::stdout().flush()?);
     ended(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
+}
+
+/// Says on standard error that shaders are not those that the program was built with, where a variable names a folder of others.
+fn say_other_shaders() {
+    if let Some(folder) = sources::named() {
+        let folder = printable(&folder.display().to_string());
+        eprintln!("ssct: shaders are compiled from {folder}, which {} names", sources::VARIABLE);
+    }
 }
 
 /// Prints from now on what the variable SSCT_LOG asks for, as `vulkan=warn`; errors alone without it.

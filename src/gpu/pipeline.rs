@@ -457,7 +457,10 @@ struct Module {
 impl Module {
     fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
         #[cfg(feature = "reload")]
-        let replaced = gpu.shared().replaced_shaders.get(shader.name);
+        let replaced = match gpu.shared().replaced_shaders.get(shader.name) {
+            Some(code) => Some(code),
+            None => super::sources::code(shader)?,
+        };
         #[cfg(not(feature = "reload"))]
         let replaced: Option<std::sync::Arc<[u8]>> = None;
         let words = ash::util::read_spv(&mut std::io::Cursor::new(replaced.as_deref().unwrap_or(shader.spirv)))

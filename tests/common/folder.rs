@@ -63,7 +63,10 @@ impl Folder {
     }
 }
 
-/// Whether a line of standard error says which methods are left out of a scene.
+/// Whether a line of standard error says which methods are left out of a scene, or that `SSCT_SHADERS` names shaders.
 pub fn is_notice(line: &str) -> bool {
+    if line.starts_with("ssct: shaders are compiled from ") {
+        return std::env::var_os("SSCT_SHADERS").is_some();
+    }
     line.starts_with("ssct: scene ") && line.contains("; left out, as they would show nothing: ")
 }

@@ -2,7 +2,9 @@
 //! compared. `tests/alone/compiled.rs` has the numbers themselves.
 
 use crate::common::folder::Folder;
+use crate::common::repository;
 use serde_json::{Value, json};
+use ssct::gpu::glsl;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -122,4 +124,48 @@ fn two_runs_are_compared_by_frames_and_by_programs() {
     folder.write("b/shaders.json", "[{}]");
     let output = folder.run(&["compare", "a", "b"]);
     assert!(output.status.code() == Some(1) && said(&output).contains("b/shaders.json: holds other records"));
+}
+
+/// A copy of the shaders in a folder, with a text of one of them replaced by another.
+fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
+    let sources = repository().join("shaders-glsl");
+    for path in glsl::files(&sources, &["vert", "frag", "comp", "glsl"]).unwrap() {
+        let copy = folder.path("shaders").join(path.strip_prefix(&sources).unwrap());
+        std::fs::create_dir_all(copy.parent().unwrap()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let is_it = path.ends_with(file);
+        assert!(!is_it || text.contains(from), "{file}: {from}");
+        std::fs::write(copy, if is_it { text.replace(from, to) } else { text }).unwrap();
+    }
+}
+
+#[test]
+fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
+    let folder = Folder::new();
+    let run = |arguments: &[&str], shaders: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
+        command.args(arguments).current_dir(folder.root()).env("SSCT_SHADERS", folder.path(shaders));
+        let output = command.output().unwrap();
+        (output.status.code(), said(&output), output.stdout)
+    };
+    let render = ["render", "--method", "ssct", "--size", "16x9", "-o", "out.png"];
+    changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
+    let (status, text, _) = run(&render, "shaders");
+    assert_eq!((status, text.lines().count()), (Some(0), 1), "{text}");
+    assert!(text.contains("shaders are compiled from ") && text.contains("SSCT_SHADERS"), "{text}");
+    assert!(folder.image("out.png").pixels().all(|p| p.0 == [255, 0, 0]));
+    let time = ["time", "--method", "ssct", "--size", "16x9", "--samples", "2", "--json"];
+    let (status, text, records) = run(&time, "shaders");
+    assert_eq!(status, Some(0), "{text}");
+    let records: Vec<Value> = serde_json::from_slice(&records).unwrap();
+    assert!(records[0]["commit"].as_str().unwrap().ends_with(" with other shaders"), "{}", records[0]["commit"]);
+
+    changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(color, nonsense)");
+    let (status, text, _) = run(&render, "shaders");
+    assert!(status == Some(2) && text.contains("composite.frag:") && text.contains("nonsense"), "{text}");
+    changed_shaders(&folder, "common/composite.frag", "layout(binding = 2)", "layout(binding = 3)");
+    let (status, text, _) = run(&render, "shaders");
+    assert!(status == Some(2) && text.contains("its bindings changed, so the program must be built again"), "{text}");
+    let (status, text, _) = run(&render, "none");
+    assert!(status == Some(2) && text.contains("SSCT_SHADERS") && text.contains("there are no shaders"), "{text}");
 }

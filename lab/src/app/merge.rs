@@ -72,7 +72,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
 
 /// Refuses runs of another program than this one, which the page names as theirs. Merged runs are all of one program.
 fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
-    let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
+    let (version, commit) = (Provenance::VERSION, Provenance::commit());
     if cells.version == version && cells.commit == commit {
         return Ok(());
     }

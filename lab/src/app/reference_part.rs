@@ -63,7 +63,7 @@ impl ReferencePart {
         Self {
             definitions: DEFINITIONS,
             version: Provenance::VERSION.to_owned(),
-            commit: Provenance::COMMIT.to_owned(),
+            commit: Provenance::commit(),
             command: command_line(),
             scene: scene.name.clone(),
             view: view.name.clone(),

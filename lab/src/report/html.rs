@@ -177,7 +177,7 @@ fn page_header(
                         dd { (device_text(d)) }
                     }
                     dt { "Provenance" }
-                    dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::COMMIT) } ", definitions " (definitions) }
+                    dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::commit()) } ", definitions " (definitions) }
                     dt { "Command" }
                     dd { code { (command) } }
                 }

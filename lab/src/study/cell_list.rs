@@ -107,7 +107,7 @@ impl CellList {
             kind: kind.to_owned(),
             definitions,
             version: Provenance::VERSION.to_owned(),
-            commit: Provenance::COMMIT.to_owned(),
+            commit: Provenance::commit(),
             command,
             shard,
             settings,

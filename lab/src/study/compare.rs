@@ -62,7 +62,7 @@ pub struct CompareHead {
     /// Version of this program.
     pub version: &'static str,
     /// Commit of the program's source.
-    pub commit: &'static str,
+    pub commit: String,
     /// The first, what is compared with.
     pub a: String,
     /// The second.
@@ -71,7 +71,7 @@ pub struct CompareHead {
 
 impl CompareHead {
     fn new(kind: &'static str, a: &str, b: &str) -> Self {
-        let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
+        let (version, commit) = (Provenance::VERSION, Provenance::commit());
         Self { kind, definitions: DEFINITIONS, version, commit, a: a.to_owned(), b: b.to_owned() }
     }
 }

@@ -86,14 +86,20 @@ impl Provenance {
     /// This program's version.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     /// The commit it was built from.
-    pub const COMMIT: &'static str = env!("SSCT_COMMIT");
+    const COMMIT: &'static str = env!("SSCT_COMMIT");
+
+    /// The commit that the program was built from, and whether its shaders are others than those of that commit.
+    pub fn commit() -> String {
+        let others = crate::gpu::sources::named().map_or("", |_| " with other shaders");
+        format!("{}{others}", Self::COMMIT)
+    }
 
     /// This program on a device.
     pub fn on(gpu: &Gpu) -> Self {
         Self {
             definitions: DEFINITIONS,
             version: Self::VERSION.to_owned(),
-            commit: Self::COMMIT.to_owned(),
+            commit: Self::commit(),
             device: gpu.info().clone(),
         }
     }

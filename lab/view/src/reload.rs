@@ -2,11 +2,10 @@
 //! includes changes, and rejected if it no longer fits the program. The caller then keeps the last good
 //! pipeline.
 
-use crate::error::{Error, Result};
-use crate::gpu::glsl;
-use crate::gpu::interface::Interface;
+use crate::error::Result;
 use crate::gpu::programs::ALL;
 use crate::gpu::shader::Shader;
+use crate::gpu::sources::{Sources, fits};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +29,7 @@ pub struct ShaderWatch {
     sources: HashMap<&'static str, Vec<PathBuf>>,
     /// The result of each shader's last compilation.
     last: HashMap<&'static str, std::result::Result<Arc<[u8]>, String>>,
-    compiler: shaderc::Compiler,
+    compiled_from: Sources,
 }
 
 /// Modification time and length of a file; it changes whenever the file is written.
@@ -42,13 +41,9 @@ impl ShaderWatch {
     /// # Errors
     /// [`Error::Usage`] if the folder contains no shaders.
     pub fn new(root: &Path) -> Result<Self> {
-        let seen = stamps(root);
-        if seen.is_empty() {
-            return Err(Error::Usage(format!("--shaders {}: there are no shaders", root.display())));
-        }
-        let compiler = shaderc::Compiler::new()
-            .map_err(|e| Error::Usage(format!("--shaders: the compiler cannot be started: {e}")))?;
-        Ok(Self { root: root.to_path_buf(), seen, sources: HashMap::new(), last: HashMap::new(), compiler })
+        let compiled_from = Sources::open(root, "--shaders")?;
+        let (sources, last) = (HashMap::new(), HashMap::new());
+        Ok(Self { root: root.to_path_buf(), seen: stamps(root), sources, last, compiled_from })
     }
 
     /// Compiles the shaders that changed since the last scan.
@@ -80,8 +75,7 @@ impl ShaderWatch {
     }
 
     fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
-        let path = self.root.join(shader.file);
-        match glsl::compile(&self.compiler, &self.root, &path, shader.defines) {
+        match self.compiled_from.compile(shader) {
             Ok(compiled) => {
                 self.sources.insert(shader.name, compiled.files);
                 fits(shader, &compiled.words)?;
@@ -112,29 +106,6 @@ impl ShaderWatch {
         });
         receiver
     }
-}
-
-/// Checks that bindings and blocks equal those that the program was built with.
-fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
-    let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
-    let (built, now) = (Interface::of(&built, shader.name)?, Interface::of(words, shader.name)?);
-    if built == now {
-        return Ok(());
-    }
-    let what = if built.bindings != now.bindings {
-        "its bindings"
-    } else if built.blocks != now.blocks || built.push != now.push {
-        "a uniform or push-constant block"
-    } else if built.outputs != now.outputs {
-        "its outputs"
-    } else if built.constants != now.constants {
-        "its specialization constants"
-    } else if built.formats != now.formats {
-        "the format of an image"
-    } else {
-        "its workgroup size"
-    };
-    Err(format!("{}: {what} changed, so the program must be built again", shader.name))
 }
 
 /// The stamps of all files below a folder.

@@ -1,0 +1,100 @@
+//! Shaders compiled anew while the program runs: from the folder that a window watches, or from the one that the variable
+//! `SSCT_SHADERS` names, so that a change to a shader can be tried without building the program.
+
+use super::glsl::{self, Compiled};
+use super::interface::Interface;
+use super::programs::ALL;
+use super::shader::Shader;
+use crate::error::{Error, Result};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The variable that names a folder of sources.
+pub const VARIABLE: &str = "SSCT_SHADERS";
+
+/// A folder of sources, and their compiler.
+pub struct Sources {
+    root: PathBuf,
+    compiler: shaderc::Compiler,
+}
+
+impl Sources {
+    /// Opens a folder; `flag` is what named it, for the errors.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there are no shaders in it.
+    pub fn open(root: &Path, flag: &str) -> Result<Self> {
+        if !glsl::stages(root).is_ok_and(|stages| !stages.is_empty()) {
+            return Err(Error::Usage(format!("{flag} {}: there are no shaders", root.display())));
+        }
+        let compiler = shaderc::Compiler::new()
+            .map_err(|e| Error::Usage(format!("{flag}: the compiler cannot be started: {e}")))?;
+        Ok(Self { root: root.to_path_buf(), compiler })
+    }
+
+    /// Compiles a shader. Whether it [`fits`] is not asked.
+    ///
+    /// # Errors
+    /// The compiler's message, which names file and line.
+    pub fn compile(&self, shader: &Shader) -> std::result::Result<Compiled, String> {
+        glsl::compile(&self.compiler, &self.root, &self.root.join(shader.file), shader.defines)
+    }
+}
+
+/// Checks that bindings and blocks equal those that the program was built with.
+///
+/// # Errors
+/// A sentence on what differs.
+pub fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
+    let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+    let (built, now) = (Interface::of(&built, shader.name)?, Interface::of(words, shader.name)?);
+    if built == now {
+        return Ok(());
+    }
+    let what = if built.bindings != now.bindings {
+        "its bindings"
+    } else if built.blocks != now.blocks || built.push != now.push {
+        "a uniform or push-constant block"
+    } else if built.outputs != now.outputs {
+        "its outputs"
+    } else if built.constants != now.constants {
+        "its specialization constants"
+    } else if built.formats != now.formats {
+        "the format of an image"
+    } else {
+        "its workgroup size"
+    };
+    Err(format!("{}: {what} changed, so the program must be built again", shader.name))
+}
+
+/// The folder that [`VARIABLE`] names, if it names one.
+pub fn named() -> Option<PathBuf> {
+    std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from)
+}
+
+/// The code of one of the program's own shaders, compiled from the folder that [`VARIABLE`] names; none without that variable.
+/// Each is compiled once, whatever changes meanwhile.
+///
+/// # Errors
+/// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile or no longer fits.
+pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
+    type Compiling = (Sources, HashMap<&'static str, Arc<[u8]>>);
+    static COMPILING: OnceLock<Option<Mutex<Option<Compiling>>>> = OnceLock::new();
+    let Some(compiling) = COMPILING.get_or_init(|| named().map(|_| Mutex::default())) else { return Ok(None) };
+    // Methods of users have shaders of their own.
+    let Some(folder) = named().filter(|_| ALL.iter().any(|own| own.name == shader.name)) else { return Ok(None) };
+    let mut compiling = compiling.lock().unwrap_or_else(PoisonError::into_inner);
+    let (sources, compiled) = match &mut *compiling {
+        Some(open) => open,
+        none => none.insert((Sources::open(&folder, VARIABLE)?, HashMap::new())),
+    };
+    if let Some(code) = compiled.get(shader.name) {
+        return Ok(Some(Arc::clone(code)));
+    }
+    let made = sources.compile(shader).map_err(Error::Usage)?;
+    fits(shader, &made.words).map_err(Error::Usage)?;
+    let code: Arc<[u8]> = made.words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    compiled.insert(shader.name, Arc::clone(&code));
+    Ok(Some(code))
+}
