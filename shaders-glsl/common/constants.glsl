@@ -138,6 +138,7 @@ const float GAUSSIAN_3 = 0.002;   // Three taps away.
 
 const int MAX_LIGHTS = 16;        // The most lights that a scene can have.
 const int MOST_MOVERS = 8;         // The most things that move from frame to frame whose reflections a history follows.
+const float BEYOND = 10.0;         // Pixels outside of the image to where a history moves what was seen further away.
 const int MAX_AREA_LIGHTS = 16;   // The most area lights that `area-light` takes.
 const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ibr` take.
 

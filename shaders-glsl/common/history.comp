@@ -10,7 +10,7 @@ layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba32ui) uniform writeonly uimage2D guide_image;
 layout(binding = 13, rgba16f) uniform writeonly image2D color_image; // any image of this format without COMPOSITE
 
-shared Block blocks[GROUP_SIDE * GROUP_SIDE];
+shared Sums sums[GROUP_SIDE * GROUP_SIDE];
 
 // The sum of a value and its neighbour's, rounded as fragment shaders sum by differences (history.frag).
 vec4 Both(vec4 own, vec4 other, float outward) {
@@ -19,26 +19,35 @@ vec4 Both(vec4 own, vec4 other, float outward) {
     return sum;
 }
 
-Block WithNeighbour(Block own, int beside, float outward) {
-    int at = int(gl_LocalInvocationIndex);
-    blocks[at] = own;
+Sums WithNeighbour(Sums own, int offset, float outward) {
+    int index = int(gl_LocalInvocationIndex);
+    sums[index] = own;
     barrier();
-    Block other = blocks[at - int(outward) * beside];
+    Sums other = sums[index - int(outward) * offset];
     barrier();
-    vec4 count = Both(vec4(own.count), vec4(other.count), outward);
-    return Block(Both(own.ends, other.ends, outward), Both(own.movers, other.movers, outward),
-        Both(own.sum, other.sum, outward), Both(own.squares, other.squares, outward), count.x);
+    return Sums(Both(own.first, other.first, outward), Both(own.second, other.second, outward));
 }
 
-Block OverBlock(ivec2 pixel, Block own) {
+Sums OverBlock(ivec2 pixel, Sums own) {
     vec2 outward = OutwardOf(pixel);
     return WithNeighbour(WithNeighbour(own, 1, outward.x), GROUP_SIDE, outward.y);
+}
+
+// The barriers keep a compiler from holding the values in registers after all. Nobody else reads them.
+void SetAside(Sums values) {
+    sums[gl_LocalInvocationIndex] = values;
+    memoryBarrierShared();
+}
+
+Sums TakenBack() {
+    memoryBarrierShared();
+    return sums[gl_LocalInvocationIndex];
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     Averaged averaged = Average(pixel);
-    if (any(greaterThanEqual(pixel, ivec2(history.resolution))))
+    if (any(greaterThanEqual(pixel, history.size)))
         return;
     imageStore(reflection_image, pixel, averaged.reflection);
     imageStore(guide_image, pixel, averaged.guide);

@@ -16,9 +16,18 @@ vec4 OverBlock(ivec2 pixel, vec4 v) {
     return all;
 }
 
-Block OverBlock(ivec2 pixel, Block own) {
-    return Block(OverBlock(pixel, own.ends), OverBlock(pixel, own.movers), OverBlock(pixel, own.sum),
-        OverBlock(pixel, own.squares), OverBlock(pixel, vec4(own.count)).x);
+Sums OverBlock(ivec2 pixel, Sums own) {
+    return Sums(OverBlock(pixel, own.first), OverBlock(pixel, own.second));
+}
+
+Sums set_aside;
+
+void SetAside(Sums values) {
+    set_aside = values;
+}
+
+Sums TakenBack() {
+    return set_aside;
 }
 
 void main() {

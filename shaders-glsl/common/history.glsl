@@ -8,6 +8,9 @@
 #ifndef COMMON_HISTORY_GLSL
 #define COMMON_HISTORY_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
+#include "common/constants.glsl"
 #include "common/lobe.glsl"
 #include "common/octahedral.glsl"
 #include "common/sight.glsl"
@@ -27,6 +30,8 @@ layout(std140, binding = 0) uniform HistoryBlock {
     mat4 view_to_clip_before; // of the frame before, reversed depth
     mat4 clip_to_view_before;
     vec2 resolution;          // pixels
+    ivec2 size;               // the same
+    vec2 beyond;              // BEYOND pixels outside of the last corner
     float unit;               // metres to one unit of a distance
     float frames;             // that are averaged at most while the camera moves
     float most;               // that are averaged at most now
@@ -169,23 +174,23 @@ struct Sought {
     float power;   // of its lobe
 };
 
-bool IsOn(ivec2 at) {
-    return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(history.resolution)));
+bool IsOn(ivec2 pixel) {
+    return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, history.size));
 }
 
 // Whether a pixel of the frame before, whose point is `there`, showed the surface that is sought.
-bool ShowsSurface(ivec2 at, Guide guide, vec3 there, Sought sought) {
+bool ShowsSurface(ivec2 pixel, Guide guide, vec3 there, Sought sought) {
     float off = abs(dot(there - sought.surface, sought.normal));
     bool same_plane = off < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
     float facing = dot(guide.normal, sought.normal), squared = dot(guide.normal, guide.normal);
     bool same_normal = facing * abs(facing) > SAME_NORMAL * SAME_NORMAL * squared;
-    return guide.age > 0.0 && same_plane && same_normal && IsOn(at);
+    return guide.age > 0.0 && same_plane && same_normal && IsOn(pixel);
 }
 
 // How much of what a pixel of the frame before showed is what is sought, and how far its average points past that.
-float Agrees(ivec2 at, Guide guide, Sought sought, out Lag lag) {
-    vec3 there = Unproject(history.clip_to_view_before, vec2(at) + 0.5, guide.depth);
-    float agrees = ShowsSurface(at, guide, there, sought) ? 1.0 : 0.0;
+float Agrees(ivec2 pixel, Guide guide, Sought sought, out Lag lag) {
+    vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
+    float agrees = ShowsSurface(pixel, guide, there, sought) ? 1.0 : 0.0;
     vec3 to = sought.end - there;
     vec3 mirrored = MirrorDirection(Sight(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
@@ -202,14 +207,14 @@ float Agrees(ivec2 at, Guide guide, Sought sought, out Lag lag) {
     return sought.inverse > 0.0 ? agrees * known : agrees;
 }
 
-Guide GuideAt(ivec2 at) {
-    return Unpack(imageLoad(guide_before, clamp(at, ivec2(0), ivec2(history.resolution) - 1)));
+Guide GuideAt(ivec2 pixel) {
+    return Unpack(imageLoad(guide_before, clamp(pixel, ivec2(0), history.size - 1)));
 }
 
 float AgreesAt(vec2 position, Sought sought) {
-    ivec2 at = ivec2(floor(position));
+    ivec2 pixel = ivec2(floor(position));
     Lag lag;
-    return Agrees(at, GuideAt(at), sought, lag);
+    return Agrees(pixel, GuideAt(pixel), sought, lag);
 }
 
 // A history that was found.
@@ -227,19 +232,26 @@ Found At(vec2 position, Sought sought) {
     position -= 0.5;
     vec2 first = floor(position), part = position - first;
     Found found = NOTHING;
-    for (int i = 0; i < 4; ++i) {
+    // Colours are loaded once nothing else is needed of the guides.
+    vec4 weights = vec4(0.0);
+    [[dont_unroll]] for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 at = ivec2(first) + next;
+        ivec2 pixel = ivec2(first) + next;
         vec2 near = mix(1.0 - part, part, vec2(next));
-        Guide guide = GuideAt(at);
+        Guide guide = GuideAt(pixel);
         Lag lag;
-        float weight = near.x * near.y * Agrees(at, guide, sought, lag);
-        vec4 color = imageLoad(color_before, clamp(at, ivec2(0), ivec2(history.resolution) - 1));
-        found.color += weight * Linear(color);
+        float weight = near.x * near.y * Agrees(pixel, guide, sought, lag);
         found.age += weight * guide.age;
         found.agreement += weight;
         found.lag.mean += weight * lag.mean;
         found.lag.square += weight * lag.square;
+        weights = mix(weights, vec4(weight), equal(ivec4(i), ivec4(0, 1, 2, 3)));
+    }
+    [[dont_unroll]] for (int i = 0; i < 4; ++i) {
+        ivec2 pixel = ivec2(first) + ivec2(i & 1, i >> 1);
+        vec2 of_row = i < 2 ? weights.xy : weights.zw;
+        vec4 color = imageLoad(color_before, clamp(pixel, ivec2(0), history.size - 1));
+        found.color += ((i & 1) == 0 ? of_row.x : of_row.y) * Linear(color);
     }
     float whole = found.agreement;
     Lag lag = Lag(found.lag.mean / whole, found.lag.square / whole);
@@ -250,7 +262,7 @@ Found At(vec2 position, Sought sought) {
 vec2 PositionBy(mat4 view_to_clip, vec3 seen) {
     vec4 clip = view_to_clip * vec4(seen, 1.0);
     vec2 position = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * history.resolution;
-    return clip.w > 0.0 ? clamp(position, vec2(-10.0), history.resolution + 10.0) : vec2(-10.0);
+    return clip.w > 0.0 ? clamp(position, vec2(-BEYOND), history.beyond) : vec2(-BEYOND);
 }
 
 // Where a point was seen in the frame before.
@@ -266,12 +278,12 @@ vec2 InPlane(vec3 point, vec3 normal, Sought sought) {
 
 // From a pixel of the frame before to where the plane that touches the surface there would have mirrored what is sought. False where
 // the pixel showed another surface.
-bool WayFrom(ivec2 at, Sought sought, out vec2 way) {
-    Guide guide = GuideAt(at);
-    vec2 middle = vec2(at) + 0.5;
+bool WayFrom(ivec2 pixel, Sought sought, out vec2 way) {
+    Guide guide = GuideAt(pixel);
+    vec2 middle = vec2(pixel) + 0.5;
     vec3 there = Unproject(history.clip_to_view_before, middle, guide.depth);
     way = InPlane(there, guide.normal, sought) - middle;
-    return ShowsSurface(at, guide, there, sought);
+    return ShowsSurface(pixel, guide, there, sought);
 }
 
 // Where a mirror showed what is sought, curved or not: at the place whose own plane leads back to it. From `on_surface`, the plane
@@ -279,21 +291,23 @@ bool WayFrom(ivec2 at, Sought sought, out vec2 way) {
 // ends where no way is left. Where the pixels around tell of no such change, as where a map turns the normals, it is `in_plane`.
 vec2 InMirror(vec2 on_surface, vec2 in_plane, Sought sought) {
     vec2 way = in_plane - on_surface;
-    ivec2 at = ivec2(floor(on_surface));
-    mat2 change; // of the way, for each pixel along x and along y
-    vec2 likely[2];
+    ivec2 pixel = ivec2(floor(on_surface));
+    vec4 sums = vec4(0.0), differences = vec4(0.0); // of the ways from both pixels along x, and along y
     bool same = true;
-    for (int i = 0; i < 2; ++i) {
-        ivec2 beside = i == 0 ? ivec2(BESIDE, 0) : ivec2(0, BESIDE);
-        vec2 before, behind;
-        bool shows_before = WayFrom(at - beside, sought, before), shows_behind = WayFrom(at + beside, sought, behind);
-        same = same && shows_before && shows_behind;
-        change[i] = (behind - before) / float(2 * BESIDE);
-        likely[i] = 0.5 * (before + behind);
+    [[dont_unroll]] for (int i = 0; i < 4; ++i) {
+        bool is_along_y = i > 1, is_behind = (i & 1) == 1;
+        int offset = is_behind ? BESIDE : -BESIDE;
+        vec2 from;
+        bool shows = WayFrom(pixel + (is_along_y ? ivec2(0, offset) : ivec2(offset, 0)), sought, from);
+        same = same && shows;
+        vec4 own = is_along_y ? vec4(0.0, 0.0, from) : vec4(from, 0.0, 0.0);
+        sums += own;
+        differences += is_behind ? own : -own;
     }
+    mat2 change = mat2(differences / float(2 * BESIDE)); // of the way, for each pixel along x and along y
     // Where the way changes evenly, both pairs say what it is here.
-    vec2 more = change * (on_surface - vec2(at) - 0.5);
-    float off = max(distance(likely[0] + more, way), distance(likely[1] + more, way));
+    vec2 more = change * (on_surface - vec2(pixel) - 0.5);
+    float off = max(distance(0.5 * sums.xy + more, way), distance(0.5 * sums.zw + more, way));
     float shortens = determinant(change);
     bool is_even = same && off < UNEVEN * max(length(way), 1.0) && shortens > LEAST_SHORTENING;
     vec2 solved = vec2(change[1].x * way.y - change[1].y * way.x, change[0].y * way.x - change[0].x * way.y);
@@ -324,9 +338,9 @@ vec3 Before(vec3 v, float w, int mover) {
 vec3 Moved(vec2 seen, ivec2 pixel, vec3 still) {
     vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
     float beside = distance(seen + way, Position(still));
-    vec2 before = clamp(seen + way, vec2(-10.0), history.resolution + 10.0);
-    ivec2 at = ivec2(floor(before));
-    float kept = IsOn(at) ? GuideAt(at).depth : 0.0;
+    vec2 before = clamp(seen + way, vec2(-BEYOND), history.beyond);
+    ivec2 shows = ivec2(floor(before));
+    float kept = IsOn(shows) ? GuideAt(shows).depth : 0.0;
     float shown = kept > 0.0 ? Unproject(history.clip_to_view_before, before, kept).z : still.z;
     float reach = SAME_DEPTH * Reach(still.z, history.clip_to_view_before);
     float z = clamp(shown, still.z - reach, still.z + reach);
@@ -340,11 +354,11 @@ vec3 Moved(vec2 seen, ivec2 pixel, vec3 still) {
 // Where a reflected point was that may be of a thing that moves. The caller knows the motion of what the screen shows.
 vec3 MovedEnd(vec3 end, vec3 still) {
     vec2 seen = PositionBy(history.view_to_clip, end);
-    ivec2 at = ivec2(floor(seen));
-    ivec2 inside = clamp(at, ivec2(0), ivec2(history.resolution) - 1);
+    ivec2 pixel = ivec2(floor(seen));
+    ivec2 inside = clamp(pixel, ivec2(0), history.size - 1);
     float depth = texelFetch(depth_buffer, inside, 0).r;
     float z = Unproject(history.clip_to_view, seen, depth).z;
-    bool is_shown = IsOn(at) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
+    bool is_shown = IsOn(pixel) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
     return is_shown ? Moved(seen, inside, still) : still;
 }
 
@@ -352,17 +366,18 @@ uint TriangleAt(ivec2 pixel) {
     return imageLoad(triangle_buffer, min(pixel, imageSize(triangle_buffer) - 1)).x;
 }
 
-// What a pixel adds to the sums over its block of 2 x 2, or these sums.
-struct Block {
-    vec4 ends;    // inverse distances to what rays met, and how many: what stands still, and what moves
-    vec4 movers;  // their numbers, and how many
-    vec4 sum;     // Linear, of pixels that reflect
-    vec4 squares;
-    float count;
+// What a pixel adds to two sums over its block of 2 x 2, or these sums.
+struct Sums {
+    vec4 first;
+    vec4 second;
 };
 
-// The sum over the pixels of a block. The stage has it; every pixel of a block asks for it.
-Block OverBlock(ivec2 pixel, Block own);
+// The sums over the pixels of a block. The stage has it; every pixel of a block asks for it.
+Sums OverBlock(ivec2 pixel, Sums own);
+
+// Keeps what a pixel needs at the end, while the search for its history needs the registers. The stage has both.
+void SetAside(Sums values);
+Sums TakenBack();
 
 // From a block's pixel to the outside of the block, along each axis: 1 or -1.
 vec2 OutwardOf(ivec2 pixel) {
@@ -375,23 +390,24 @@ struct Ends {
     int mover;  // that most of them met; -1 for what stands still
 };
 
-// What the ray of a pixel met, for the sums over its block; `eye` is how far the pixel's point is from the eye. Means are of
-// inverse distances, by which images move.
-void TellEnds(ivec2 pixel, bool is_wide, float eye, inout Block own) {
+// What the ray of a pixel met, for the sums over its block; `eye` is how far the pixel's point is from the eye, negative if it does
+// not reflect. First come inverse distances, by which images move, and how many: to what stands still, and to what moves. Second are
+// the numbers of the movers, how many, and how many pixels reflect.
+Sums HitsOf(ivec2 pixel, bool is_wide, float eye) {
     // The ray of a wide lobe is its cell's, so that the pixels of a block ask four cells.
-    ivec2 at = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
-    uvec2 told = imageLoad(ends_image, min(at, ivec2(history.resolution) - 1)).xy;
+    ivec2 asked = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
+    uvec2 told = imageLoad(ends_image, min(asked, history.size - 1)).xy;
     float away = eye >= 0.0 && history.has_ends != 0 ? uintBitsToFloat(told.x) * history.unit : 0.0;
-    int of = MoverOf(told.y);
+    int mover = MoverOf(told.y);
     vec2 one = away > 0.0 ? vec2(1.0 / (eye + away), 1.0) : vec2(0.0);
-    own.ends = of < 0 ? vec4(one, 0.0, 0.0) : vec4(0.0, 0.0, one);
-    own.movers = of < 0 ? vec4(0.0) : vec4(float(of), 1.0, 0.0, 0.0);
+    vec4 hits = mover < 0 ? vec4(one, 0.0, 0.0) : vec4(0.0, 0.0, one);
+    return Sums(hits, vec4(mover < 0 ? vec2(0.0) : vec2(float(mover), 1.0), eye >= 0.0 ? 1.0 : 0.0, 0.0));
 }
 
-Ends EndsAround(Block block, float eye) {
-    bool moves = block.ends.w > block.ends.y;
-    vec2 counted = moves ? block.ends.zw : block.ends.xy;
-    int mover = moves ? int(block.movers.x / max(block.movers.y, 1.0) + 0.5) : -1;
+Ends EndsAround(Sums hits, float eye) {
+    bool moves = hits.first.w > hits.first.y;
+    vec2 counted = moves ? hits.first.zw : hits.first.xy;
+    int mover = moves ? int(hits.second.x / max(hits.second.y, 1.0) + 0.5) : -1;
     return Ends(counted.y > 0.5 ? counted.y / counted.x - eye : 0.0, mover);
 }
 
@@ -402,8 +418,7 @@ float FramesWithin(float lag, float most) {
 
 // A pixel, which may stand beyond the border of the image with others of its block.
 Averaged Average(ivec2 pixel) {
-    ivec2 inside = min(pixel, ivec2(history.resolution) - 1);
-    vec4 alone = imageLoad(reflection_buffer, inside);
+    ivec2 inside = min(pixel, history.size - 1);
     float depth = texelFetch(depth_buffer, inside, 0).r;
     vec2 material = imageLoad(material_buffer, inside).rg;
     vec3 normal = texelFetch(normal_buffer, inside, 0).xyz;
@@ -412,15 +427,9 @@ Averaged Average(ivec2 pixel) {
     normal *= inversesqrt(max(squared, 1e-30));
     vec3 point = Unproject(history.clip_to_view, vec2(pixel) + 0.5, depth);
     float eye = ORTHOGRAPHIC ? 0.0 : length(point);
-    // What the pixels of the block show.
-    vec4 now = Linear(alone);
-    Block block;
-    TellEnds(pixel, material.g > WIDE_ABOVE, reflects ? eye : -1.0, block);
-    block.sum = reflects ? now : vec4(0.0);
-    block.squares = block.sum * block.sum;
-    block.count = reflects ? 1.0 : 0.0;
-    block = OverBlock(pixel, block);
-    Ends ends = EndsAround(block, reflects ? eye : -1.0);
+    Sums hits = OverBlock(pixel, HitsOf(pixel, material.g > WIDE_ABOVE, reflects ? eye : -1.0));
+    Ends ends = EndsAround(hits, reflects ? eye : -1.0);
+    float count = max(hits.second.z, 1.0);
 
     Sought sought;
     int own = MoverOf(TriangleAt(inside));
@@ -440,6 +449,7 @@ Averaged Average(ivec2 pixel) {
     // Where nothing moves, what is reflected is what it was.
     bool may_differ = known && (history.rests == 0 || history.may_move != 0);
     sought.inverse = may_differ ? 1.0 / (eye_before + distance(sought.surface, sought.end)) : 0.0;
+    SetAside(Sums(vec4(normal, depth), vec4(mirrored, inverse)));
     // On the surface itself, where nothing is known of what it reflects, or the mirror agrees less.
     vec2 place = Position(sought.surface);
     if (may_differ) {
@@ -448,28 +458,35 @@ Averaged Average(ivec2 pixel) {
     }
     Found found = At(place, sought);
 
+    Sums own_values = TakenBack();
+    // What the pixels of the block show.
+    vec4 alone = imageLoad(reflection_buffer, inside);
+    vec4 now = Linear(alone);
+    vec4 own_sum = reflects ? now : vec4(0.0);
+    Sums shows = OverBlock(pixel, Sums(own_sum, own_sum * own_sum));
     uint print = Alone(alone);
     uvec4 kept = imageLoad(guide_before, inside);
     bool stays = history.repeats != 0 && kept.z != 0u && (kept.w & ~255u) == print;
     // What changed by itself is not what it was.
     bool is_new = history.begins != 0 || (history.repeats != 0 && history.may_move == 0);
     float age = is_new ? 0.0 : found.age * found.agreement;
-    vec4 mean = block.sum / max(block.count, 1.0);
+    vec4 mean = shows.first / count;
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
-    vec4 reach = most * sqrt(max(block.squares / max(block.count, 1.0) - mean * mean, vec4(0.0)));
+    vec4 reach = most * sqrt(max(shows.second / count - mean * mean, vec4(0.0)));
     // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
     vec4 before = clamp(found.color, min(mean - reach, now), max(mean + reach, now));
     float within = min(FramesWithin(length(found.lag.mean), MOST_LAG), FramesWithin(found.lag.square, MOST_SQUARE));
     age = min(age + 1.0, within);
     // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
     bool is_whole = history.rests > 1 && history.may_move == 0 && !is_new && found.age > history.frames - 0.5;
-    float part = is_whole ? 0.0 : 1.0 / age;
+    float part = is_whole ? 0.0 : 1.0 / age, left = 1.0 - part;
     vec4 mixed = FromLinear(mix(before, now, part));
     vec3 lag = found.lag.mean * mat3(history.view_to_view_before);
     vec4 shown = stays ? imageLoad(color_before, inside) : age > 1.0 ? mixed : alone;
     Averaged averaged;
     averaged.reflection = reflects ? shown : alone;
-    Guide guide = Guide(depth, normal, age, inverse, (1.0 - part) * lag * Tangents(mirrored), (1.0 - part) * found.lag.square);
+    vec2 across = left * lag * Tangents(own_values.second.xyz);
+    Guide guide = Guide(own_values.first.w, own_values.first.xyz, age, own_values.second.w, across, left * found.lag.square);
     averaged.guide = !reflects ? uvec4(0u) : stays ? kept : Pack(guide, print);
     averaged.color = vec4(0.0);
     if (COMPOSITE) {

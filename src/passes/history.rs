@@ -5,7 +5,7 @@ use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::{HistoryBlock, MoverData};
 use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, ShaderStage, Target, programs};
-use crate::math::constants::{MOST_MOVERS, NO_TRIANGLE};
+use crate::math::constants::{BEYOND, MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
 use crate::scene::{Camera, Projection, ProjectionKind};
 use ash::vk;
@@ -300,6 +300,8 @@ impl HistoryPass {
             view_to_clip_before: array(clip_before),
             clip_to_view_before: array(clip_before.inverse()),
             resolution: extent.map(|v| v as f32),
+            size: extent.map(|v| v as i32),
+            beyond: extent.map(|v| v as f32 + BEYOND as f32),
             unit: unit(camera),
             frames: self.averaged as f32,
             deviations: self.deviations,
