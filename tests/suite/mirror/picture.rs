@@ -1,7 +1,9 @@
 //! The picture as a whole: which way round it is, what options change in it and what they don't, sky and windows.
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
-use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, show_with, unfaded, window};
+use crate::common::{
+    Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, share_of_roundings, show, show_with, unfaded, window,
+};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Pixels;
 use ssct::methods::linear::LinearParams;
@@ -86,6 +88,13 @@ fn right_is_right_and_down_is_up() {
     }
 }
 
+/// The number of pixels of two images, and of those that differ in a bit.
+fn differing(a: &Pixels, b: &Pixels) -> [f64; 2] {
+    let bits = |pixel: &[f32]| pixel.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    let off = a.texels().zip(b.texels()).filter(|(a, b)| bits(a) != bits(b)).count();
+    [a.texels().count() as f64, off as f64]
+}
+
 #[test]
 fn split_combined_and_with_hits_give_the_same_reflection() {
     let gpu = gpu();
@@ -98,11 +107,11 @@ fn split_combined_and_with_hits_give_the_same_reflection() {
                 show_with(&gpu, &clutter(), (clutter_camera(extent), &globals), method.name, &setup, wants)
             };
             let combined = shown(false, Wants::REFLECTION);
-            let bits = |p: &Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             for (other, how) in [(shown(true, Wants::REFLECTION), "split"), (shown(false, Wants::HITS), "with hits")] {
                 for what in ["reflection", "composite"] {
-                    let same = bits(other.get(what)) == bits(combined.get(what));
-                    assert!(same, "{}, {preset:?}, roughness {roughness}: the {what} differs {how}", method.name);
+                    let [all, off] = differing(other.get(what), combined.get(what));
+                    let case = format!("{}, {preset:?}, roughness {roughness}: the {what}, {how}", method.name);
+                    assert!(off <= share_of_roundings(&gpu) * all, "{case}: {off} of {all} pixels differ");
                 }
             }
         }
