@@ -105,8 +105,8 @@ fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
     ))
 }
 
-/// Mesa's variable, and its word by which lavapipe filters maps of 8 bits in floating point. Otherwise it does so in fixed point, where
-/// normals are off by half a hundredth in the mean, and Mesa 26 by another half than Mesa 22 and 25.
+/// Mesa's variable, and its word by which lavapipe filters maps of 8 bits in floating point. Otherwise it does so in fixed point, which
+/// Mesa 26 rounds otherwise than Mesa 22 and 25.
 const FILTER: [&str; 2] = ["GALLIVM_PERF", "no_aos_sampling"];
 
 #[test]

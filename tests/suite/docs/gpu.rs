@@ -98,6 +98,14 @@ pub fn stages_on(folder: &Path) -> Result<String> {
     )
 }
 
+/// The median or the greatest FLIP between the golden images of two versions of Mesa, by how maps are filtered.
+pub fn filters(folder: &Path, filter: &str, average: &str) -> Result<String> {
+    let rows = csv(folder, "golden.csv")?;
+    let flips = rows.iter().map(|r| number(r, &format!("{filter}_point_flip"))).collect::<Result<Vec<_>>>()?;
+    let flip = if average == "most" { flips.iter().copied().fold(0.0, f64::max) } else { median(&flips)? };
+    Ok(if flip < 0.001 { format!("{flip:.4}") } else { format!("{flip:.3}") })
+}
+
 /// Milliseconds of the effect in the programs of `programs-again`, with the code kept on the disk (`yes`) or not, at a width.
 pub fn programs_again(folder: &Path, [program, kept, width]: [&str; 3]) -> Result<String> {
     let rows = csv(folder, "times.csv")?;

@@ -103,6 +103,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["history-loops", "settled"] => films::history_loops(first, false)?,
         ["history-lag"] => films::history_lag(first)?,
         ["history-hill"] => films::history_hill(first)?,
+        ["filters", filter, average] => gpu::filters(first, filter, average)?,
         ["programs-again", program, kept, width] => gpu::programs_again(first, [program, kept, width])?,
         ["registers"] => gpu::registers(first)?,
         ["registers-most", stage] => gpu::most_registers(first, stage)?,

@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# Mesa's lavapipe rounds what its linear filter makes of an 8-bit texture to 8 bits again.
+#
+# Expected: between two texels of 100/255 and 104/255, a linear filter gives as many values as there are places that the device
+# tells apart (subTexelPrecisionBits: 256), as it does for the same texels in R8G8B8A8_SRGB or R16G16B16A16_SFLOAT.
+# Seen, with Debian 12's Mesa 22.3.6: R8G8B8A8_UNORM gives five values, the multiples of 1/255. A normal map that is seen from near is
+# a staircase of normals, and each of the three steps of a trilinear filter rounds. Mesa 25.0.7 does the same, and Mesa 26.1.6 rounds
+# otherwise, so that images with normal maps differ between versions (mean FLIP 0.02 to 0.07 where a sky is mirrored). With
+# GALLIVM_PERF=no_aos_sampling all three filter in floating point and agree.
+#
+# Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are missing (as root), and `wgpu` 0.32.0 from PyPI into a
+# temporary folder.
+set -euo pipefail
+
+wanted=$'fixed point: unorm 5, srgb 256, half 256\nfloating point: unorm 256, srgb 256, half 256'
+icd=/usr/share/vulkan/icd.d/lvp_icd.$(uname -m).json
+[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+python3 -m venv "$scratch/venv"
+"$scratch/venv/bin/pip" install --quiet wgpu==0.32.0 numpy==2.4.6
+cat >"$scratch/filter.py" <<'PY'
+import numpy as np
+import wgpu
+
+PLACES = 256
+SHADER = """
+@group(0) @binding(0) var map: texture_2d<f32>;
+@group(0) @binding(1) var linear: sampler;
+@group(0) @binding(2) var<storage, read_write> seen: array<f32>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    let place = vec2f(0.25 + 0.5 * f32(thread.x) / 256.0, 0.5);
+    seen[thread.x] = textureSampleLevel(map, linear, place, 0.0).r;
+}
+"""
+
+
+def values(device, name, texels):
+    """The number of values between two texels of a format."""
+    pixels = np.ascontiguousarray(np.repeat(texels, 4).reshape(1, 2, 4))
+    uses = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+    texture = device.create_texture(size=(2, 1, 1), format=name, usage=uses)
+    device.queue.write_texture({"texture": texture}, pixels, {"bytes_per_row": pixels.nbytes}, (2, 1, 1))
+    size = 4 * PLACES
+    buffer = device.create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC)
+    module = device.create_shader_module(code=SHADER)
+    pipeline = device.create_compute_pipeline(layout="auto", compute={"module": module, "entry_point": "main"})
+    bound = [texture.create_view(), device.create_sampler(mag_filter="linear", min_filter="linear"),
+             {"buffer": buffer, "offset": 0, "size": size}]
+    entries = [{"binding": n, "resource": resource} for n, resource in enumerate(bound)]
+    group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
+    commands = device.create_command_encoder()
+    work = commands.begin_compute_pass()
+    work.set_pipeline(pipeline)
+    work.set_bind_group(0, group)
+    work.dispatch_workgroups(PLACES // 64)
+    work.end()
+    device.queue.submit([commands.finish()])
+    return len(np.unique(np.frombuffer(device.queue.read_buffer(buffer), np.float32)))
+
+
+adapters = wgpu.gpu.enumerate_adapters_sync()
+lavapipe = next(a for a in adapters if a.info["backend_type"] == "Vulkan" and "llvmpipe" in a.info["device"])
+device = lavapipe.request_device_sync()
+bytes_, halves = np.array([100, 104], np.uint8), np.array([100 / 255, 104 / 255], np.float16)
+print(f"unorm {values(device, 'rgba8unorm', bytes_)}, srgb {values(device, 'rgba8unorm-srgb', bytes_)}, "
+      f"half {values(device, 'rgba16float', halves)}")
+PY
+echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
+export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd XDG_RUNTIME_DIR=$scratch
+fixed=$("$scratch/venv/bin/python" "$scratch/filter.py" 2>/dev/null)
+floating=$(GALLIVM_PERF=no_aos_sampling "$scratch/venv/bin/python" "$scratch/filter.py" 2>/dev/null)
+seen="fixed point: $fixed"$'\n'"floating point: $floating"
+echo "$seen"
+if [ "$seen" != "$wanted" ]; then
+    echo "this changed: it was \"$wanted\"" >&2
+    exit 1
+fi
