@@ -1,12 +1,14 @@
 // Hands on rays that the screen has lost, or that begin where no ray walks over the screen, to captures/follow.comp or
 // triangles/follow.comp; and includes what a ray sees that hits on the screen. Needs the image `color_buffer`, and
-// unified/traverse.glsl.
+// unified/traverse.glsl. A file that defines LOSES_NOTHING hands no ray on.
 
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
 
 #include "captures/sky_along.glsl"
+#ifndef LOSES_NOTHING
 #include "captures/push.glsl"
+#endif
 #include "unified/surface.glsl"
 #ifdef CONFIRMED
 #include "triangles/confirm.glsl"
@@ -28,6 +30,7 @@ void PushFromPixel(uvec2 pixel, Ray ray, float spread) {
 // Hands on a ray of a pixel or cell if the screen lost it. `before` says how far the footprint has widened where the ray
 // begins, `spread` by how much it widens with each metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
+#ifndef LOSES_NOTHING
     if (!FOLLOWED || hit.code == PATH_HI_Z)
         return;
     precise float depth = ray.depth + hit.s * ray.rate.z;
@@ -35,6 +38,7 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
     precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
     Push(pixel, start, ray.direction, before + distance(begin, start), spread, NO_TRIANGLE);
+#endif
 }
 
 #endif

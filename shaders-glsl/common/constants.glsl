@@ -126,6 +126,7 @@ const float DOUBT_ABOVE = 0.17;
 const float AGREES_ABOVE = 0.75;
 const float AGREED_RAYS = 8.0;        // and such cells stand for so many rays of its own where all are of its surface;
 const float CONTACT = 10.0;           // or if a ray around it ended nearer than so many pixels measure there.
+const float ENDED_NEAR = 2.0;         // Is added to the fade of a cell's ray that ended nearer on the screen than NEAR_HIT.
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
 const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where it would weigh nothing.
 const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.

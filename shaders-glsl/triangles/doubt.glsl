@@ -16,7 +16,7 @@ layout(std430, binding = 19) LIST_ACCESS buffer Doubts {
 // A pixel, and what its neighbours' rays say of its reflection.
 struct Doubt {
     ivec2 pixel;
-    vec3 color; // of the reflection
+    vec4 color; // of the reflection, and its fade in a
     float rays; // so many rays of its own would say as much
 };
 
@@ -27,11 +27,11 @@ uint PixelsToAGroup() {
 
 uvec4 PackDoubt(Doubt doubt) {
     return uvec4(uint(doubt.pixel.x) | uint(doubt.pixel.y) << 16, floatBitsToUint(doubt.rays),
-                 packHalf2x16(doubt.color.rg), packHalf2x16(vec2(doubt.color.b, 0.0)));
+                 packHalf2x16(doubt.color.rg), packHalf2x16(doubt.color.ba));
 }
 
 Doubt UnpackDoubt(uvec4 words) {
-    vec3 color = vec3(unpackHalf2x16(words.z), unpackHalf2x16(words.w).x);
+    vec4 color = vec4(unpackHalf2x16(words.z), unpackHalf2x16(words.w));
     return Doubt(ivec2(words.x & 0xffffu, words.x >> 16), color, uintBitsToFloat(words.y));
 }
 

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(OwnRaysOnScreen, NARROW, ON_SCREEN)
 #pragma program(OwnRays, NARROW, AMONG_TRIANGLES)
 #pragma program(OwnRaysQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
 // Gives rays of their own to the pixels whose neighbours' rays say little of their reflection, a thread a ray, and shows
@@ -9,18 +10,24 @@
 #endif
 
 #define LIST_ACCESS readonly
+#define LOSES_NOTHING
 #include "triangles/doubt.glsl"
 
 layout(local_size_x = OWN_GROUP) in;
 
+#ifdef ON_SCREEN
+layout(constant_id = 2) const bool OVER = false; // another reflection shows where this one misses
+#endif
 layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
 
 #include "unified/gloss_trace.glsl"
 #include "unified/store.glsl"
 
+#ifdef AMONG_TRIANGLES
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+#endif
 
-shared vec3 colors[OWN_GROUP];
+shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for a miss
 
 // A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the lobe;
 // around the middle, one ray lies a golden angle behind the other. Each pixel has the pattern at another place.
@@ -29,13 +36,48 @@ vec2 OwnPoint(ivec2 pixel, int ray) {
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
 }
 
-vec3 OwnColor(ivec2 pixel, int ray) {
+vec4 OwnColor(ivec2 pixel, int ray) {
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     Lobe lobe = LobeOf(ViewPoint(vec2(pixel) + 0.5, depth), normal, imageLoad(material_buffer, pixel).g);
     End end;
-    return LookInLobe(pixel, pixel, depth, lobe, OwnPoint(pixel, ray), float(OWN_RAYS), 1.0, end).color.rgb;
+    Seen seen = LookInLobe(pixel, pixel, depth, lobe, OwnPoint(pixel, ray), float(OWN_RAYS), 1.0, end);
+    return vec4(seen.color.rgb, seen.is_hit ? seen.color.a : -1.0);
 }
+
+// The mean of what a pixel's rays saw, whose colours begin at `first`, and of what its neighbours' rays did.
+#ifdef ON_SCREEN
+
+// A miss is black, and the fade is that of the hits, as in Reflection (unified/gathered.glsl). Over another reflection a miss is nothing,
+// so that colours count by their fade.
+vec4 MeanOf(Doubt doubt, uint first) {
+    vec4 own = vec4(0.0);
+    float hits = 0.0;
+    for (uint i = first; i < first + uint(OWN_RAYS); ++i) {
+        vec4 color = colors[i];
+        float fade = max(color.a, 0.0);
+        own += vec4(OVER ? fade * color.rgb : color.rgb, fade);
+        hits += color.a < 0.0 ? 0.0 : 1.0;
+    }
+    float rays = doubt.rays + float(OWN_RAYS);
+    if (OVER) {
+        vec4 whole = (doubt.rays * vec4(doubt.color.a * doubt.color.rgb, doubt.color.a) + own) / rays;
+        return vec4(whole.a > 0.0 ? whole.rgb / whole.a : vec3(0.0), whole.a);
+    }
+    float hits_around = doubt.color.a > 0.0 ? doubt.rays : 0.0;
+    return vec4((doubt.rays * doubt.color.rgb + own.rgb) / rays, (hits_around * doubt.color.a + own.a) / max(hits_around + hits, 1e-6));
+}
+
+#else
+
+vec4 MeanOf(Doubt doubt, uint first) {
+    vec3 sum = doubt.rays * doubt.color.rgb;
+    for (uint i = first; i < first + uint(OWN_RAYS); ++i)
+        sum += colors[i].rgb;
+    return vec4(sum / (doubt.rays + float(OWN_RAYS)), 1.0);
+}
+
+#endif
 
 void main() {
     uint thread = gl_LocalInvocationIndex;
@@ -44,16 +86,14 @@ void main() {
     bool is_listed = thread < PixelsToAGroup() * uint(OWN_RAYS)
                   && index < min(lost_counts.count, uint(doubts.pixels.length()));
     Doubt doubt = UnpackDoubt(doubts.pixels[is_listed ? index : 0u]);
-    colors[thread] = is_listed ? OwnColor(doubt.pixel, ray) : vec3(0.0);
+    colors[thread] = is_listed ? OwnColor(doubt.pixel, ray) : vec4(0.0);
     barrier();
     if (!is_listed || ray != 0)
         return;
-    vec3 sum = doubt.rays * doubt.color;
-    for (uint i = 0u; i < uint(OWN_RAYS); ++i)
-        sum += colors[thread + i];
-    vec4 reflection = vec4(min(Sound(sum / (doubt.rays + float(OWN_RAYS))), GREATEST_HALF), 1.0);
+    vec4 mean = MeanOf(doubt, thread);
+    vec4 reflection = vec4(min(Sound(mean.rgb), GREATEST_HALF), min(Sound(mean.a), 1.0));
     vec4 color = texelFetch(color_buffer, doubt.pixel, 0);
     float reflectivity = imageLoad(material_buffer, doubt.pixel).r;
-    color.rgb = min(color.rgb + reflectivity * reflection.rgb, GREATEST_HALF);
+    color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     Store(doubt.pixel, COMPOSITE ? color : reflection, reflection);
 }

@@ -29,6 +29,7 @@ struct End {
     vec3 place;
     bool beside;
     uint met; // the number of a triangle, or NO_TRIANGLE
+    bool meets; // beside, and on something else than the surface that reflects
 };
 
 // What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
@@ -37,7 +38,7 @@ struct End {
 bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
     Among seen = SeeFrom(ray, spread);
     color = vec4(seen.color, 1.0);
-    end = End(ToView(seen.place) / captures.view_unit, false, seen.met);
+    end = End(ToView(seen.place) / captures.view_unit, false, seen.met, false);
     return true;
 }
 
@@ -47,14 +48,14 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
     Hit hit = Traverse(ray);
     Confirmed confirmed;
     color = vec4(0.0);
-    end = End(ray.direction, false, NO_TRIANGLE);
+    end = End(ray.direction, false, NO_TRIANGLE, false);
     if (!(hit.code == PATH_HI_Z && Confirm(ray, hit.pixel, confirmed))) {
         PushFromPixel(uvec2(at), ray, spread);
         return false;
     }
     Among seen = SeeConfirmed(confirmed, spread);
     color = vec4(seen.color, 1.0);
-    end = End(ToView(seen.place) / captures.view_unit, false, seen.met);
+    end = End(ToView(seen.place) / captures.view_unit, false, seen.met, false);
     return true;
 }
 
@@ -68,11 +69,12 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
 //
 // There is no lookup through a filter: a device that takes both ways of a branch would pay for it at every hit, and the mean
 // of several rays hides the step between two levels.
-vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint_level, vec3 along) {
+vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint_level, vec3 along, out bool is_its) {
     bool mixes = footprint_level >= SEEN_LEVELS;
     int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
     float own_depth = BLOCK_AT(PixelTexel(hit.pixel)).x;
     Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own_depth, exp2(float(level)));
+    is_its = from.is_its;
     // Some drivers take textureSize of one thread's level for all threads around it.
     ivec2 texels = max(unified.size >> level, ivec2(1));
     vec2 to_texels = vec2(texels) / vec2(unified.size);
@@ -104,7 +106,7 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
     vec3 along = SkyAlong(ray.direction);
     vec3 point = ViewPoint(ray.start, ray.depth);
     color = vec4(0.0);
-    end = End(ray.direction, false, NO_TRIANGLE);
+    end = End(ray.direction, false, NO_TRIANGLE, false);
     if (EndsInSky(ray, hit)) {
         color = vec4(along, 1.0);
         end.place = point + FAR_SKY * ray.direction;
@@ -119,9 +121,11 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
     if (on_sky)
         end.place = point + FAR_SKY * ray.direction;
     else
-        end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE);
+        end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE, false);
     float level = FootprintLevel(point, there, density, share);
-    color = vec4(ColorSeen(hit, point, normal, ray.direction, level, along), Fade(hit.position * unified.pixel_to_clip));
+    bool is_its;
+    color = vec4(ColorSeen(hit, point, normal, ray.direction, level, along, is_its), Fade(hit.position * unified.pixel_to_clip));
+    end.meets = end.beside && !is_its;
     return true;
 }
 
@@ -139,7 +143,7 @@ Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float foo
     float density = LogDensity(lobe.power, log_rest);
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     Seen seen = Seen(false, density, vec4(0.0));
-    end = End(direction, false, NO_TRIANGLE);
+    end = End(direction, false, NO_TRIANGLE, false);
     // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
@@ -190,6 +194,14 @@ uvec4 RecordOf(ivec2 pixel, out uvec2 told) {
 
 #else
 
+#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
+const bool MARKS_NEAR = false;
+#else
+#include "triangles/own_rays.glsl"
+// A place that was put far away no longer says that the ray ended near, which decides whether pixels get rays of their own.
+const bool MARKS_NEAR = OWN_RAYS > 0;
+#endif
+
 // How a unit vector turns from texel to texel: the differences along both axes within a block of 2 x 2, right less left
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void Turn(vec3 unit, out vec3 across, out vec3 along);
@@ -226,6 +238,7 @@ CellRay RayOf(ivec2 cell) {
         End end;
         Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
         traced = CellRay(vec4(Place(point, end), seen.is_hit ? seen.density : -seen.density), seen.color, Told(point, seen, end));
+        traced.color.a += MARKS_NEAR && end.meets ? ENDED_NEAR : 0.0;
     }
     return traced;
 }

@@ -58,9 +58,12 @@ void Gather(inout CellSum sum, Here here, Gathered ray) {
     float log_cos = LogCos(1.0 - dot(to, here.lobe.mirror) * inversesqrt(dot(to, to)));
     float weight = 2.0 / (1.0 + exp2(abs(density) - here.peak - LOG2_E * (here.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
+    vec4 color = ray.color;
+    bool ended_near = OWN_RAYS > 0 && color.a > 0.75 * ENDED_NEAR;
+    color.a -= ended_near ? ENDED_NEAR : 0.0;
     // What was handed on may be a last bit below 0.
-    Add(sum.rays, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(ray.color, 0.0));
-    sum.nearest = density > 0.0 ? min(sum.nearest, dot(to, to)) : sum.nearest;
+    Add(sum.rays, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(color, 0.0));
+    sum.nearest = density > 0.0 ? min(sum.nearest, ended_near ? 0.0 : dot(to, to)) : sum.nearest;
 }
 
 // Gathers the rays of the 5 x 5 cells around a cell. A cell's square is of four kinds, as those of a block of 2 x 2 cells

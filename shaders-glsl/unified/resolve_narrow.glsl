@@ -93,7 +93,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         reflection = SoundReflection(Reflection(around.sum));
         float stand_for;
         if (OWN_RAYS > 0 && IsDoubtful(around, stand_for))
-            PushDoubt(Doubt(pixel, reflection.rgb, stand_for));
+            PushDoubt(Doubt(pixel, reflection, stand_for));
         reflectivity = imageLoad(material_buffer, pixel).r;
     }
     shown = ShownOf(pixel, reflection, reflectivity);

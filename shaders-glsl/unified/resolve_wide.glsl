@@ -89,7 +89,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         float agreement;
         reflection = SoundReflection(Wide(pixel, depth, normal, LobePower(material.g), agreement));
         if (OWN_RAYS > 0 && agreement < AGREES_ABOVE)
-            PushDoubt(Doubt(pixel, reflection.rgb, AGREED_RAYS * agreement));
+            PushDoubt(Doubt(pixel, reflection, AGREED_RAYS * agreement));
     }
     shown = ShownOf(pixel, reflection, reflects ? material.r : 0.0);
     return true;

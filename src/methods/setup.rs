@@ -115,7 +115,7 @@ choices! {
 choices! {
     /// How many rays of its own a pixel gets whose neighbours' rays say little of its reflection.
     pub enum OwnRays {
-        /// 8 on a GPU, none on a CPU, where they take up to twice the time of all else.
+        /// Among triangles 8 on a GPU and none on a CPU, where they take up to twice the time of all else; none on the screen alone.
         Auto = "auto",
         /// None.
         None = "none",
@@ -129,10 +129,10 @@ choices! {
 }
 
 impl OwnRays {
-    /// The number on a device.
-    pub fn on(self, gpu: &Gpu) -> i32 {
+    /// The number on a device, among triangles or on the screen alone.
+    pub fn on(self, gpu: &Gpu, among_triangles: bool) -> i32 {
         match self {
-            Self::Auto if gpu.info().is_cpu() => 0,
+            Self::Auto if !among_triangles || gpu.info().is_cpu() => 0,
             Self::None => 0,
             Self::Four => 4,
             Self::Auto | Self::Eight => 8,
@@ -269,8 +269,9 @@ parameters! {
         /// What finds the triangle that a ray meets, where rays go among the triangles of the scene. The rays end alike
         /// but where triangles are equally near within rounding.
         tracer: Tracer = Parameter::new(Tracer::Auto).source("this project (docs/unified.md)"),
-        /// Rays of its own that a pixel with a lobe gets among the triangles, where the rays of its neighbours say little of
-        /// its reflection: where they disagree, are of another surface, or where it stands close to what it shows.
+        /// Rays of its own that a pixel with a lobe gets, among the triangles or on the screen alone, where the rays of its
+        /// neighbours say little of its reflection: where they disagree, are of another surface, or where it stands close to
+        /// what it shows.
         own_rays: OwnRays = Parameter::new(OwnRays::Auto).source("tuned (docs/unified.md)"),
         /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
         /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the

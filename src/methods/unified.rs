@@ -246,7 +246,7 @@ impl UnifiedMethod {
             screen,
             followed,
             triangles,
-            own_rays: triangles.map_or(0, |_| effect.own_rays.on(gpu)),
+            own_rays: if making.captures.is_some() { 0 } else { effect.own_rays.on(gpu, triangles.is_some()) },
             tells,
             trace,
             resolve,
@@ -408,7 +408,7 @@ impl Method for UnifiedMethod {
             self.trace.no_hits(frame)?
         };
         let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, among };
-        let own = OwnRaysInput { gbuffer, canvas, beyond, among };
+        let own = OwnRaysInput { gbuffer, pyramid, canvas, beyond, among };
         let between = self.gloss.between();
         if plan.narrow {
             self.clear_lost(frame)?;

@@ -1,22 +1,24 @@
-//! Rays of their own for pixels whose neighbours' rays say little of their reflection, followed through the triangles of a scene
-//! (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
+//! Rays of their own for pixels whose neighbours' rays say little of their reflection, followed through the triangles of a scene or over
+//! the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
 //! [`lost`](super::lost), whose rays have been followed by then.
 
 use super::lost::{Beyond, LostRays};
 use super::tiles::UnifiedSetup;
 use super::tracer::{ByTracer, by_tracer};
 use super::triangle_scene::{AmongTriangles, with_reading};
-use super::{Canvas, GBuffer};
+use super::{Canvas, GBuffer, Pyramid};
 use crate::error::Result;
-use crate::gpu::programs::{OwnRays, OwnRaysQueried};
+use crate::gpu::programs::{OwnRays, OwnRaysOnScreen, OwnRaysOnScreenConstants, OwnRaysQueried};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Sampled};
 
 /// What the pass reads, and where it stores.
 #[derive(Clone, Copy)]
 pub struct OwnRaysInput<'a> {
-    /// Depth, normals, materials and lit colour.
+    /// Depth, normals, materials and lit colour with its chain.
     pub gbuffer: GBuffer<'a>,
+    /// Blocks to walk over, where rays go over the screen alone.
+    pub pyramid: Pyramid<'a>,
     /// Where the passes that gather have stored.
     pub canvas: Canvas<'a>,
     /// The sky, and the list.
@@ -28,25 +30,36 @@ pub struct OwnRaysInput<'a> {
 /// The pipeline, where pixels get rays of their own.
 pub struct OwnRaysPass(Option<Pipeline>);
 
-/// The pipeline of either tracer.
-type Pipeline = ByTracer<ComputePipeline<OwnRays<'static>>, ComputePipeline<OwnRaysQueried<'static>>>;
+enum Pipeline {
+    Triangles(ByTracer<ComputePipeline<OwnRays<'static>>, ComputePipeline<OwnRaysQueried<'static>>>),
+    Screen(ComputePipeline<OwnRaysOnScreen<'static>>),
+}
 
 impl OwnRaysPass {
-    /// Compiles the pipeline for scenes that are read in a way.
+    /// Compiles the pipeline for scenes that are read in a way, or for the screen alone.
     ///
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
-        let Some(reading) = setup.triangles.filter(|_| setup.own_rays > 0) else { return Ok(Self(None)) };
-        let UnifiedSetup { composite, own_rays, .. } = *setup;
+        let UnifiedSetup { composite, own_rays, over, .. } = *setup;
+        if own_rays == 0 {
+            return Ok(Self(None));
+        }
         let (beside, orthographic) = (setup.beside(), setup.projection.is_orthographic());
+        let Some(reading) = setup.triangles else {
+            let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
+            let followed = false;
+            let constants =
+                OwnRaysOnScreenConstants { strip, oracle, followed, over, own_rays, composite, beside, orthographic };
+            return Ok(Self(Some(Pipeline::Screen(ComputePipeline::with(gpu, &constants)?))));
+        };
         let constants = with_reading! { OwnRaysConstants of reading, own_rays, composite, beside, orthographic };
         let queried = with_reading! { OwnRaysQueriedConstants of reading, own_rays, composite, beside, orthographic };
-        Ok(Self(Some(if reading.queries {
+        Ok(Self(Some(Pipeline::Triangles(if reading.queries {
             ByTracer::Query(ComputePipeline::with(gpu, &queried)?)
         } else {
             ByTracer::Tree(ComputePipeline::with(gpu, &constants)?)
-        })))
+        }))))
     }
 
     /// Pass "lost/clear", where pixels get rays of their own: none stands on the list yet.
@@ -56,24 +69,43 @@ impl OwnRaysPass {
 
     /// Records one pass over the pixels on the list.
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
-        let OwnRaysInput { gbuffer, canvas, beyond, among } = input;
-        let Some(((pipeline, among), [color, reflection])) = self.0.as_ref().zip(among).zip(canvas.stored()) else {
-            return Ok(());
-        };
-        let program = by_tracer! { OwnRays or OwnRaysQueried of among,
-            unified: parameters,
-            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-            triangle_buffer: beyond.triangle_of(&gbuffer),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            doubts: beyond.rays,
-            color_image: color.all(),
-            reflection_image: reflection.all(),
-        };
-        pipeline.follow(frame, name, &program, beyond.counts)
+        let OwnRaysInput { gbuffer, pyramid, canvas, beyond, among } = input;
+        let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };
+        match (pipeline, among) {
+            (Pipeline::Screen(pipeline), _) => {
+                let program = OwnRaysOnScreen {
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.all()),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    doubts: beyond.rays,
+                    color_image: color.all(),
+                    reflection_image: reflection.all(),
+                };
+                frame.compute_indirect(name, pipeline, &program, (beyond.counts, 0))
+            }
+            (Pipeline::Triangles(pipeline), Some(among)) => {
+                let program = by_tracer! { OwnRays or OwnRaysQueried of among,
+                    unified: parameters,
+                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+                    triangle_buffer: beyond.triangle_of(&gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    doubts: beyond.rays,
+                    color_image: color.all(),
+                    reflection_image: reflection.all(),
+                };
+                pipeline.follow(frame, name, &program, beyond.counts)
+            }
+            (Pipeline::Triangles(_), None) => Ok(()),
+        }
     }
 }

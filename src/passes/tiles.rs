@@ -45,7 +45,8 @@ pub struct UnifiedSetup {
     pub followed: bool,
     /// How triangles are read, where rays go on among them, from the pixel that they are of.
     pub triangles: Option<TriangleReading>,
-    /// Rays of its own that a pixel with a lobe gets among the triangles where its neighbours disagree; 0 without triangles.
+    /// Rays of its own that a pixel with a lobe gets, among the triangles or on the screen, where its neighbours disagree; 0 where rays go
+    /// on in captures.
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
     pub tells: bool,
@@ -68,7 +69,7 @@ impl UnifiedSetup {
 
     /// An image that the passes show something in. Compute programs can store to it where any of the passes is one.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
-        let stores = self.followed || [self.trace, self.resolve].contains(&ShaderStage::Compute);
+        let stores = self.followed || self.own_rays > 0 || [self.trace, self.resolve].contains(&ShaderStage::Compute);
         let stage = if stores { ShaderStage::Compute } else { ShaderStage::Fragment };
         Image::target_in(gpu, stage, name, format, self.extent)
     }

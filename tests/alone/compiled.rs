@@ -55,6 +55,7 @@ const RUNS: [(&str, &[&str]); 3] = [
             "unified --first screen --history on",
             "unified --first screen --own-rays 8",
             "unified --beyond none",
+            "unified --beyond none --own-rays 8",
             "unified --beyond none --trace-stage fragment --resolve-stage fragment",
             "unified --beyond triangles --first screen --trace-stage fragment --resolve-stage fragment",
             "unified --beyond captures --captures 2",

@@ -56,6 +56,7 @@ fn frames_make_no_programs() {
     all.push(unified("on the screen", |p| p.beyond = BeyondScreen::None));
     all.push(unified("captures", |p| p.beyond = BeyondScreen::Captures));
     all.push(unified("own rays", |p| p.own_rays = OwnRays::Four));
+    all.push(unified("own rays on the screen", |p| (p.beyond, p.own_rays) = (BeyondScreen::None, OwnRays::Four)));
     all.push(unified("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)));
     all.push(unified("a history in compute", |p| {
         (p.history, p.history_frames, p.history_stage) = (HistoryUse::On, 3, StageChoice::Compute);
