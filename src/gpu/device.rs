@@ -15,6 +15,7 @@ use super::validation::{self, ValidationLog};
 use crate::error::{Error, Result};
 use ash::vk;
 pub use features::enable_features;
+pub use open::memory_limit;
 use open::{create_instance, list, open_device};
 pub(super) use ray_queries::RayQueries;
 use std::ffi::{CStr, CString};

@@ -79,7 +79,7 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
 
 /// How many bytes of addresses this process may take, where the system bounds them (`ulimit -v`). A driver that does not
 /// fit is not found, and nobody says why.
-fn memory_limit() -> Option<u64> {
+pub fn memory_limit() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
