@@ -83,7 +83,7 @@ pub fn program<P: FromArgMatches>(
     command: impl FnOnce(&[OsString]) -> clap::Command,
     run: impl FnOnce(&P) -> anyhow::Result<()>,
 ) -> ExitCode {
-    say_why_memory_ends();
+    say_little_memory();
     // Methods from folders have flags of their own, so that they are known before the command line is read.
     let arguments = match custom_methods::added(std::env::args_os()) {
         Ok(arguments) => arguments,
@@ -113,30 +113,22 @@ pub fn program<P: FromArgMatches>(
     ended(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
 }
 
-/// Where the system bounds the memory of a process, an allocation that fails aborts it, and Rust says how many bytes there were none of.
-/// This names the cause, too, and ends the process as errors do.
+/// Memory with which every command ran that was tried: a CPU's driver takes most of it.
+const ENOUGH_MIB: u64 = 1024;
+
+/// Where the system bounds the memory of a process, an allocation that fails aborts it, and nobody says why. This says it before, and
+/// lets the process end with the status of an error.
 #[cfg(unix)]
-fn say_why_memory_ends() {
-    use signal_hook::{consts::SIGABRT, low_level};
-    use std::os::fd::AsFd;
-    let Some(limit) = memory_limit() else { return };
-    let Ok(stderr) = std::io::stderr().as_fd().try_clone_to_owned() else { return };
-    let mib = limit >> 20;
-    let sentence = format!("ssct: memory is short, as this process may take {mib} MiB (ulimit -v); raise the limit\n");
-    let stderr = std::fs::File::from(stderr);
-    let say_and_exit = move || {
-        // Whether it could be said or not, the process ends.
-        let _ = (&stderr).write_all(sentence.as_bytes());
-        low_level::exit(1);
-    };
-    // SAFETY: what is called writes bytes that are there already, by one system call, and ends the process.
-    let listening = unsafe { low_level::register(SIGABRT, say_and_exit) };
-    // Without it, Rust's own words remain.
-    drop(listening);
+fn say_little_memory() {
+    let Some(mib) = memory_limit().map(|limit| limit >> 20).filter(|mib| *mib < ENOUGH_MIB) else { return };
+    eprintln!("ssct: memory is short, as this process may take {mib} MiB (ulimit -v)");
+    let always = std::sync::Arc::new(true.into());
+    // Without it, the status is that of the signal.
+    drop(signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, 1, always));
 }
 
 #[cfg(not(unix))]
-fn say_why_memory_ends() {}
+fn say_little_memory() {}
 
 /// Says on standard error that shaders are not those that the program was built with, where a variable names a folder of others.
 fn say_other_shaders() {
