@@ -40,6 +40,7 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
             Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
         }
         ["own-errors"] => own_rays::errors(folder),
+        ["own-on-screen", own, figure] => own_rays::on_screen(folder, own, figure),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
         ["stress-passed", method] => stress::passed(folder, method),
         ["stress-most-wrong", method] => stress::most_wrong(folder, method),

@@ -70,3 +70,21 @@ pub fn errors(folder: &Path) -> Result<String> {
     }
     table(&["view", "0.1: none", "4", "8", "0.3: none", "4", "8"], rows)
 }
+
+/// The least and the greatest of `figure` with so many rays of their own on the screen alone over that without, over the views of a
+/// folder.
+pub fn on_screen(folder: &Path, own: &str, figure: &str) -> Result<String> {
+    let mut ratios = Vec::new();
+    for scene in ["rooms", "museum", "atrium", "street"] {
+        let file = if figure == "rmse" { format!("{scene}.json") } else { format!("time-{scene}.json") };
+        let records = json(folder, &file)?;
+        let of_rays = |own: &str| -> Result<f64> {
+            let is = |r: &&Value| r["setup"]["own_rays"] == own && (figure != "rmse" || r["against"] == "screen");
+            let record = records.iter().find(is).ok_or_else(|| format!("{file}: nothing with {own}"))?;
+            let value = if figure == "rmse" { &record["rmse"] } else { &record["total"]["median_ms"] };
+            value.as_f64().ok_or_else(|| format!("{file}: no {figure}"))
+        };
+        ratios.push(of_rays(own)? / of_rays("none")?);
+    }
+    Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
