@@ -2,7 +2,8 @@
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use crate::common::{
-    Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, share_of_roundings, show, show_with, unfaded, window,
+    Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, share_of_roundings, show, show_with, unfaded,
+    window,
 };
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Pixels;
