@@ -458,7 +458,7 @@ Averaged Average(ivec2 pixel) {
     }
     Found found = At(place, sought);
 
-    Sums own_values = TakenBack();
+    Sums own_values = TakenBack(); // normal and depth; mirrored direction and inverse
     // What the pixels of the block show.
     vec4 alone = imageLoad(reflection_buffer, inside);
     vec4 now = Linear(alone);

@@ -29,7 +29,7 @@ struct End {
     vec3 place;
     bool beside;
     uint met; // the number of a triangle, or NO_TRIANGLE
-    bool meets; // beside, and on something else than the surface that reflects
+    bool touches; // beside, and on another surface than the one that reflects
 };
 
 // What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
@@ -125,7 +125,7 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
     float level = FootprintLevel(point, there, density, share);
     bool is_its;
     color = vec4(ColorSeen(hit, point, normal, ray.direction, level, along, is_its), Fade(hit.position * unified.pixel_to_clip));
-    end.meets = end.beside && !is_its;
+    end.touches = end.beside && !is_its;
     return true;
 }
 
@@ -238,7 +238,7 @@ CellRay RayOf(ivec2 cell) {
         End end;
         Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
         traced = CellRay(vec4(Place(point, end), seen.is_hit ? seen.density : -seen.density), seen.color, Told(point, seen, end));
-        traced.color.a += MARKS_NEAR && end.meets ? ENDED_NEAR : 0.0;
+        traced.color.a += MARKS_NEAR && end.touches ? ENDED_NEAR : 0.0;
     }
     return traced;
 }

@@ -8,7 +8,7 @@ use super::shader::Shader;
 use crate::error::{Error, Result};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The variable that names a folder of sources.
 pub const VARIABLE: &str = "SSCT_SHADERS";
@@ -33,7 +33,7 @@ impl Sources {
         Ok(Self { root: root.to_path_buf(), compiler })
     }
 
-    /// Compiles a shader. Whether it [`fits`] is not asked.
+    /// Compiles a shader, whether it fits the program or not ([`code_that_fits`]).
     ///
     /// # Errors
     /// The compiler's message, which names file and line.
@@ -42,15 +42,15 @@ impl Sources {
     }
 }
 
-/// Checks that bindings and blocks equal those that the program was built with.
+/// The bytes of a shader's code, if its bindings and blocks are those that the program was built with.
 ///
 /// # Errors
 /// A sentence on what differs.
-pub fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
+pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc<[u8]>, String> {
     let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
     let (built, now) = (Interface::of(&built, shader.name)?, Interface::of(words, shader.name)?);
     if built == now {
-        return Ok(());
+        return Ok(words.iter().flat_map(|word| word.to_le_bytes()).collect());
     }
     let what = if built.bindings != now.bindings {
         "its bindings"
@@ -79,22 +79,19 @@ pub fn named() -> Option<PathBuf> {
 /// # Errors
 /// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile or no longer fits.
 pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
-    type Compiling = (Sources, HashMap<&'static str, Arc<[u8]>>);
-    static COMPILING: OnceLock<Option<Mutex<Option<Compiling>>>> = OnceLock::new();
-    let Some(compiling) = COMPILING.get_or_init(|| named().map(|_| Mutex::default())) else { return Ok(None) };
+    type Opened = (Sources, HashMap<&'static str, Arc<[u8]>>);
+    static OPENED: Mutex<Option<Opened>> = Mutex::new(None);
     // Methods of users have shaders of their own.
     let Some(folder) = named().filter(|_| ALL.iter().any(|own| own.name == shader.name)) else { return Ok(None) };
-    let mut compiling = compiling.lock().unwrap_or_else(PoisonError::into_inner);
-    let (sources, compiled) = match &mut *compiling {
-        Some(open) => open,
+    let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
+    let (sources, compiled) = match &mut *opened {
+        Some(opened) => opened,
         none => none.insert((Sources::open(&folder, VARIABLE)?, HashMap::new())),
     };
     if let Some(code) = compiled.get(shader.name) {
         return Ok(Some(Arc::clone(code)));
     }
-    let made = sources.compile(shader).map_err(Error::Usage)?;
-    fits(shader, &made.words).map_err(Error::Usage)?;
-    let code: Arc<[u8]> = made.words.iter().flat_map(|word| word.to_le_bytes()).collect();
-    compiled.insert(shader.name, Arc::clone(&code));
-    Ok(Some(code))
+    let made = sources.compile(shader).and_then(|made| code_that_fits(shader, &made.words)).map_err(Error::Usage)?;
+    compiled.insert(shader.name, Arc::clone(&made));
+    Ok(Some(made))
 }

@@ -5,7 +5,7 @@
 use crate::error::Result;
 use crate::gpu::programs::ALL;
 use crate::gpu::shader::Shader;
-use crate::gpu::sources::{Sources, fits};
+use crate::gpu::sources::{Sources, code_that_fits};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -78,8 +78,7 @@ impl ShaderWatch {
         match self.compiled_from.compile(shader) {
             Ok(compiled) => {
                 self.sources.insert(shader.name, compiled.files);
-                fits(shader, &compiled.words)?;
-                Ok(compiled.words.iter().flat_map(|w| w.to_le_bytes()).collect())
+                code_that_fits(shader, &compiled.words)
             }
             Err(message) => {
                 // Any later change may repair the shader, so its list of sources is dropped.
