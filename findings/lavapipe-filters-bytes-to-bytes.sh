@@ -5,7 +5,7 @@
 # tells apart (subTexelPrecisionBits: 256), as it does for the same texels in R8G8B8A8_SRGB or R16G16B16A16_SFLOAT.
 # Seen, with Debian 12's Mesa 22.3.6: R8G8B8A8_UNORM gives five values, the multiples of 1/255. A normal map that is seen from near is
 # a staircase of normals, and each of the three steps of a trilinear filter rounds. Mesa 25.0.7 does the same, and Mesa 26.1.6 rounds
-# otherwise, so that images with normal maps differ between versions (mean FLIP 0.02 to 0.07 where a sky is mirrored). With
+# otherwise, so that images with normal maps differ between versions (mean FLIP of up to 0.07). With
 # GALLIVM_PERF=no_aos_sampling all three filter in floating point and agree.
 #
 # Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are missing (as root), and `wgpu` 0.32.0 from PyPI into a

@@ -12,7 +12,7 @@ say() { printf 'shader-test: %s\n' "$*" >&2; }
 wrong() { say "$1"; exit 2; }
 
 file=${1:-}
-[ -n "$file" ] || wrong 'the shader is missing: shaders-glsl/common/history.glsl'
+[ -n "$file" ] || wrong 'no shader is named; make shader-test FILE=shaders-glsl/common/history.glsl names one'
 [ -f "$file" ] || wrong "there is no file '$file'"
 shift
 programs="${CARGO_TARGET_DIR:-target}/debug/deps"
@@ -35,7 +35,7 @@ if [ ${#wanted[@]} -eq 0 ]; then
             case "_${module}_" in *"_${word}_"*) wanted+=("$module::") ;; esac
         done
     done
-    [ ${#wanted[@]} -gt 0 ] || wrong "no file of tests shares a word with '$file': name some tests behind it"
+    [ ${#wanted[@]} -gt 0 ] || wrong "no file of tests shares a word with '$file'; TESTS=history:: names the tests to run"
     mapfile -t wanted < <(printf '%s\n' "${wanted[@]}" | sort -u)
 fi
 say "${wanted[*]}"
