@@ -54,7 +54,7 @@ pub use path_code::PathCode;
 use crate::error::Result;
 use crate::gpu::programs::LinearConstants;
 use crate::gpu::shader::{CameraBlock, UnifiedBlock};
-use crate::gpu::{Frame, Gpu, Image, ImageSlice, ShaderStage, Target};
+use crate::gpu::{Frame, Gpu, Image, ImageSlice, Sampled, ShaderStage, Target};
 use crate::math::constants;
 use crate::parameter::choices;
 use crate::scene::{Aabb, Camera, ProjectionKind};
@@ -153,6 +153,14 @@ pub struct GBuffer<'a> {
     pub triangle: Option<&'a Image>,
     /// What reflects in it, as far as is known beforehand.
     pub reflectors: Reflectors,
+}
+
+impl<'a> GBuffer<'a> {
+    /// The levels of the colour's chain but the finest. An image of one pixel has none, nor does any ray hit in it: its depth stands
+    /// for them, and is never seen.
+    pub(crate) fn coarse_colors(&self) -> Sampled<'a> {
+        self.color.coarse().map_or(Sampled::nearest(self.depth.all()), Sampled::trilinear)
+    }
 }
 
 /// What the materials that are drawn say of a frame's reflections, before any pixel is looked at. What there is not is

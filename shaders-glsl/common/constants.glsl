@@ -29,14 +29,12 @@ const float VISIBLE_WITHIN = 0.02;
 // the nearest of them.
 const float SAME_SURFACE = 0.1;
 // What the screen shows around a hit is no part of its colour if it stands before the pixel that was hit by more than so many widths of
-// a texel there, and beside the ray by more than STANDS_BESIDE of them.
+// a pixel there, and beside the ray by more than STANDS_BESIDE of them.
 const float STANDS_BEFORE = 10.0;
-// How far beside the ray that is, in widths of a texel.
+// How far beside the ray that is, in widths of a pixel.
 const float STANDS_BESIDE = 3.0;
 // It is none either if it does not stand above the plane of the surface that reflects by this share of that width.
 const float STANDS_ABOVE = 0.3;
-// From this level of the colour chain on, texels mix what a ray can have seen with what it cannot, and all texels around a hit count.
-const float SEEN_LEVELS = 1.5;
 // A length on a surface is found by dividing by the cosine at which the surface is seen. The least cosine that is taken for it:
 const float LEAST_FACING = 0.05;
 // What the traversal of `unified` takes for infinite: a time at which a ray never leaves a cell.

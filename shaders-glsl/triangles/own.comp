@@ -25,6 +25,9 @@ layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflectio
 
 #ifdef AMONG_TRIANGLES
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+#define LIT_COLOR(pixel) texelFetch(color_buffer, pixel, 0)
+#else
+#define LIT_COLOR(pixel) imageLoad(color_buffer, pixel)
 #endif
 
 shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for a miss
@@ -92,7 +95,7 @@ void main() {
         return;
     vec4 mean = MeanOf(doubt, thread);
     vec4 reflection = vec4(min(Sound(mean.rgb), GREATEST_HALF), min(Sound(mean.a), 1.0));
-    vec4 color = texelFetch(color_buffer, doubt.pixel, 0);
+    vec4 color = LIT_COLOR(doubt.pixel);
     float reflectivity = imageLoad(material_buffer, doubt.pixel).r;
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     Store(doubt.pixel, COMPOSITE ? color : reflection, reflection);

@@ -11,7 +11,12 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 #ifndef AMONG_TRIANGLES
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with its coarser levels
+#ifdef CONFIRMED
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+#else
+layout(binding = 4, rgba16f) uniform readonly image2D color_buffer;  // lit colour, linear
+layout(binding = 30) uniform sampler2D color_chain;                  // its coarser levels, where sky is black if it is known apart
+#endif
 #endif
 
 #include "unified/depth.glsl"
@@ -21,6 +26,9 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 #else
 #include "unified/traverse.glsl"
 #include "captures/seen.glsl"
+#ifndef CONFIRMED
+#include "unified/mirrored.glsl"
+#endif
 #endif
 
 // Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction. `beside` says
@@ -61,44 +69,13 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
 
 #else
 
-// The lit colour of the screen over a footprint: between the four texels around the hit, in the level of the chain whose texels are
-// nearest to the footprint in size. Those count that the ray can have seen in their middles, and that hold no sky or nothing else. From
-// SEEN_LEVELS on, texels have mixed surfaces already, and all count. Where none does, the colour is that of the pixel that was
-// hit. `point` and `normal` are those of the surface that reflects. The share of a texel that is sky (1 - a) was seen in another
-// direction than `along`, which is the sky along the ray.
-//
-// There is no lookup through a filter: a device that takes both ways of a branch would pay for it at every hit, and the mean
-// of several rays hides the step between two levels.
-vec3 ColorSeen(Hit hit, vec3 point, vec3 normal, vec3 direction, float footprint_level, vec3 along, out bool is_its) {
-    bool mixes = footprint_level >= SEEN_LEVELS;
-    int level = int(min(footprint_level + 0.5, float(textureQueryLevels(color_buffer) - 1)));
-    float own_depth = BLOCK_AT(PixelTexel(hit.pixel)).x;
-    Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own_depth, exp2(float(level)));
-    is_its = from.is_its;
-    // Some drivers take textureSize of one thread's level for all threads around it.
-    ivec2 texels = max(unified.size >> level, ivec2(1));
-    vec2 to_texels = vec2(texels) / vec2(unified.size);
-    precise vec2 from_middle = hit.position * to_texels - 0.5;
-    vec2 low = floor(from_middle), part = from_middle - low;
-    precise vec4 sum = vec4(0.0);
-    precise float counted = 0.0, sky = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
-        ivec2 middle = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
-        vec4 seen = texelFetch(color_buffer, texel, level);
-        vec2 weight = mix(1.0 - part, part, vec2(next));
-        bool is_whole = unified.sky == 0 || seen.a == 0.0 || seen.a > 0.999;
-        bool counts = mixes || IsSeen(from, vec2(middle) + 0.5, BLOCK_AT(PixelTexel(middle)).x) && is_whole;
-        AddTexel(sum, counted, seen, counts, weight.x * weight.y);
-        sky += counts && seen.a > 0.0 ? weight.x * weight.y * (1.0 - seen.a) : 0.0;
-    }
-    vec4 own = texelFetch(color_buffer, hit.pixel, 0);
-    float whole = 1.0 / max(counted, 1e-6);
-    vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
-    if (unified.sky != 0)
-        between = Sound(between + sky * whole * (along - Sky(ToWorld(ViewRay(hit.position)))));
-    return ShowsSky(own) && !mixes ? along : counted > 0.0 ? between : Sound(own.rgb);
+// The lit colour of the screen over a footprint as wide as the texels of a level of the chain. They have mixed surfaces, and all that
+// are around the place count. The share of a texel that is sky (1 - a) has the colour of `along`, which is the sky along the ray.
+// The level is a whole one: the mean of several rays hides the step between two.
+vec3 ColorOver(vec2 position, int level, vec3 along) {
+    vec4 seen = textureLod(color_chain, position * unified.pixel_to_clip, float(level - 1));
+    float sky = unified.sky != 0 ? max(1.0 - seen.a, 0.0) : 0.0;
+    return Sound(seen.rgb) + sky * along;
 }
 
 bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
@@ -113,19 +90,22 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    bool on_sky = GoesFar(ray, hit) && BLOCK_AT(PixelTexel(hit.pixel)).x < 0.0;
-    if (hit.code != PATH_HI_Z && !on_sky)
+    bool hits = hit.code == PATH_HI_Z;
+    if (!GoesFar(ray, hit) && !hits)
+        return false;
+    Mirrored mirrored = MirroredAt(hit, point, normal, ray.direction, along);
+    if (!hits && !mirrored.is_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
-    if (on_sky)
-        end.place = point + FAR_SKY * ray.direction;
-    else
+    if (hits)
         end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE, false);
-    float level = FootprintLevel(point, there, density, share);
-    bool is_its;
-    color = vec4(ColorSeen(hit, point, normal, ray.direction, level, along, is_its), Fade(hit.position * unified.pixel_to_clip));
-    end.touches = end.beside && !is_its;
+    else
+        end.place = point + FAR_SKY * ray.direction;
+    int level = int(min(FootprintLevel(point, there, density, share) + 0.5, float(textureQueryLevels(color_chain))));
+    vec3 seen = level > 0 ? ColorOver(hit.position, level, along) : mirrored.color;
+    color = vec4(seen, Fade(hit.position * unified.pixel_to_clip));
+    end.touches = end.beside && !mirrored.is_its;
     return true;
 }
 

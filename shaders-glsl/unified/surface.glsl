@@ -20,51 +20,52 @@ bool GoesFar(Ray ray, inout Hit hit) {
     return is_far;
 }
 
-// The surface that reflects, its ray, and the pixel that the ray hit, in an image whose texels are so many pixels wide.
+// The surface that reflects, its ray, and the pixel that the ray hit.
 struct Seeing {
     vec3 point;     // of the surface, in ViewPoint's scale
     vec3 normal;    // of any length
     vec3 direction; // of the ray, of any length
-    vec2 sizes;     // lengths of the normal and the direction
-    float width;    // of a texel, at z = 1 in a perspective
+    float above;    // what a place above the surface has more than, of Dot(normal, AwayFrom(...))
+    float beside;   // squared: what a place beside the ray has more than, of the length of the direction cross AwayFrom(...)
     float own;      // depth of the pixel that was hit; that of EMPTY_BLOCK for sky
+    float apart;    // by how much a depth differs from it that stands before or behind
     bool is_its;    // that pixel shows the surface that reflects
 };
 
-float WidthAt(Seeing from, float z) {
-    precise float width = from.width * (ORTHOGRAPHIC ? 1.0 : z);
-    return width;
+// From the surface's point to the place that a pixel's position and depth show, divided by that place's z in a perspective: what
+// is a pixel wide there then has one width at any depth, and nothing is divided.
+vec3 AwayFrom(vec3 point, vec2 position, float depth) {
+    if (ORTHOGRAPHIC) {
+        precise vec3 away = ViewPoint(position, depth) - point;
+        return away;
+    }
+    precise vec3 away = ViewRay(position) - (depth + unified.depth_offset) * point;
+    return away;
 }
 
-// Whether a place is nothing of the surface that reflects, nor of what is below it.
-bool IsAbove(Seeing from, vec3 there) {
-    precise vec3 away = there - from.point;
-    precise float least = STANDS_ABOVE * WidthAt(from, there.z) * from.sizes.x;
-    return Dot(from.normal, away) > least;
+// `own` is the depth of the pixel that was hit.
+Seeing SeeingFrom(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
+    precise float width = 2.0 * unified.pixel_to_view.y;
+    precise float above = STANDS_ABOVE * width * sqrt(Dot(normal, normal));
+    precise float beside = STANDS_BESIDE * width;
+    precise float beside_squared = beside * beside * Dot(direction, direction);
+    precise float apart = STANDS_BEFORE * width * (ORTHOGRAPHIC ? unified.depth_offset : own + unified.depth_offset);
+    bool is_above = Dot(normal, AwayFrom(point, vec2(pixel) + 0.5, own)) > above;
+    return Seeing(point, normal, direction, above, beside_squared, own, apart, own >= 0.0 && !is_above);
 }
 
-Seeing SeeingFrom(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own, float texel) {
-    precise vec2 sizes = vec2(sqrt(Dot(normal, normal)), sqrt(Dot(direction, direction)));
-    precise float width = 2.0 * unified.pixel_to_view.y * texel;
-    Seeing from = Seeing(point, normal, direction, sizes, width, own, false);
-    from.is_its = own >= 0.0 && !IsAbove(from, ViewPoint(vec2(pixel) + 0.5, max(own, 0.0)));
-    return from;
-}
-
-// Whether a ray can have seen what a pixel of a depth shows, in the middle of a texel. What stands before the hit and far beside the
+// Whether a ray can have seen what a pixel of a depth shows in its middle. What stands before the hit and far beside the
 // ray stands elsewhere in the reflection. What stands behind the hit is beside it there, too. If the pixel that was hit shows the
 // surface that reflects, the ray has met what stands on that surface, and nothing behind it counts. The surface that reflects is
 // never seen, nor what is below it. Sky lies behind all.
 bool IsSeen(Seeing from, vec2 middle, float depth) {
-    precise float apart = STANDS_BEFORE * from.width;
-    apart = apart * (ORTHOGRAPHIC ? unified.depth_offset : from.own + unified.depth_offset);
-    vec3 there = ViewPoint(middle, max(depth, 0.0));
-    precise vec3 away = there - from.point;
-    precise float beside = STANDS_BESIDE * WidthAt(from, there.z) * from.sizes.y;
+    vec3 away = AwayFrom(from.point, middle, depth);
     precise vec3 off = away.yzx * from.direction.zxy - away.zxy * from.direction.yzx;
-    bool is_beside = Dot(off, off) > beside * beside;
-    bool is_seen = from.own >= 0.0 && IsAbove(from, there) && !(depth > from.own + apart && is_beside);
-    return (depth < 0.0 || is_seen) && !(from.is_its && depth < from.own - apart);
+    precise float nearest = from.own + from.apart, farthest = from.own - from.apart;
+    bool is_above = Dot(from.normal, away) > from.above;
+    bool is_beside = Dot(off, off) > from.beside;
+    bool is_seen = from.own >= 0.0 && is_above && !(depth > nearest && is_beside);
+    return (depth < 0.0 || is_seen) && !(from.is_its && depth < farthest);
 }
 
 // Adds a texel to a weighted sum of colours. `a` is the part that is no sky.
@@ -74,43 +75,6 @@ void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float
     precise vec4 added = share * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
     sum += added;
     counted += share;
-}
-
-// What the screen shows at a hit in full resolution.
-struct Mirrored {
-    vec3 color;  // lit, between the four pixels around it that count; that of the pixel that was hit where none does
-    bool is_sky; // that pixel shows sky
-};
-
-// `along` is the sky along the ray, which sky and what shows it have: it is looked up once, since a device that takes both ways of
-// a branch pays for every look. Loads stand before what they decide, so that the pixel that was hit is not loaded twice.
-Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
-    precise vec2 from_middle = hit.position - 0.5;
-    vec2 low = floor(from_middle), part = from_middle - low;
-    ivec2 last = unified.size - 1;
-    float depths[4];
-    float own = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 here = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last);
-        depths[i] = BLOCK_AT(PixelTexel(here)).x;
-        own = here == hit.pixel ? depths[i] : own;
-    }
-    Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own, 1.0);
-    precise vec4 sum = vec4(0.0);
-    precise float counted = 0.0;
-    vec4 own_color = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
-        vec2 weight = mix(1.0 - part, part, vec2(next));
-        vec4 seen = texelFetch(color_buffer, here, 0);
-        AddTexel(sum, counted, seen, IsSeen(from, vec2(here) + 0.5, depths[i]), weight.x * weight.y);
-        own_color = here == hit.pixel ? seen : own_color;
-    }
-    float whole = 1.0 / max(counted, 1e-6);
-    vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
-    vec3 alone = ShowsSky(own_color) ? along : Sound(own_color.rgb);
-    return Mirrored(counted > 0.0 ? between : alone, own < 0.0);
 }
 
 #endif

@@ -50,6 +50,8 @@ pub struct Image {
     allocation: Option<Allocation>,
     level_views: Vec<vk::ImageView>,
     whole_view: vk::ImageView,
+    /// All levels but the finest; null for fewer than three.
+    coarse_view: vk::ImageView,
     /// The faces of a cube map as an array of images; null for what is no cube map.
     faces_view: vk::ImageView,
     /// Depth and stencil together, where there is a stencil: the other views see the depth alone.
@@ -191,6 +193,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            coarse_view: vk::ImageView::null(),
             faces_view: vk::ImageView::null(),
             stencil_view: vk::ImageView::null(),
             format: desc.format,
@@ -219,6 +222,9 @@ impl Image {
             // A view of depth and stencil is one of the depth, where a shader reads it.
             let shown = |image: &Self, range| vk::ImageSubresourceRange { aspect_mask: image.shown_aspect(), ..range };
             image.whole_view = image.view(view_type, shown(&image, image.range(0, desc.levels)))?;
+            if desc.levels > 2 {
+                image.coarse_view = image.view(view_type, shown(&image, image.range(1, desc.levels - 1)))?;
+            }
             if view_type == V::CUBE {
                 image.faces_view = image.view(V::TYPE_2D_ARRAY, shown(&image, image.range(0, desc.levels)))?;
             }
@@ -286,6 +292,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            coarse_view: vk::ImageView::null(),
             faces_view: vk::ImageView::null(),
             stencil_view: vk::ImageView::null(),
             format,
@@ -377,6 +384,11 @@ impl Image {
         ImageSlice { image: self, base: 0, count: self.levels(), slice: None, by_face: false }
     }
 
+    /// All mip levels but the finest, if there are any.
+    pub fn coarse(&self) -> Option<ImageSlice<'_>> {
+        (self.levels() > 1).then(|| ImageSlice { base: 1, count: self.levels() - 1, ..self.all() })
+    }
+
     /// All mip levels of a cube map, whose faces shaders see as an array of six images.
     pub fn faces(&self) -> ImageSlice<'_> {
         assert!(self.faces_view != vk::ImageView::null(), "{} is no cube map that shaders see", self.name);
@@ -429,6 +441,7 @@ impl Drop for Image {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);
+            device.destroy_image_view(self.coarse_view, None);
             device.destroy_image_view(self.faces_view, None);
             device.destroy_image_view(self.stencil_view, None);
             device.destroy_image(self.handle, None);

@@ -378,14 +378,18 @@ impl Method for UnifiedMethod {
             frame.skip("pyramid", "no ray walks over the screen");
             self.pyramid.made()
         };
+        let chain = |frame: &mut Frame| match input.sky {
+            Some(_) => self.color.record_without_sky(frame, &gbuffer),
+            None => self.color.record(frame, &gbuffer),
+        };
         if self.screen_colors {
-            self.color.record(frame, &gbuffer)?;
+            chain(frame)?;
         } else if !self.screen {
             frame.skip("color", "no ray looks up a colour on the screen");
         } else if among.is_some() {
             frame.skip("color", "what a ray hits is shaded as the triangle that it is on");
         } else if plan.narrow || plan.wide {
-            self.color.record(frame, &gbuffer)?;
+            chain(frame)?;
         } else {
             frame.skip("color", "no material that is drawn is glossy");
         }

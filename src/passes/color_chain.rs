@@ -4,7 +4,7 @@
 
 use super::{ColorChain, GBuffer, HiZ, LIT_COLOR};
 use crate::error::{Error, Result};
-use crate::gpu::programs::{ColorCoarse, GaussianBlur, GaussianBlurMasked, GaussianBlurMaskedConstants};
+use crate::gpu::programs::{ColorCoarse, ColorFirst, GaussianBlur, GaussianBlurMasked, GaussianBlurMaskedConstants};
 use crate::gpu::shader::{BlurBlock, MaskedBlurBlock};
 use crate::gpu::{
     ComputePipeline, Frame, Gpu, Image, ImageDesc, ImageSlice, PixelPipeline, Sampled, ShaderStage, Target, image,
@@ -12,6 +12,7 @@ use crate::gpu::{
 use crate::parameter::choices;
 use crate::scene::Lens;
 use ash::vk;
+use std::ops::Range;
 
 choices! {
     /// How the chain is filtered.
@@ -39,8 +40,8 @@ choices! {
 enum Make {
     /// A blit each.
     Blits,
-    /// A blit each, the last [`COARSE`] of them in one dispatch.
-    Coarse(ComputePipeline<ColorCoarse<'static>>),
+    /// A blit each, the last [`COARSE`] of them in one dispatch; the first in one of its own where the sky is seen apart.
+    Coarse(ComputePipeline<ColorFirst<'static>>, ComputePipeline<ColorCoarse<'static>>),
     /// Two passes each, with the image between the two directions.
     Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
     /// Two masked passes each, with the greatest difference of depths that counts as one surface, as a part of the lesser.
@@ -89,7 +90,7 @@ impl ColorChainPass {
 
     /// Makes the chain that [`ChainFilter::Hardware`] makes, in fewer passes.
     pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
-        Ok(Self(Make::Coarse(ComputePipeline::new(gpu)?)))
+        Ok(Self(Make::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
     }
 
     /// Passes "color/1" to the coarsest level, or "color/coarse" for several, written into the colour image itself.
@@ -97,12 +98,12 @@ impl ColorChainPass {
         let chain = gbuffer.color;
         match &self.0 {
             // The shader has one format and one number of levels.
-            Make::Coarse(pipeline) if chain.format() == LIT_COLOR && chain.levels() > COARSE => {
+            Make::Coarse(_, pipeline) if chain.format() == LIT_COLOR && chain.levels() > COARSE => {
                 let first = chain.levels() - COARSE;
-                blits(frame, chain, first)?;
+                blits(frame, chain, 1..first)?;
                 coarse(frame, chain, first, pipeline)?;
             }
-            Make::Blits | Make::Coarse(_) => blits(frame, chain, chain.levels())?,
+            Make::Blits | Make::Coarse(..) => blits(frame, chain, 1..chain.levels())?,
             Make::Gaussian(pipeline, between) => {
                 for level in 1..chain.levels() {
                     let levels = [chain.level(level - 1), between.level(level), chain.level(level)];
@@ -110,6 +111,25 @@ impl ColorChainPass {
                 }
             }
             Make::Masked(..) => return Err(Error::Usage("a masked chain reads the Hi-Z buffer".into())),
+        }
+        Ok(ColorChain(chain))
+    }
+
+    /// Records the chain as [`Self::record`] does, but that sky is black in all levels above the first.
+    pub fn record_without_sky<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
+        let chain = gbuffer.color;
+        let Make::Coarse(first, coarsest) = &self.0 else { return self.record(frame, gbuffer) };
+        if chain.levels() > 1 {
+            let (finest, coarser) = (chain.level(0), chain.level(1));
+            let [width, height] = coarser.extent();
+            frame.compute("color/1", first, &ColorFirst { finest, coarser }, [width, height, 1])?;
+        }
+        match chain.levels().checked_sub(COARSE) {
+            Some(last) if last > 1 => {
+                blits(frame, chain, 2..last)?;
+                coarse(frame, chain, last, coarsest)?;
+            }
+            _ => blits(frame, chain, 2..chain.levels())?,
         }
         Ok(ColorChain(chain))
     }
@@ -156,9 +176,9 @@ fn between(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) 
     Ok(Box::new(Image::new(gpu, &described)?))
 }
 
-/// The levels of a chain below one, from level 1 on.
-fn blits(frame: &mut Frame, chain: &Image, end: u32) -> Result<()> {
-    (1..end).try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
+/// Levels of a chain, each from the one below it.
+fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
+    levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
 /// The levels of a chain from one on, of which there are [`COARSE`].

@@ -140,20 +140,15 @@ impl GBufferImages {
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
-    /// Uploads as [`GBufferImages::upload`] does, with the colour in 32-bit floats, which round nothing, and the normals too or as
-    /// [`NORMAL`]: to try other formats than these by their values. The device must filter such images linearly.
-    pub fn upload_wide(context: &mut FrameContext, data: &GBufferData, wide_normals: bool) -> Result<Self> {
+    /// Uploads as [`GBufferImages::upload`] does, with colours and normals in 32-bit floats, which round nothing: to try other formats
+    /// than these by their values. The device must filter such images linearly.
+    pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
         let wide = |v: &[Vec3], w: f32| -> Vec<u8> {
             v.iter().flat_map(|p| p.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
         };
-        let half = |v: &[Vec3]| -> Vec<u8> {
-            v.iter().flat_map(|p| p.extend(0.0).to_array().map(|c| half_bits(c).to_ne_bytes())).flatten().collect()
-        };
-        let (format, normal) =
-            if wide_normals { (WIDE, wide(&data.normal, 0.0)) } else { (NORMAL, half(&data.normal)) };
-        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [format, WIDE])?;
-        images.filled(context, data, [&normal, &wide(&data.color, 1.0)])
+        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
+        images.filled(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
     }
 
     /// The images with depth and material of a G-buffer, and normals and colour as bytes of their formats.

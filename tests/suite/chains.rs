@@ -256,6 +256,51 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
 }
 
 #[test]
+fn where_the_sky_is_seen_apart_coarser_levels_hold_what_is_none() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
+    for extent in [[2, 1], [61, 37], [200, 131], [256, 64], [641, 479]] {
+        let (pixels, stream) = (extent[0] * extent[1], Stream::new(u64::from(extent[0]), u64::from(extent[1])));
+        let is_sky = |i: u32| stream.uniform(u64::from(i)) < 0.3;
+        let data = GBufferData {
+            width: extent[0],
+            height: extent[1],
+            camera: clutter_camera(extent),
+            depth: (0..pixels).map(|i| if is_sky(i) { 0.0 } else { 0.5 }).collect(),
+            normal: vec![Vec3::Z; pixels as usize],
+            reflectivity: vec![1.0; pixels as usize],
+            roughness: vec![0.5; pixels as usize],
+            color: (0..pixels).map(|i| Vec3::splat(0.125 + (i % 7) as f32 / 8.0)).collect(),
+            surface: vec![Surface::Lit; pixels as usize],
+        };
+        let images = GBufferImages::upload(&mut context, &data).unwrap();
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let chain = pass.record_without_sky(&mut frame, &images.gbuffer()).unwrap().0;
+        frame.finish().unwrap();
+        let written: Vec<_> = (0..chain.levels()).map(|level| chain.level(level).is_written()).collect();
+        assert!(!written.contains(&false), "{extent:?}: {written:?}");
+        let mut finest = context.read(chain.level(0)).unwrap();
+        for (i, texel) in finest.values.chunks_exact_mut(4).enumerate() {
+            assert_eq!(texel[3] == 0.0, is_sky(i as u32), "{extent:?}, pixel {i}");
+            if texel[3] == 0.0 {
+                texel.fill(0.0);
+            }
+        }
+        let coarser = context.read(chain.level(1)).unwrap();
+        for (y, x) in (0..coarser.height).flat_map(|y| (0..coarser.width).map(move |x| (y, x))) {
+            let (u, v) = ((x as f32 + 0.5) / coarser.width as f32, (y as f32 + 0.5) / coarser.height as f32);
+            for (found, twin) in coarser.at(x, y).iter().zip(bilinear(&finest, u, v)) {
+                // Both round a place to a part of a texel, between colours of up to 1.
+                let bound = half_step(twin) + extent[0] as f32 * f32::EPSILON;
+                assert!((found - twin).abs() <= bound, "{extent:?}, ({x}, {y}): {found} against {twin}");
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
 fn gaussian_chains_equal_their_twin() {
     // Horizontal, then vertical, each rounded to f16 on the GPU: one step of f16 each. Where a side
     // is odd, a tap falls between texels at any fraction, and a device's filter has at least 8

@@ -266,9 +266,9 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
                 Some(&hits),
             ));
         }
-        // The exact walk loads normals as 16-bit floats, and nothing else: of normals in 32-bit floats it sees those.
-        let [wide, own] = [true, false].map(|normals| GBufferImages::upload_wide(&mut context, &stored, normals));
-        let (wide, own) = (wide?, own?);
+        // The exact walk loads normals and colours as 16-bit floats, and nothing else: of 32-bit floats it sees those.
+        let wide = GBufferImages::upload_wide(&mut context, &stored)?;
+        let own = GBufferImages::upload(&mut context, &stored)?;
         for (method, effect) in &effects {
             let images = if method.follows_oracle { &own } else { &wide };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };

@@ -49,6 +49,9 @@ impl<'a> ImageSlice<'a> {
             self.image.slice_views[slice as usize]
         } else if self.count == self.image.levels() {
             self.image.whole_view
+        } else if self.count > 1 {
+            // No other range of several levels is ever made.
+            self.image.coarse_view
         } else {
             self.image.level_views[self.base as usize]
         }

@@ -119,25 +119,21 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// `ColorSeen`, without the sky along the ray: the colour of what was hit, over a footprint as wide as the texels of a level. The
-    /// ray is the point where it begins, the normal there, and its direction.
+    /// The colour of what was hit, over a footprint as wide as the texels of a level: `MirroredAt` in level 0 and `ColorOver` in
+    /// others, without the sky along the ray. The ray is the point where it begins, the normal there, and its direction.
     pub(super) fn color_seen(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
-        let mixes = footprint_level >= constants::SEEN_LEVELS as f32;
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
-        let from = self.traversal.seeing(ray, hit.pixel, (level as f32).exp2());
-        let size = self.traversal.parameters.size;
+        let from = self.traversal.seeing(ray, hit.pixel);
         let image = &self.chain[level];
         let texels = IVec2::new(image.width as i32, image.height as i32);
-        let to_texels = texels.as_vec2() / size.as_vec2();
-        let from_middle = hit.position * to_texels - 0.5;
+        let from_middle = hit.position * (texels.as_vec2() / self.traversal.parameters.size.as_vec2()) - 0.5;
         let (low, part) = (from_middle.floor(), from_middle - from_middle.floor());
         let (mut sum, mut counted) = (Vec3::ZERO, 0.0);
         for i in 0..4 {
             let next = IVec2::new(i & 1, i >> 1);
             let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
-            let middle = ((texel.as_vec2() + 0.5) / to_texels).as_ivec2().min(size - 1);
             let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if mixes || self.traversal.is_seen(&from, middle) {
+            if level > 0 || self.traversal.is_seen(&from, texel) {
                 let share = weight.x * weight.y;
                 sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
                 counted += share;

@@ -11,9 +11,10 @@ pub(super) struct Seeing {
     point: Vec3,
     normal: Vec3,
     direction: Vec3,
-    sizes: [f32; 2],
-    width: f32,
+    above: f32,
+    beside: f32,
     own: f32,
+    apart: f32,
     is_its: bool,
 }
 
@@ -23,37 +24,36 @@ impl Traversal<'_> {
         self.block(pixel).front
     }
 
+    /// `AwayFrom`: from a point to what a pixel of a depth shows in its middle, divided by its z in a perspective.
+    fn away_from(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
+        let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
+        if p.kind.is_orthographic() {
+            return p.view_point(position, depth) - point;
+        }
+        p.view_ray(position) - (depth + p.depth_offset) * point
+    }
+
     /// `SeeingFrom`: a ray along a direction from a point of a surface with a normal, which hit a pixel.
-    pub(super) fn seeing(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2, texel: f32) -> Seeing {
-        let sizes = [normal, direction].map(|v| dot(v, v).sqrt());
-        let (width, own) = (2.0 * self.parameters.pixel_to_view.y * texel, self.front(pixel));
-        let from = Seeing { point, normal, direction, sizes, width, own, is_its: false };
-        let there = self.parameters.view_point(pixel.as_vec2() + 0.5, own.max(0.0));
-        Seeing { is_its: own >= 0.0 && !self.is_above(&from, there), ..from }
+    pub(super) fn seeing(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2) -> Seeing {
+        let (p, own) = (&self.parameters, self.front(pixel));
+        let width = 2.0 * p.pixel_to_view.y;
+        let scale = if p.kind.is_orthographic() { p.depth_offset } else { own + p.depth_offset };
+        let above = STANDS_ABOVE as f32 * width * dot(normal, normal).sqrt();
+        let across = STANDS_BESIDE as f32 * width;
+        let beside = across * across * dot(direction, direction);
+        let is_its = own >= 0.0 && dot(normal, self.away_from(point, pixel, own)) <= above;
+        Seeing { point, normal, direction, above, beside, own, apart: STANDS_BEFORE as f32 * width * scale, is_its }
     }
 
-    /// `WidthAt`.
-    fn width_at(&self, from: &Seeing, z: f32) -> f32 {
-        from.width * if self.parameters.kind.is_orthographic() { 1.0 } else { z }
-    }
-
-    /// `IsAbove`: whether a place is nothing of the surface that reflects, nor of what is below it.
-    fn is_above(&self, from: &Seeing, there: Vec3) -> bool {
-        dot(from.normal, there - from.point) > STANDS_ABOVE as f32 * self.width_at(from, there.z) * from.sizes[0]
-    }
-
-    /// `IsSeen`: whether a ray can have seen what a pixel shows in the middle of a texel.
+    /// `IsSeen`: whether a ray can have seen what a pixel shows in its middle.
     pub(super) fn is_seen(&self, from: &Seeing, pixel: IVec2) -> bool {
-        let (p, depth) = (&self.parameters, self.front(pixel));
-        let scale = if p.kind.is_orthographic() { p.depth_offset } else { from.own + p.depth_offset };
-        let apart = STANDS_BEFORE as f32 * from.width * scale;
-        let there = p.view_point(pixel.as_vec2() + 0.5, depth.max(0.0));
-        let (away, direction) = (there - from.point, from.direction);
-        let beside = STANDS_BESIDE as f32 * self.width_at(from, there.z) * from.sizes[1];
+        let depth = self.front(pixel);
+        let (away, direction) = (self.away_from(from.point, pixel, depth), from.direction);
         let off = away.yzx() * direction.zxy() - away.zxy() * direction.yzx();
-        let is_beside = dot(off, off) > beside * beside;
-        let is_seen = from.own >= 0.0 && self.is_above(from, there) && !(depth > from.own + apart && is_beside);
-        (depth < 0.0 || is_seen) && !(from.is_its && depth < from.own - apart)
+        let is_above = dot(from.normal, away) > from.above;
+        let is_beside = dot(off, off) > from.beside;
+        let is_seen = from.own >= 0.0 && is_above && !(depth > from.own + from.apart && is_beside);
+        (depth < 0.0 || is_seen) && !(from.is_its && depth < from.own - from.apart)
     }
 
     /// `GoesFar`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.

@@ -1,0 +1,46 @@
+// What the screen shows at a hit in full resolution. Needs the images `pyramid` and `color_buffer`, which is loaded from: a device
+// without hardware for textures fetches from a sampled image at twice the price.
+
+#ifndef UNIFIED_MIRRORED_GLSL
+#define UNIFIED_MIRRORED_GLSL
+
+#include "unified/surface.glsl"
+
+struct Mirrored {
+    vec3 color;  // lit, between the four pixels around it that count; that of the pixel that was hit where none does
+    bool is_sky; // that pixel shows sky
+    bool is_its; // that pixel shows the surface that reflects
+};
+
+// `along` is the sky along the ray, which sky and what shows it have: it is looked up once, since a device that takes both ways of
+// a branch pays for every look. Loads stand before what they decide, so that the pixel that was hit is not loaded twice.
+Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
+    precise vec2 from_middle = hit.position - 0.5;
+    vec2 low = floor(from_middle), part = from_middle - low;
+    ivec2 last = unified.size - 1;
+    float depths[4];
+    float own = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 here = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last);
+        depths[i] = BLOCK_AT(PixelTexel(here)).x;
+        own = here == hit.pixel ? depths[i] : own;
+    }
+    Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own);
+    precise vec4 sum = vec4(0.0);
+    precise float counted = 0.0;
+    vec4 own_color = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 next = ivec2(i & 1, i >> 1);
+        ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
+        vec2 weight = mix(1.0 - part, part, vec2(next));
+        vec4 seen = imageLoad(color_buffer, here);
+        AddTexel(sum, counted, seen, IsSeen(from, vec2(here) + 0.5, depths[i]), weight.x * weight.y);
+        own_color = here == hit.pixel ? seen : own_color;
+    }
+    float whole = 1.0 / max(counted, 1e-6);
+    vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
+    vec3 alone = ShowsSky(own_color) ? along : Sound(own_color.rgb);
+    return Mirrored(counted > 0.0 ? between : alone, own < 0.0, from.is_its);
+}
+
+#endif
