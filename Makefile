@@ -7,7 +7,7 @@ PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
 .PHONY: all setup build dist package install-c study gpu-study bars league test shader-test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
-	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake embree library fuzz lint bench view doc docs \
 	clean
 
 all: build
@@ -126,6 +126,17 @@ test-mitsuba: build $(MITSUBA)
 		"$(BIN)" truth export --scene $$1 --view $$2 --roughness $$3 --size 160x90 --samples 256 -o "$$dir"; \
 		.venv-mitsuba/bin/python scripts/mitsuba_compare.py "$$dir" --samples 256 --json "$$dir/report.json"; \
 	done
+
+# The walk of `traced` beside Embree's on one core; embreex is installed from PyPI into a folder of its own.
+EMBREE = .venv-embree/.embreex-4.4.0
+
+$(EMBREE):
+	python3 -m venv .venv-embree
+	.venv-embree/bin/pip install --quiet embreex==4.4.0.post1 numpy
+	touch $@
+
+embree: build $(EMBREE)
+	.venv-embree/bin/python scripts/embree.py "$(BIN)" "$(OUT)/embree"
 
 # A study on a real Slurm of four nodes, all on this machine, with killed tasks and a lost node. Installs Debian's
 # slurmctld, slurmd, slurm-client and munge, and leaves no service running.
