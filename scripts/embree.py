@@ -31,7 +31,10 @@ WALKED = "vec3 color = vec3(met.t, met.weight);"
 
 
 def run(command, **environment):
-    done = subprocess.run(list(map(str, command)), env=os.environ | environment, capture_output=True, text=True)
+    try:
+        done = subprocess.run(list(map(str, command)), env=os.environ | environment, capture_output=True, text=True)
+    except OSError as error:
+        sys.exit(f"embree: {command[0]}: {error.strerror}")
     if done.returncode:
         sys.exit(f"embree: {command[0]} ended with status {done.returncode}: {done.stderr.strip()}")
     return done.stdout
@@ -61,13 +64,16 @@ def mirror_rays(folder):
     return (array("receiver_position") + start * direction).astype(np.float32), direction.astype(np.float32), array("mirror_mesh")
 
 
-def pass_ms(arguments, view, shaders):
-    """Milliseconds of the pass that follows the mirror rays, the median of a run's frames."""
+def follow(arguments, view, shaders):
+    """The record of a run, and the median of its frames' milliseconds in the pass that follows the mirror rays."""
     command = [arguments.ssct, "time", *view, "--method", "traced", "--samples", arguments.samples, "--json"]
     record = json.loads(run(command, LP_NUM_THREADS="1", SSCT_SHADERS=str(shaders)))[0]
     if record["device"]["type"] != "CPU":
         sys.exit(f"embree: {record['device']['name']} is no driver on a CPU; VK_DRIVER_FILES names lavapipe's file")
-    return record, next(p["median_ms"] for p in record["passes"] if p["name"] == "trace/mirrors")
+    times = [p["median_ms"] for p in record["passes"] if p["name"] == "trace/mirrors"]
+    if not times:
+        sys.exit(f"embree: {arguments.scene} {record['view']} has no mirrors")
+    return record, times[0]
 
 
 def main():
@@ -99,13 +105,13 @@ def main():
         sys.exit(f"embree: {SHADERS}/triangles/among.glsl colours its hits otherwise than by '{COLORED}'")
     among.write_text(text.replace(COLORED, WALKED))
 
-    rows, met = [], None
+    rows = []
     for index in range(arguments.rounds):
         begin = time.process_time()
         met = scene.run(origins, directions)
         embree = time.process_time() - begin
-        record, alone = pass_ms(arguments, view, walk)
-        _, whole = pass_ms(arguments, view, SHADERS)
+        record, alone = follow(arguments, view, walk)
+        _, whole = follow(arguments, view, SHADERS)
         rows.append(
             {
                 "round": index,

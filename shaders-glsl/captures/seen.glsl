@@ -1,6 +1,5 @@
 // Hands on rays that the screen has lost, or that begin where no ray walks over the screen, to captures/follow.comp or
-// triangles/follow.comp; and includes what a ray sees that hits on the screen. Needs the image `color_buffer`, and
-// unified/traverse.glsl. A file that defines LOSES_NOTHING hands no ray on.
+// triangles/follow.comp. Needs unified/traverse.glsl. A file that defines LOSES_NOTHING hands no ray on.
 
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
@@ -9,7 +8,6 @@
 #ifndef LOSES_NOTHING
 #include "captures/push.glsl"
 #endif
-#include "unified/surface.glsl"
 #ifdef CONFIRMED
 #include "triangles/confirm.glsl"
 #endif

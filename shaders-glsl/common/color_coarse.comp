@@ -5,6 +5,8 @@
 
 layout(local_size_x = 256) in;
 
+#include "common/linear_blit.glsl"
+
 layout(binding = 0, rgba16f) uniform readonly image2D level_0; // what is there; the side of level 1 is at most 127
 layout(binding = 1, rgba16f) uniform coherent image2D level_1;
 layout(binding = 2, rgba16f) uniform coherent image2D level_2;
@@ -17,16 +19,13 @@ layout(binding = 7, rgba16f) uniform writeonly image2D level_7;
 // (An array of images would need a feature that not every device has.)
 #define MAKE(here, below) \
     { \
-        ivec2 size = imageSize(here), last = imageSize(below) - 1; \
-        vec2 scale = vec2(last + 1) / vec2(size); \
+        ivec2 size = imageSize(here), below_size = imageSize(below); \
         for (int i = int(gl_LocalInvocationIndex); i < size.x * size.y; i += int(gl_WorkGroupSize.x)) { \
             ivec2 texel = ivec2(i % size.x, i / size.x); \
-            vec2 place = max((vec2(texel) + 0.5) * scale - 0.5, 0.0); \
-            ivec2 low = ivec2(place), high = min(low + 1, last); \
-            vec2 part = place - vec2(low); \
-            vec4 upper = mix(imageLoad(below, low), imageLoad(below, ivec2(high.x, low.y)), part.x); \
-            vec4 lower = mix(imageLoad(below, ivec2(low.x, high.y)), imageLoad(below, high), part.x); \
-            imageStore(here, texel, mix(upper, lower, part.y)); \
+            Corners four = CornersOf(texel, size, below_size); \
+            vec4 a = imageLoad(below, four.low), b = imageLoad(below, ivec2(four.high.x, four.low.y)); \
+            vec4 c = imageLoad(below, ivec2(four.low.x, four.high.y)), d = imageLoad(below, four.high); \
+            imageStore(here, texel, Between(four, a, b, c, d)); \
         } \
         memoryBarrierImage(); \
         barrier(); \

@@ -17,12 +17,11 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 #include "thesis/ray_trace.glsl"
 #endif
 
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
-
 layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 
 #include "stochastic/stochastic.glsl"
 #include "captures/sky_along.glsl"
+#include "unified/lit_color.glsl"
 #ifdef EXACT
 #include "unified/mirrored.glsl"
 #endif
@@ -53,7 +52,7 @@ vec3 ColorBetween(vec2 position, vec3 along) {
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        vec4 seen = imageLoad(color_buffer, clamp(ivec2(first) + next, ivec2(0), unified.size - 1));
+        vec4 seen = ScreenColor(clamp(ivec2(first) + next, ivec2(0), unified.size - 1));
         vec2 weight = mix(1.0 - part, part, vec2(next));
         bool shows_sky = ShowsSky(seen);
         sum += weight.x * weight.y * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));

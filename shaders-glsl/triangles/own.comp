@@ -21,14 +21,8 @@ layout(constant_id = 2) const bool OVER = false; // another reflection shows whe
 layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
 
 #include "unified/gloss_trace.glsl"
+#include "unified/lit_color.glsl"
 #include "unified/store.glsl"
-
-#ifdef AMONG_TRIANGLES
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
-#define LIT_COLOR(pixel) texelFetch(color_buffer, pixel, 0)
-#else
-#define LIT_COLOR(pixel) imageLoad(color_buffer, pixel)
-#endif
 
 shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for a miss
 
@@ -95,7 +89,7 @@ void main() {
         return;
     vec4 mean = MeanOf(doubt, thread);
     vec4 reflection = vec4(min(Sound(mean.rgb), GREATEST_HALF), min(Sound(mean.a), 1.0));
-    vec4 color = LIT_COLOR(doubt.pixel);
+    vec4 color = ScreenColor(doubt.pixel);
     float reflectivity = imageLoad(material_buffer, doubt.pixel).r;
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     Store(doubt.pixel, COMPOSITE ? color : reflection, reflection);

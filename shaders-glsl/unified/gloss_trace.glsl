@@ -10,13 +10,8 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
-#ifndef AMONG_TRIANGLES
-#ifdef CONFIRMED
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
-#else
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer;  // lit colour, linear
-layout(binding = 30) uniform sampler2D color_chain;                  // its coarser levels, where sky is black if it is known apart
-#endif
+#if !defined(AMONG_TRIANGLES) && !defined(CONFIRMED)
+layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit colour, in which sky is black if it is known apart
 #endif
 
 #include "unified/depth.glsl"
@@ -90,8 +85,8 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
         return true;
     }
     PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    bool hits = hit.code == PATH_HI_Z;
-    if (!GoesFar(ray, hit) && !hits)
+    bool hits = hit.code == PATH_HI_Z, is_far = GoesFar(ray, hit);
+    if (!hits && !is_far)
         return false;
     Mirrored mirrored = MirroredAt(hit, point, normal, ray.direction, along);
     if (!hits && !mirrored.is_sky)

@@ -18,16 +18,9 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 #endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
-// Among triangles the screen's colour is read with its chain as well, and an image is not both loaded from and sampled.
-#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
-layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
-#define LIT_COLOR(pixel) texelFetch(color_buffer, pixel, 0)
-#else
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
-#define LIT_COLOR(pixel) imageLoad(color_buffer, pixel)
-#endif
 
 #include "unified/depth.glsl"
+#include "unified/lit_color.glsl"
 #ifdef AMONG_TRIANGLES
 #include "unified/ray.glsl"
 #include "triangles/from_pixel.glsl"
@@ -47,7 +40,7 @@ struct Shown {
 
 // The colour that is reflected onto. It is loaded after the ray was followed, since a walk has no register to spare.
 vec4 LitColorAt(ivec2 pixel) {
-    return COMPOSITE ? LIT_COLOR(pixel) : vec4(0.0);
+    return COMPOSITE ? ScreenColor(pixel) : vec4(0.0);
 }
 
 // False for a pixel that is left as it is.

@@ -1,10 +1,21 @@
-// What the screen shows at a hit in full resolution. Needs the images `pyramid` and `color_buffer`, which is loaded from: a device
-// without hardware for textures fetches from a sampled image at twice the price.
+// What the screen shows at a hit in full resolution: of the four pixels around it, those count that the ray can have seen. Needs the
+// image `pyramid`. CPU twin: reference::unified::surface.
 
 #ifndef UNIFIED_MIRRORED_GLSL
 #define UNIFIED_MIRRORED_GLSL
 
+#include "captures/sky_along.glsl"
+#include "unified/lit_color.glsl"
 #include "unified/surface.glsl"
+
+// Adds a texel to a weighted sum of colours. `a` is the part that is no sky.
+void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float weight) {
+    bool shows_sky = ShowsSky(seen);
+    precise float share = counts ? weight : 0.0;
+    precise vec4 added = share * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
+    sum += added;
+    counted += share;
+}
 
 struct Mirrored {
     vec3 color;  // lit, between the four pixels around it that count; that of the pixel that was hit where none does
@@ -33,7 +44,7 @@ Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        vec4 seen = imageLoad(color_buffer, here);
+        vec4 seen = ScreenColor(here);
         AddTexel(sum, counted, seen, IsSeen(from, vec2(here) + 0.5, depths[i]), weight.x * weight.y);
         own_color = here == hit.pixel ? seen : own_color;
     }

@@ -7,7 +7,7 @@
 
 layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
 
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer; // lit colour, linear
+#include "unified/lit_color.glsl"
 
 struct Shown {
     vec4 color;      // the composite, or the reflection
@@ -16,7 +16,7 @@ struct Shown {
 
 // A pixel whose reflection is that, with a colour and a fade; its surface reflects so much of it.
 Shown ShownOf(ivec2 pixel, vec4 reflection, float reflectivity) {
-    vec4 color = imageLoad(color_buffer, pixel);
+    vec4 color = ScreenColor(pixel);
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     return Shown(COMPOSITE ? color : reflection, reflection);
 }

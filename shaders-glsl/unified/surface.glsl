@@ -1,10 +1,9 @@
-// The colour that a ray sees where it hits on the screen: of the texels around the hit, those count that the ray can have seen. Needs
-// the images `pyramid`, `normal_buffer` and `color_buffer`, and unified/traverse.glsl. CPU twin: reference::unified::surface.
+// What a ray can have seen of the screen where it hits, and whether it hits nothing but sky. Needs the image `pyramid`. CPU twin:
+// reference::unified::surface.
 
 #ifndef UNIFIED_SURFACE_GLSL
 #define UNIFIED_SURFACE_GLSL
 
-#include "captures/sky_along.glsl"
 #include "unified/traverse.glsl"
 
 // Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
@@ -66,15 +65,6 @@ bool IsSeen(Seeing from, vec2 middle, float depth) {
     bool is_beside = Dot(off, off) > from.beside;
     bool is_seen = from.own >= 0.0 && is_above && !(depth > nearest && is_beside);
     return (depth < 0.0 || is_seen) && !(from.is_its && depth < farthest);
-}
-
-// Adds a texel to a weighted sum of colours. `a` is the part that is no sky.
-void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float weight) {
-    bool shows_sky = ShowsSky(seen);
-    precise float share = counts ? weight : 0.0;
-    precise vec4 added = share * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
-    sum += added;
-    counted += share;
 }
 
 #endif

@@ -97,13 +97,8 @@ impl ColorChainPass {
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {
-            // The shader has one format and one number of levels.
-            Make::Coarse(_, pipeline) if chain.format() == LIT_COLOR && chain.levels() > COARSE => {
-                let first = chain.levels() - COARSE;
-                blits(frame, chain, 1..first)?;
-                coarse(frame, chain, first, pipeline)?;
-            }
-            Make::Blits | Make::Coarse(..) => blits(frame, chain, 1..chain.levels())?,
+            Make::Blits => blits(frame, chain, 1..chain.levels())?,
+            Make::Coarse(_, pipeline) => few(frame, chain, 1, pipeline)?,
             Make::Gaussian(pipeline, between) => {
                 for level in 1..chain.levels() {
                     let levels = [chain.level(level - 1), between.level(level), chain.level(level)];
@@ -116,21 +111,20 @@ impl ColorChainPass {
     }
 
     /// Records the chain as [`Self::record`] does, but that sky is black in all levels above the first.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a chain that is not made in few passes, whose levels hold the sky.
     pub fn record_without_sky<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
-        let Make::Coarse(first, coarsest) = &self.0 else { return self.record(frame, gbuffer) };
+        let Make::Coarse(first, coarsest) = &self.0 else {
+            return Err(Error::Usage("a chain without sky is made in few passes".into()));
+        };
         if chain.levels() > 1 {
             let (finest, coarser) = (chain.level(0), chain.level(1));
             let [width, height] = coarser.extent();
             frame.compute("color/1", first, &ColorFirst { finest, coarser }, [width, height, 1])?;
         }
-        match chain.levels().checked_sub(COARSE) {
-            Some(last) if last > 1 => {
-                blits(frame, chain, 2..last)?;
-                coarse(frame, chain, last, coarsest)?;
-            }
-            _ => blits(frame, chain, 2..chain.levels())?,
-        }
+        few(frame, chain, 2, coarsest)?;
         Ok(ColorChain(chain))
     }
 
@@ -179,6 +173,18 @@ fn between(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) 
 /// Levels of a chain, each from the one below it.
 fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
+}
+
+/// The levels of a chain from one on: blits, and the last [`COARSE`] of them in one dispatch if none of these is below that one. The
+/// shader has one format.
+fn few(frame: &mut Frame, chain: &Image, from: u32, pipeline: &ComputePipeline<ColorCoarse<'static>>) -> Result<()> {
+    match chain.levels().checked_sub(COARSE) {
+        Some(first) if first >= from && chain.format() == LIT_COLOR => {
+            blits(frame, chain, from..first)?;
+            coarse(frame, chain, first, pipeline)
+        }
+        _ => blits(frame, chain, from..chain.levels()),
+    }
 }
 
 /// The levels of a chain from one on, of which there are [`COARSE`].

@@ -202,6 +202,22 @@ fn blits_of_even_levels_are_box_averages() {
     }
 }
 
+/// A flat G-buffer with depths and colours of its own in every pixel.
+fn colored(extent: [u32; 2], depth: impl Fn(u64) -> f32, color: impl Fn(u64) -> Vec3) -> GBufferData {
+    let pixels = extent[0] as usize * extent[1] as usize;
+    GBufferData {
+        width: extent[0],
+        height: extent[1],
+        camera: clutter_camera(extent),
+        depth: (0..pixels as u64).map(depth).collect(),
+        normal: vec![Vec3::Z; pixels],
+        reflectivity: vec![1.0; pixels],
+        roughness: vec![0.5; pixels],
+        color: (0..pixels as u64).map(color).collect(),
+        surface: vec![Surface::Lit; pixels],
+    }
+}
+
 #[test]
 fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
     let gpu = gpu();
@@ -217,20 +233,9 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
         ([641, 479], 3..10),
         ([960, 540], 3..10),
     ] {
-        let pixels = u64::from(extent[0] * extent[1]);
         let stream = Stream::new(u64::from(extent[0]), u64::from(extent[1]));
         let color = |i: u64| Vec3::from([0, 1, 2].map(|c| stream.uniform(3 * i + c) as f32));
-        let data = GBufferData {
-            width: extent[0],
-            height: extent[1],
-            camera: clutter_camera(extent),
-            depth: vec![0.5; pixels as usize],
-            normal: vec![Vec3::Z; pixels as usize],
-            reflectivity: vec![1.0; pixels as usize],
-            roughness: vec![0.5; pixels as usize],
-            color: (0..pixels).map(color).collect(),
-            surface: vec![Surface::Lit; pixels as usize],
-        };
+        let data = colored(extent, |_| 0.5, color);
         let images = GBufferImages::upload(&mut context, &data).unwrap();
         let mut frame = context.begin(Mode::Plain).unwrap();
         let chain = pass.record(&mut frame, &images.gbuffer()).unwrap().0;
@@ -256,24 +261,15 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
 }
 
 #[test]
-fn where_the_sky_is_seen_apart_coarser_levels_hold_what_is_none() {
+fn a_chain_without_sky_is_made_of_what_is_lit() {
     let gpu = gpu();
     let mut context = FrameContext::new(&gpu).unwrap();
     let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
     for extent in [[2, 1], [61, 37], [200, 131], [256, 64], [641, 479]] {
-        let (pixels, stream) = (extent[0] * extent[1], Stream::new(u64::from(extent[0]), u64::from(extent[1])));
-        let is_sky = |i: u32| stream.uniform(u64::from(i)) < 0.3;
-        let data = GBufferData {
-            width: extent[0],
-            height: extent[1],
-            camera: clutter_camera(extent),
-            depth: (0..pixels).map(|i| if is_sky(i) { 0.0 } else { 0.5 }).collect(),
-            normal: vec![Vec3::Z; pixels as usize],
-            reflectivity: vec![1.0; pixels as usize],
-            roughness: vec![0.5; pixels as usize],
-            color: (0..pixels).map(|i| Vec3::splat(0.125 + (i % 7) as f32 / 8.0)).collect(),
-            surface: vec![Surface::Lit; pixels as usize],
-        };
+        let stream = Stream::new(u64::from(extent[0]), u64::from(extent[1]));
+        let is_sky = |i: u64| stream.uniform(i) < 0.3;
+        let depth = |i: u64| if is_sky(i) { 0.0 } else { 0.5 };
+        let data = colored(extent, depth, |i| Vec3::splat(0.125 + (i % 7) as f32 / 8.0));
         let images = GBufferImages::upload(&mut context, &data).unwrap();
         let mut frame = context.begin(Mode::Plain).unwrap();
         let chain = pass.record_without_sky(&mut frame, &images.gbuffer()).unwrap().0;
@@ -282,7 +278,7 @@ fn where_the_sky_is_seen_apart_coarser_levels_hold_what_is_none() {
         assert!(!written.contains(&false), "{extent:?}: {written:?}");
         let mut finest = context.read(chain.level(0)).unwrap();
         for (i, texel) in finest.values.chunks_exact_mut(4).enumerate() {
-            assert_eq!(texel[3] == 0.0, is_sky(i as u32), "{extent:?}, pixel {i}");
+            assert_eq!(texel[3] == 0.0, is_sky(i as u64), "{extent:?}, pixel {i}");
             if texel[3] == 0.0 {
                 texel.fill(0.0);
             }

@@ -1,8 +1,9 @@
 //! Numbers of `cargo bench --bench claims`: counts, images on both sides of a change, and times of variants.
 
-use super::figures::{Result, Row, csv, greatest, json, least, mean, median, number, percent, ratio};
-use super::{against_world, own_rays, stress};
+use super::figures::{Result, Row, csv, greatest, json, least, mean, median, median_and_range, number, percent, ratio};
+use super::{against_world, claims, own_rays, stress};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The answer to a query about what `cargo bench --bench claims` measured, or about single cases of stress.
@@ -39,6 +40,15 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
             let ratios: Vec<f64> = ratios.into_iter().collect::<Result<_>>()?;
             Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
         }
+        ["rays-a-second", walk] => {
+            median(&column(&csv(folder, "embree.csv")?, walk)?).map(|rays| format!("{:.2} million", rays / 1e6))
+        }
+        ["walk-over", walk, other] => {
+            let rounds = csv(folder, "embree.csv")?;
+            median(&claims::ratios(&column(&rounds, walk)?, &column(&rounds, other)?)?).map(ratio)
+        }
+        ["levels-asked", program, other] => levels_asked(folder, [program, other]),
+        ["effect-over", program, other, roughness] => effect_over(folder, [program, other], roughness),
         ["own-errors"] => own_rays::errors(folder),
         ["own-on-screen", own, figure] => own_rays::on_screen(folder, own, figure),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
@@ -197,4 +207,30 @@ fn pass_share(folder: &Path, file: &str, [method, passes]: [&str; 2]) -> Result<
     let own = all.iter().filter(|p| p["name"].as_str().is_some_and(|name| name.starts_with(passes)));
     let sum = own.map(milliseconds).sum::<Result<f64>>()?;
     Ok(percent(sum / milliseconds(&record["total"])?, 0))
+}
+
+/// Errors of glossy reflections against the screen by one program over those by another, the least and the greatest.
+fn levels_asked(folder: &Path, programs: [&str; 2]) -> Result<String> {
+    let errors = |program: &str| {
+        let rows = rows(folder, "errors.csv", &[("program", program), ("against", "screen")])?;
+        column(&rows.into_iter().filter(|row| row["roughness"] != "0.0").collect::<Vec<_>>(), "rmse")
+    };
+    let ratios = claims::ratios(&errors(programs[0])?, &errors(programs[1])?)?;
+    Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
+}
+
+/// The least time of the effect by one program over that by another, on the views that both were timed on: median, least, greatest.
+fn effect_over(folder: &Path, programs: [&str; 2], roughness: &str) -> Result<String> {
+    let times = |program: &str| -> Result<BTreeMap<String, f64>> {
+        let mut times = BTreeMap::new();
+        for row in rows(folder, "times.csv", &[("program", program), ("roughness", roughness)])? {
+            let time = number(&row, "least_ms")?;
+            let least = times.entry(format!("{} {}", row["scene"].to_lowercase(), row["view"])).or_insert(time);
+            *least = least.min(time);
+        }
+        Ok(times)
+    };
+    let (own, other) = (times(programs[0])?, times(programs[1])?);
+    let ratios: Vec<f64> = own.iter().filter_map(|(view, time)| Some(time / other.get(view)?)).collect();
+    median_and_range(&ratios)
 }

@@ -1,0 +1,26 @@
+// The lit colour of the screen, pixel by pixel, linear; a is 0 where sky is, else 1. It is loaded from a storage image, which costs
+// a device without units for textures less than a fetch (findings/lavapipe-finds-the-level-of-every-fetch.sh). Programs among
+// triangles may sample it with its chain besides, and no image is both loaded from and sampled: they fetch it.
+
+#ifndef UNIFIED_LIT_COLOR_GLSL
+#define UNIFIED_LIT_COLOR_GLSL
+
+#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
+
+layout(binding = 4) uniform sampler2D color_buffer;
+
+vec4 ScreenColor(ivec2 pixel) {
+    return texelFetch(color_buffer, pixel, 0);
+}
+
+#else
+
+layout(binding = 4, rgba16f) uniform readonly image2D color_buffer;
+
+vec4 ScreenColor(ivec2 pixel) {
+    return imageLoad(color_buffer, pixel);
+}
+
+#endif
+
+#endif
