@@ -2,6 +2,9 @@
 #pragma program(HistoryCompute)
 // The average of reflections over frames, a thread a pixel. The pixels of a block of 2 x 2 are of one workgroup.
 
+// Unrolled, the search would need more registers than a GPU has for enough waves.
+#define SEARCH_LOOP [[dont_unroll]]
+
 #include "common/history.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;

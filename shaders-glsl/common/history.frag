@@ -2,6 +2,9 @@
 #pragma program(History)
 // The average of reflections over frames, drawn over the whole image.
 
+// The stage of CPU drivers, where a loop costs a turn more than it takes (findings/lavapipe-runs-a-loop-once-more.sh).
+#define SEARCH_LOOP [[unroll]]
+
 #include "common/history.glsl"
 
 layout(location = 0) out vec4 out_reflection;

@@ -12,7 +12,7 @@ use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
 use std::cell::{Cell, OnceCell, RefCell};
 
-/// Format of what guides the search: `Guide` of `shaders-glsl/common/history.glsl`, packed.
+/// Format of what guides the search: `Guide` of `shaders-glsl/common/history_guide.glsl`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
 /// Frames that are averaged at most at rest.
@@ -22,9 +22,8 @@ const MOST_AT_REST: f32 = 128.0;
 pub struct HistoryPass {
     gpu: Gpu,
     variant: Variant,
-    pipeline: Pipeline,
-    /// Made when a frame first knows how surfaces moved.
-    with_motion: OnceCell<Pipeline>,
+    /// By [`Moved::index`]. Those of a camera alone are made at once, the others when a frame first needs them.
+    pipelines: [OnceCell<Pipeline>; 8],
     kept: [Kept; 2],
     composite: Option<Image>,
     /// In place of the ends of rays, where the method does not know them.
@@ -44,6 +43,24 @@ struct Variant {
     stage: ShaderStage,
     is_orthographic: bool,
     composite: bool,
+}
+
+/// What may have moved since the frame before: what a program has to look for.
+#[derive(Clone, Copy, Default)]
+struct Moved {
+    /// Anything at all. Without it each pixel has its own history.
+    search: bool,
+    /// Things of the scene.
+    movers: bool,
+    /// What a caller's motion says.
+    motion: bool,
+}
+
+impl Moved {
+    /// Places for the eight of them.
+    fn index(self) -> usize {
+        usize::from(self.search) | usize::from(self.movers) << 1 | usize::from(self.motion) << 2
+    }
 }
 
 /// The program of the stage that was chosen. Both make the same images.
@@ -142,6 +159,18 @@ impl Change {
     }
 }
 
+impl Past {
+    /// What may have moved since the frame before; `motion` if a caller says how surfaces did. In the first frame there is nothing to
+    /// look for.
+    fn moved_since(&self, motion: bool) -> Moved {
+        let movers = !self.movers.is_empty();
+        match self.before.is_some() && (self.change == Change::Moves || motion || movers) {
+            true => Moved { search: true, movers, motion },
+            false => Moved::default(),
+        }
+    }
+}
+
 impl HistoryPass {
     /// For a size in pixels and a projection: how many frames are averaged at most, and how many standard deviations of what is seen
     /// around a pixel its history may lie from their mean. With `composite` the pass also makes the finished image.
@@ -160,11 +189,10 @@ impl HistoryPass {
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
-        Ok(Self {
+        let made = Self {
             gpu: gpu.clone(),
-            pipeline: Pipeline::new(gpu, variant, false)?,
             variant,
-            with_motion: OnceCell::new(),
+            pipelines: Default::default(),
             kept: [kept()?, kept()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
             no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
@@ -173,7 +201,11 @@ impl HistoryPass {
             frames: Cell::new(0),
             averaged,
             deviations,
-        })
+        };
+        for search in [false, true] {
+            made.pipeline(Moved { search, ..Moved::default() })?;
+        }
+        Ok(made)
     }
 
     /// How many frames are averaged at most.
@@ -239,12 +271,12 @@ impl HistoryPass {
                 programs::$program {
                     history: &block,
                     depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-                    normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                    normal_buffer: gbuffer.normal.all(),
                     reflection_buffer: reflection.0.all(),
                     material_buffer: gbuffer.material.all(),
                     color_before: earlier.reflection.all(),
                     guide_before: earlier.guide.all(),
-                    color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+                    color_buffer: gbuffer.color.level(0),
                     // Not read where they are not known.
                     ends_image: ends.unwrap_or(&self.no_ends).all(),
                     triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
@@ -253,7 +285,7 @@ impl HistoryPass {
                 }
             };
         }
-        match if motion.is_some() { self.with_motion()? } else { &self.pipeline } {
+        match self.pipeline(past.moved_since(motion.is_some()))? {
             Pipeline::Fragment(pipeline) => {
                 let targets = [
                     Target::overwrite(now.reflection.all()),
@@ -275,12 +307,13 @@ impl HistoryPass {
         Ok((Reflection(&now.reflection), composite))
     }
 
-    fn with_motion(&self) -> Result<&Pipeline> {
-        if let Some(made) = self.with_motion.get() {
-            return Ok(made);
+    fn pipeline(&self, moved: Moved) -> Result<&Pipeline> {
+        let made = &self.pipelines[moved.index()];
+        if let Some(pipeline) = made.get() {
+            return Ok(pipeline);
         }
-        let made = Pipeline::new(&self.gpu, self.variant, true)?;
-        Ok(self.with_motion.get_or_init(|| made))
+        let pipeline = Pipeline::new(&self.gpu, self.variant, moved)?;
+        Ok(made.get_or_init(|| pipeline))
     }
 
     fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2], motion: Option<SurfaceMotion>) -> HistoryBlock {
@@ -309,7 +342,6 @@ impl HistoryPass {
             most: if settles { MOST_AT_REST } else { self.averaged as f32 },
             rests: i32::from(rests) + i32::from(settles && past.turns.rested >= self.averaged),
             repeats: i32::from(past.repeats),
-            may_move: i32::from(motion.is_some() || !past.movers.is_empty()),
             view_to_clip: array(clip),
             ..HistoryBlock::default()
         };
@@ -331,13 +363,13 @@ impl Pipeline {
     fn new(
         gpu: &Gpu,
         Variant { stage, is_orthographic: orthographic, composite }: Variant,
-        motion: bool,
+        Moved { search, movers, motion }: Moved,
     ) -> Result<Self> {
         if stage == ShaderStage::Compute {
-            let constants = programs::HistoryComputeConstants { orthographic, composite, motion };
+            let constants = programs::HistoryComputeConstants { orthographic, composite, motion, movers, search };
             return Ok(Self::Compute(ComputePipeline::with(gpu, &constants)?));
         }
-        let constants = programs::HistoryConstants { orthographic, composite, motion };
+        let constants = programs::HistoryConstants { orthographic, composite, motion, movers, search };
         let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
         Ok(Self::Fragment(GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], &constants)?))
     }

@@ -18,11 +18,13 @@ use crate::gpu::frame::Mode;
 use crate::methods::Wants;
 use crate::scene::{Scene, View};
 use crate::stage::{Globals, Shot, Stage};
+use glam::{Mat4, Vec3};
 use kinds::{Fold, Kind};
 use serde_json::{Value, json};
 
-/// Frames that are recorded of each cell, so that a history that begins and one that goes on are both among them.
-const FRAMES: usize = 3;
+/// How far the camera stands aside, in metres, in the frames that are recorded of each cell: a history that begins, one at rest, and
+/// one that looks for what it showed are all among them.
+const ASIDE_M: [f32; 3] = [0.0, 0.0, 0.01];
 
 /// Which programs are compiled: those that frames of some variants run.
 pub struct ShadersStudy {
@@ -225,9 +227,10 @@ pub fn compiled(
     // What was compiled before belongs to other frames.
     gpu.take_programs()?;
     let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));
-    let shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
+    let mut shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
     let prepared = gpu.take_programs()?;
-    for _ in 0..FRAMES {
+    for aside_m in ASIDE_M {
+        shot.camera.world_to_view = Mat4::from_translation(Vec3::X * aside_m) * camera.world_to_view;
         stage.run(&shot, Mode::Plain)?;
     }
     let ran: Vec<_> = gpu.take_programs()?.into_iter().filter(|p| p.counted).collect();

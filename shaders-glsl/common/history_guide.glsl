@@ -1,0 +1,60 @@
+// What a history keeps of each pixel beside its colour, packed into 128 bits.
+
+#ifndef COMMON_HISTORY_GUIDE_GLSL
+#define COMMON_HISTORY_GUIDE_GLSL
+
+#include "common/history_inputs.glsl"
+#include "common/octahedral.glsl"
+
+// Bounds of a history's Lag: of the length of its mean, in standard deviations of the lobe, which are 1 / sqrt(alpha + 1) each, and of
+// the mean of its square.
+#define MOST_LAG 0.35
+#define MOST_SQUARE 0.5
+
+// Steps of a guide's ages to a frame, and of the root of a mean square from 0 to MOST_SQUARE.
+#define AGE_STEPS 4.0
+#define SQUARE_STEPS 63.0
+
+// How far the frames that were averaged point past what is reflected, in standard deviations of the lobe.
+struct Lag {
+    vec3 mean;
+    float square; // its mean
+};
+
+// What is kept of a pixel.
+struct Guide {
+    float depth;
+    vec3 normal;   // view space, of any length
+    float age;     // frames averaged; 0 for no history
+    float inverse; // 1 / the way from the eye over the surface to what is reflected; 0 where that is not known
+    vec2 lag;      // the mean of Lag along the two Tangents of the mirrored direction
+    float square;  // that of Lag
+};
+
+// A byte of the mean lag replaces the last one of the depth, which is precise enough with 16 bits. The other stands in the last byte of
+// the number that tells reflections apart.
+uvec4 Pack(Guide g, uint alone) {
+    uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
+    uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
+    uint more = packHalf2x16(vec2(0.0, g.inverse)) | square << 10 | age;
+    return uvec4((depth & ~255u) | (lag & 255u), packSnorm2x16(Octahedral(g.normal)), more, alone | (lag >> 8));
+}
+
+Guide Unpack(uvec4 words) {
+    vec2 lag = MOST_LAG * unpackSnorm4x8((words.x & 255u) | (words.w & 255u) << 8).xy;
+    float age = float(words.z & 1023u) / AGE_STEPS, root = float(words.z >> 10 & 63u) / SQUARE_STEPS;
+    float depth = uintBitsToFloat(words.x & ~255u), inverse = unpackHalf2x16(words.z).y;
+    return Guide(depth, AlongOctahedral(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
+}
+
+// A number of 24 bits that tells reflections apart; its last byte is zero.
+uint Alone(vec4 reflection) {
+    uint first = packHalf2x16(reflection.rg), second = packHalf2x16(reflection.ba);
+    return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;
+}
+
+Guide GuideAt(ivec2 pixel) {
+    return Unpack(imageLoad(guide_before, clamp(pixel, ivec2(0), history.size - 1)));
+}
+
+#endif
