@@ -84,6 +84,12 @@ bool Show(ivec2 pixel, out Shown shown) {
         PushFromPixel(uvec2(pixel), ray, spread);
     }
 #else
+    // Handed on before anything is asked of the screen, while nothing else is held.
+    if (faces && !is_hit && !in_sky) {
+        // A mirror's footprint is the pixel's, which has widened since the eye.
+        float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
+        PushIfLost(uvec2(pixel), ray, hit, before, spread);
+    }
     bool is_far = GoesFar(ray, hit);
     vec3 along = SkyAlong(ray.direction);
     Mirrored mirrored = MirroredAt(hit, ViewPoint(ray.start, depth), normal, ray.direction, along);
@@ -91,10 +97,6 @@ bool Show(ivec2 pixel, out Shown shown) {
     if (shows) {
         float fade = Fade(hit.position * unified.pixel_to_clip);
         shown.reflection = in_sky ? vec4(along, 1.0) : vec4(mirrored.color, fade);
-    } else if (faces) {
-        // A mirror's footprint is the pixel's, which has widened since the eye.
-        float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
-        PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
 #endif
     shown.color = LitColorAt(pixel);
