@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Measures on a GPU, in at most eight minutes, what nobody measured on one yet, the most wanted first: the price of a history by
-# stage; every method by stage; methods of two builds in turns; what the device's compiler makes of the programs; a film; and ray
-# queries. Each is a run of its own in OUT, kept at every moment: an interrupted script goes on where it was, and what time does
-# not suffice for is named at the end.
+# stage, at rest and along a path; every method by stage; methods of two builds in turns; what the device's compiler makes of the
+# programs; a film; and ray queries. Each is a run of its own in OUT, kept at every moment: an interrupted script goes on where it
+# was, and what time does not suffice for is named at the end.
 #
 #   scripts/on-a-gpu.sh [OUT]
 #
@@ -54,6 +54,11 @@ for view in "${places[@]}"; do
     run "history-$scene" "$ssct" time "${place[@]}" --size "$sizes" --roughness 0.05,0.1,0.3,0.6 --samples "$samples" \
         --variant unified --variant 'unified --history on --history-stage fragment' \
         --variant 'unified --history on --history-stage compute' -o "$out/history-$scene" --resume
+    # That was a camera at rest; a history searches while the camera moves.
+    for history in off on; do
+        run "moving-$scene-$history" "$ssct" path --scene "$scene" --size "$largest" --roughness 0.1 --frames 60 \
+            --method unified --history "$history" -o "$out/moving-$scene-$history" --resume
+    done
 done
 
 # 2. Published methods in either stage, and what follows rays beyond the screen.

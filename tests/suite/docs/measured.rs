@@ -28,7 +28,6 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["popped", method, variant, scene] => popped(folder, [method, variant, scene]),
         ["total-over", method, other, file] => total_over(folder, file, [method, other]),
         ["queries-over-tree", file, roughness] => setup_over(folder, [file, roughness], ["tracer", "query", "tree"]),
-        ["history-over-none", file, roughness] => setup_over(folder, [file, roughness], ["history", "on", "off"]),
         ["against-world", stage] => against_world::methods(folder, stage),
         ["time-over", method, roughness] => against_world::time_over(folder, method, roughness),
         ["beaten", method] => against_world::beaten(folder, method),
@@ -48,6 +47,7 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
             median(&claims::ratios(&column(&rounds, walk)?, &column(&rounds, other)?)?).map(ratio)
         }
         ["levels-asked", program, other] => levels_asked(folder, [program, other]),
+        ["history-price", program, camera, roughness] => history_price(folder, [program, camera, roughness]),
         ["effect-over", program, other, roughness] => effect_over(folder, [program, other], roughness),
         ["own-errors"] => own_rays::errors(folder),
         ["own-on-screen", own, figure] => own_rays::on_screen(folder, own, figure),
@@ -233,4 +233,11 @@ fn effect_over(folder: &Path, programs: [&str; 2], roughness: &str) -> Result<St
     let (own, other) = (times(programs[0])?, times(programs[1])?);
     let ratios: Vec<f64> = own.iter().filter_map(|(view, time)| Some(time / other.get(view)?)).collect();
     median_and_range(&ratios)
+}
+
+/// What a history makes of the effect's time, by the medians of each round: the median over scenes and rounds, and the range.
+fn history_price(folder: &Path, [program, camera, roughness]: [&str; 3]) -> Result<String> {
+    let fields = [("program", program), ("camera", camera), ("roughness", roughness)];
+    let rounds = rows(folder, "price.csv", &fields)?;
+    median_and_range(&claims::ratios(&column(&rounds, "on_ms")?, &column(&rounds, "off_ms")?)?)
 }
