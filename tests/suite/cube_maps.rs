@@ -2,7 +2,7 @@
 //! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
 //! screen-space method a map shows where the method fades.
 
-use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show};
+use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show, show_on};
 use ash::vk;
 use glam::{DVec2, DVec3, Vec3};
 use ssct::error::Error;
@@ -298,10 +298,14 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     let gpu = gpu();
     let extent = [161, 119];
     let globals = Globals { roughness: Some(0.1), ..Globals::default() };
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
     for fallback in [Fallback::Pccm, Fallback::Environment, Fallback::Captures] {
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let setup = Setup::on_screen(extent).with(|p: &mut EffectParams| p.fallback = fallback);
-            let shown = show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals);
+            let seen = (clutter_camera(extent), &globals);
+            let shown = show_on(&mut stage, &scene, seen, method.name, &setup, Wants::HITS);
+            gpu.check_validation().unwrap();
             let of = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
             let (mut reflecting, mut bright) = (0, 0);
             for (i, material) in shown.get("material").texels().enumerate().filter(|(_, m)| m[0] > 0.0) {

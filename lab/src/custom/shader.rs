@@ -17,6 +17,7 @@ use shaderc::{CompileOptions, Compiler, OptimizationLevel, ResolvedInclude, Shad
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 /// A compiled stage, its interface, and the files that it was made of.
 pub struct CompiledPass {
@@ -95,6 +96,10 @@ fn binary(path: &Path) -> Result<Compiled> {
     Ok(Compiled { words, own: Vec::new(), files: vec![path.to_path_buf()] })
 }
 
+/// One for the whole process: the last that is dropped forgets GLSL's built-in functions, and the next reads them again, which takes
+/// far longer than a shader (findings/shaderc-forgets-what-it-knows.sh).
+static COMPILER: LazyLock<std::result::Result<Compiler, shaderc::Error>> = LazyLock::new(Compiler::new);
+
 /// Compiles GLSL in two steps: the compiler's preprocessor takes out comments, macros, includes and what is switched off,
 /// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
 fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
@@ -110,7 +115,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
     if has_nul(&source) || pass.defines.iter().any(has_nul) {
         return Err(wrong("a shader's text and its defines must not hold a NUL character".to_owned()));
     }
-    let compiler = Compiler::new().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
+    let compiler = COMPILER.as_ref().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
     let included = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));
     let mut options = CompileOptions::new().map_err(|e| wrong(e.to_string()))?;
     options.set_target_env(TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
