@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars league test shader-test test-busy test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars league test shader-test test-busy test-times test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake embree library fuzz lint bench view doc docs \
 	clean
 
@@ -70,6 +70,10 @@ shader-test:
 test-busy: setup
 	$(CARGO) test --no-run
 	CARGO="$(CARGO)" scripts/test-busy.sh
+
+# The same tests, and how long each took.
+test-times: setup
+	CARGO="$(CARGO)" scripts/test-times.sh $(OUT)/test-times.csv
 
 # The example on wgpu, which is a package of its own, beside the command.
 test-wgpu: build

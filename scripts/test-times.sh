@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Runs the tests of `make test` and says how long each took, the longest first. They run beside each other, so that a test's time
+# depends on what ran with it. All are in OUT, a CSV file (out/test-times.csv); the longest twenty are printed.
+#
+#   scripts/test-times.sh [OUT [FILTER]...]     only tests whose names contain a filter
+set -euo pipefail
+[ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
+
+out=${1:-out/test-times.csv}
+[ $# -eq 0 ] || shift
+mkdir -p "$(dirname "$out")"
+said=$(mktemp)
+trap 'rm -f "$said"' EXIT
+# The harness tells times by an unstable option, which a stable one takes with this variable. Only the tests have it: with it, the
+# compiler would build everything anew.
+host=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
+export "CARGO_TARGET_${host}_RUNNER=env RUSTC_BOOTSTRAP=1"
+status=0
+"${CARGO:-cargo}" test --lib --bins --tests --no-fail-fast -- -Z unstable-options --report-time "$@" 2>&1 | tee "$said" || status=$?
+{
+    echo 'binary,test,seconds'
+    sed -n -E -e 's/^ +Running .*deps\/([a-z_]+)-[0-9a-f]+\)$/binary \1/p' \
+        -e 's/^test ([^ ]+)( - should panic)? \.\.\. .*<([0-9.]+)s>$/\1 \3/p' "$said" |
+        awk '$1 == "binary" { binary = $2; next } { print binary "," $1 "," $2 }' | sort -t, -k3,3 -rn
+} >"$out"
+awk -F, 'NR > 1 { sum += $3 } NR > 1 && NR <= 21 { printf "%8.1f s  %s %s\n", $3, $1, $2 }
+    END { printf "%8.1f s  of %d tests together\n", sum, NR - 1 }' "$out"
+exit "$status"
