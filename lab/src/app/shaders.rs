@@ -5,6 +5,7 @@ use super::measure::StudyOptions;
 use super::parameters::{TypedVariant, typed_variant};
 use super::resolve;
 use crate::error::{Error, Result};
+use crate::gpu::sources;
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::stage::Globals;
 use crate::study::engine::Last;
@@ -48,7 +49,8 @@ fn family() -> Option<OsString> {
 fn try_family() -> Result<()> {
     let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
-    match std::process::Command::new(program).arg("devices").output() {
+    // Without the variable whose notice would stand among the driver's words.
+    match std::process::Command::new(program).arg("devices").env_remove(sources::VARIABLE).output() {
         // A process that a signal ended has no exit status.
         Ok(tried) if tried.status.code().is_none() => {
             let said = String::from_utf8_lossy(&tried.stderr);
