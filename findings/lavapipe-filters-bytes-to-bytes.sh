@@ -8,17 +8,11 @@
 # otherwise, so that images with normal maps differ between versions (mean FLIP of up to 0.07). With
 # GALLIVM_PERF=no_aos_sampling all three filter in floating point and agree.
 #
-# Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are missing (as root), and `wgpu` 0.32.0 from PyPI into a
-# temporary folder.
+# findings/lavapipe.sh installs what this needs.
 set -euo pipefail
 
 wanted=$'fixed point: unorm 5, srgb 256, half 256\nfloating point: unorm 256, srgb 256, half 256'
-icd=/usr/share/vulkan/icd.d/lvp_icd.$(uname -m).json
-[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet wgpu==0.32.0 numpy==2.4.6
+. "$(dirname "$0")/lavapipe.sh"
 cat >"$scratch/filter.py" <<'PY'
 import numpy as np
 import wgpu
@@ -67,10 +61,8 @@ bytes_, halves = np.array([100, 104], np.uint8), np.array([100 / 255, 104 / 255]
 print(f"unorm {values(device, 'rgba8unorm', bytes_)}, srgb {values(device, 'rgba8unorm-srgb', bytes_)}, "
       f"half {values(device, 'rgba16float', halves)}")
 PY
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
-export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd XDG_RUNTIME_DIR=$scratch
-fixed=$("$scratch/venv/bin/python" "$scratch/filter.py" 2>/dev/null)
-floating=$(GALLIVM_PERF=no_aos_sampling "$scratch/venv/bin/python" "$scratch/filter.py" 2>/dev/null)
+fixed=$(python "$scratch/filter.py" 2>/dev/null)
+floating=$(GALLIVM_PERF=no_aos_sampling python "$scratch/filter.py" 2>/dev/null)
 seen="fixed point: $fixed"$'\n'"floating point: $floating"
 echo "$seen"
 if [ "$seen" != "$wanted" ]; then

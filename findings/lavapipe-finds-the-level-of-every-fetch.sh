@@ -5,16 +5,10 @@
 # storage image has no levels, and its load stands in place.
 # Seen, with Debian 12's Mesa 22.3.6: 2.9 times as long, with the same values.
 #
-# Only ratios of the least of many times count, with wide bounds. Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are
-# missing (as root), and `wgpu` 0.32.0 from PyPI into a temporary folder.
+# Only ratios of the least of many times count, with wide bounds. findings/lavapipe.sh installs what this needs.
 set -euo pipefail
 
-icd=/usr/share/vulkan/icd.d/lvp_icd.$(uname -m).json
-[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet wgpu==0.32.0 numpy==2.4.6
+. "$(dirname "$0")/lavapipe.sh"
 cat >"$scratch/load.py" <<'PY'
 import sys
 import time
@@ -80,6 +74,4 @@ def measured(kind):
 print(f"loads of a sampled image take {sampled / storage:.2f} of the time of a storage image's; same values: {(first == second).all()}")
 sys.exit(0 if sampled / storage > 1.4 and (first == second).all() else "this has changed: they took more than twice the time")
 PY
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
-export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd XDG_RUNTIME_DIR=$scratch
-"$scratch/venv/bin/python" "$scratch/load.py"
+python "$scratch/load.py"

@@ -5,16 +5,10 @@
 # loop, run with no thread in them.
 # Seen, with Debian 12's Mesa 22.3.6: if a loop of one turn takes 2 units of time, one of no turn takes 1, and one of three takes 4.
 #
-# Only ratios of the least of many times count, with wide bounds. Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are
-# missing (as root), and `wgpu` 0.32.0 from PyPI into a temporary folder.
+# Only ratios of the least of many times count, with wide bounds. findings/lavapipe.sh installs what this needs.
 set -euo pipefail
 
-icd=/usr/share/vulkan/icd.d/lvp_icd.$(uname -m).json
-[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet wgpu==0.32.0 numpy==2.4.6
+. "$(dirname "$0")/lavapipe.sh"
 cat >"$scratch/loop.py" <<'PY'
 import sys
 import time
@@ -72,6 +66,4 @@ none, one, three = (least_time(turns) for turns in (0, 1, 3))
 print(f"time of a loop over that of one turn: no turn {none / one:.2f}, three turns {three / one:.2f}")
 sys.exit(0 if 0.2 < none / one < 0.8 and 1.4 < three / one < 2.6 else "this has changed: 0.5 and 2 are expected")
 PY
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
-export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd XDG_RUNTIME_DIR=$scratch
-"$scratch/venv/bin/python" "$scratch/loop.py"
+python "$scratch/loop.py"

@@ -23,7 +23,6 @@ struct Averaged {
     vec4 color;      // lit colour + reflectivity * fade * reflection, where it is wanted
 };
 
-
 // The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
 // and where nothing moves.
 #define AGREED 4.0

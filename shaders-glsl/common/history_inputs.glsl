@@ -37,7 +37,7 @@ layout(std140, binding = 0) uniform HistoryBlock {
     MoverData movers[MOST_MOVERS];
 } history;
 
-layout(binding = 1) uniform sampler2D depth_buffer;      // reversed; 0 is sky
+layout(binding = 1) uniform sampler2D depth_buffer;                      // reversed; 0 is sky
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer;     // view space
 layout(binding = 3, rgba16f) uniform readonly image2D reflection_buffer; // of this frame: colour, and fade in a
 layout(binding = 4, rg16f) uniform readonly image2D material_buffer;     // reflectivity, roughness
@@ -45,7 +45,7 @@ layout(binding = 5, rgba16f) uniform readonly image2D color_before;      // Aver
 layout(binding = 6, rgba32ui) uniform readonly uimage2D guide_before;
 layout(binding = 7, rg32ui) uniform readonly uimage2D ends_image;     // where rays ended (unified/ends.glsl)
 layout(binding = 8, r32ui) uniform readonly uimage2D triangle_buffer; // of each pixel; one texel where none is known
-layout(binding = 9, rgba16f) uniform readonly image2D color_buffer;   // lit colour
+layout(binding = 9, rgba16f) uniform readonly image2D color_buffer;      // lit colour
 layout(binding = 10) uniform sampler2D motion_buffer; // in red and green, the way to where a surface was seen; with MOTION
 
 layout(constant_id = 0) const bool COMPOSITE = true; // the finished image is wanted
@@ -53,14 +53,12 @@ layout(constant_id = 1) const bool MOTION = false;   // motion_buffer is known
 layout(constant_id = 2) const bool MOVERS = false;   // things of the scene have moved since the frame before
 layout(constant_id = 3) const bool SEARCH = true;    // the camera or something else may have moved since the frame before
 
-
 // By the few entries that the inverse of a projection has.
 vec3 Unproject(mat4 m, vec2 position, float depth) {
     vec2 ndc = position / history.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec3 h = vec3(vec2(m[0].x, m[1].y) * ndc + m[2].xy * depth + m[3].xy, m[2].z * depth + m[3].z);
     return h / (m[2].w * depth + m[3].w);
 }
-
 
 bool IsOn(ivec2 pixel) {
     return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, history.size));

@@ -15,7 +15,6 @@
 // The screen shows a reflected point where it shows something at its depth, within this share.
 #define SHOWN 0.05
 
-
 // The mover that a triangle is of; -1 for what stands still.
 int MoverOf(uint triangle) {
     int mover = -1;

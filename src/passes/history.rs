@@ -22,8 +22,10 @@ const MOST_AT_REST: f32 = 128.0;
 pub struct HistoryPass {
     gpu: Gpu,
     variant: Variant,
-    /// By [`Moved::index`]. Those of a camera alone are made at once, the others when a frame first needs them.
-    pipelines: [OnceCell<Pipeline>; 8],
+    /// Where nothing has moved since the frame before: each pixel has its own history.
+    at_rest: Pipeline,
+    /// By [`Search::index`]. That of a camera alone is made at once, the others when a frame first needs them.
+    searching: [OnceCell<Pipeline>; 4],
     kept: [Kept; 2],
     composite: Option<Image>,
     /// In place of the ends of rays, where the method does not know them.
@@ -45,21 +47,19 @@ struct Variant {
     composite: bool,
 }
 
-/// What may have moved since the frame before: what a program has to look for.
+/// What may have moved since the frame before, beside the camera.
 #[derive(Clone, Copy, Default)]
-struct Moved {
-    /// Anything at all. Without it each pixel has its own history.
-    search: bool,
+struct Search {
     /// Things of the scene.
     movers: bool,
     /// What a caller's motion says.
     motion: bool,
 }
 
-impl Moved {
-    /// Places for the eight of them.
+impl Search {
+    /// Its place among four.
     fn index(self) -> usize {
-        usize::from(self.search) | usize::from(self.movers) << 1 | usize::from(self.motion) << 2
+        usize::from(self.movers) | usize::from(self.motion) << 1
     }
 }
 
@@ -160,14 +160,12 @@ impl Change {
 }
 
 impl Past {
-    /// What may have moved since the frame before; `motion` if a caller says how surfaces did. In the first frame there is nothing to
-    /// look for.
-    fn moved_since(&self, motion: bool) -> Moved {
+    /// What the search has to look for; `motion` if a caller says how surfaces moved. `None` where nothing can have moved, and in the
+    /// first frame, before which there is none.
+    fn search(&self, motion: bool) -> Option<Search> {
         let movers = !self.movers.is_empty();
-        match self.before.is_some() && (self.change == Change::Moves || motion || movers) {
-            true => Moved { search: true, movers, motion },
-            false => Moved::default(),
-        }
+        let moves = self.change == Change::Moves || motion || movers;
+        (self.before.is_some() && moves).then_some(Search { movers, motion })
     }
 }
 
@@ -192,7 +190,8 @@ impl HistoryPass {
         let made = Self {
             gpu: gpu.clone(),
             variant,
-            pipelines: Default::default(),
+            at_rest: Pipeline::new(gpu, variant, None)?,
+            searching: Default::default(),
             kept: [kept()?, kept()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
             no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
@@ -202,9 +201,7 @@ impl HistoryPass {
             averaged,
             deviations,
         };
-        for search in [false, true] {
-            made.pipeline(Moved { search, ..Moved::default() })?;
-        }
+        made.searching(Search::default())?;
         Ok(made)
     }
 
@@ -285,7 +282,8 @@ impl HistoryPass {
                 }
             };
         }
-        match self.pipeline(past.moved_since(motion.is_some()))? {
+        let search = past.search(motion.is_some());
+        match search.map_or(Ok(&self.at_rest), |search| self.searching(search))? {
             Pipeline::Fragment(pipeline) => {
                 let targets = [
                     Target::overwrite(now.reflection.all()),
@@ -307,12 +305,12 @@ impl HistoryPass {
         Ok((Reflection(&now.reflection), composite))
     }
 
-    fn pipeline(&self, moved: Moved) -> Result<&Pipeline> {
-        let made = &self.pipelines[moved.index()];
+    fn searching(&self, search: Search) -> Result<&Pipeline> {
+        let made = &self.searching[search.index()];
         if let Some(pipeline) = made.get() {
             return Ok(pipeline);
         }
-        let pipeline = Pipeline::new(&self.gpu, self.variant, moved)?;
+        let pipeline = Pipeline::new(&self.gpu, self.variant, Some(search))?;
         Ok(made.get_or_init(|| pipeline))
     }
 
@@ -363,8 +361,10 @@ impl Pipeline {
     fn new(
         gpu: &Gpu,
         Variant { stage, is_orthographic: orthographic, composite }: Variant,
-        Moved { search, movers, motion }: Moved,
+        search: Option<Search>,
     ) -> Result<Self> {
+        let Search { movers, motion } = search.unwrap_or_default();
+        let search = search.is_some();
         if stage == ShaderStage::Compute {
             let constants = programs::HistoryComputeConstants { orthographic, composite, motion, movers, search };
             return Ok(Self::Compute(ComputePipeline::with(gpu, &constants)?));

@@ -318,23 +318,11 @@ pub fn show_with(
     wants: Wants,
 ) -> Shown {
     let mut stage = Stage::new(gpu, scene).unwrap();
-    let shown = show_on(&mut stage, scene, (camera, globals), method, setup, wants);
-    gpu.check_validation().unwrap();
-    shown
-}
-
-/// Shows a scene that is on the device.
-pub fn show_on(
-    stage: &mut Stage,
-    scene: &Scene,
-    (camera, globals): (Camera, &Globals),
-    method: &str,
-    setup: &Setup,
-    wants: Wants,
-) -> Shown {
     let materials = globals.materials(scene, &View::default());
-    let shot = Shot::new(stage, methods::find(method).unwrap(), setup, wants, camera, materials).unwrap();
-    Shown { image: render(stage, &shot, true).unwrap(), camera }
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, wants, camera, materials).unwrap();
+    let image = render(&mut stage, &shot, true).unwrap();
+    gpu.check_validation().unwrap();
+    Shown { image, camera }
 }
 
 /// What a method shows of a scene, and what the traced triangles show of it, one ray for each pixel.

@@ -2,7 +2,7 @@
 //! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
 //! screen-space method a map shows where the method fades.
 
-use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show, show_on};
+use crate::common::{Builder, Shown, camera, clutter, clutter_camera, gpu, show};
 use ash::vk;
 use glam::{DVec2, DVec3, Vec3};
 use ssct::error::Error;
@@ -13,8 +13,9 @@ use ssct::methods::capture::capture;
 use ssct::methods::{EffectParams, Fallback, METHODS, SceneInput, Setup, Wants, find};
 use ssct::passes::cube_filter::{CubeFilterPass, FACE_SIZE, LEVELS, level_roughness};
 use ssct::passes::scene_data::SceneData;
-use ssct_lab::scene::{Aabb, Camera, Probe, Scene, sky};
+use ssct_lab::scene::{Aabb, Camera, Probe, Scene, View, sky};
 use ssct_lab::stage::gbuffer;
+use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
 
 const MIN: Vec3 = Vec3::new(-2.0, -1.0, -3.0);
@@ -298,13 +299,14 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     let gpu = gpu();
     let extent = [161, 119];
     let globals = Globals { roughness: Some(0.1), ..Globals::default() };
-    let scene = clutter();
+    let (scene, camera) = (clutter(), clutter_camera(extent));
+    let materials = globals.materials(&scene, &View::default());
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     for fallback in [Fallback::Pccm, Fallback::Environment, Fallback::Captures] {
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let setup = Setup::on_screen(extent).with(|p: &mut EffectParams| p.fallback = fallback);
-            let seen = (clutter_camera(extent), &globals);
-            let shown = show_on(&mut stage, &scene, seen, method.name, &setup, Wants::HITS);
+            let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, materials.clone()).unwrap();
+            let shown = Shown { image: render(&mut stage, &shot, true).unwrap(), camera };
             gpu.check_validation().unwrap();
             let of = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
             let (mut reflecting, mut bright) = (0, 0);

@@ -140,6 +140,23 @@ fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
 }
 
 #[test]
+fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
+    let folder = Folder::new();
+    let arguments = ["shaders", "--variant", "unified --history on", "--roughness", "0.1", "--json"];
+    let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
+    let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
+    let of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("common/history"));
+    let found: Vec<&Value> = records.iter().filter(of_history).collect();
+    let constants = |runs_in: &str| {
+        let here: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
+        assert_eq!(here.len(), 1, "{runs_in}: {found:?}");
+        here[0].as_str().unwrap()
+    };
+    // The constant SEARCH of shaders-glsl/common/history_inputs.glsl.
+    assert!(constants("frame").contains(" 3=1") && constants("frame at rest").contains(" 3=0"), "{found:?}");
+}
+
+#[test]
 fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
     let folder = Folder::new();
     let run = |arguments: &[&str], shaders: &str| {

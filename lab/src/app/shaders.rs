@@ -49,7 +49,7 @@ fn family() -> Option<OsString> {
 fn try_family() -> Result<()> {
     let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
-    // Without the variable whose notice would stand among the driver's words.
+    // The other process would say that it has other shaders, too, and its notice would stand among the driver's words.
     match std::process::Command::new(program).arg("devices").env_remove(sources::VARIABLE).output() {
         // A process that a signal ended has no exit status.
         Ok(tried) if tried.status.code().is_none() => {

@@ -69,7 +69,7 @@ impl Plan {
                 scenes: THESIS_SCENES,
                 timed_scenes: THESIS_SCENES,
                 views: 1,
-                size: [320, 180],
+                size: [480, 270],
                 samples: 3,
                 table_sizes,
                 rays: 16,

@@ -22,9 +22,10 @@ use glam::{Mat4, Vec3};
 use kinds::{Fold, Kind};
 use serde_json::{Value, json};
 
-/// How far the camera stands aside, in metres, in the frames that are recorded of each cell: a history that begins, one at rest, and
-/// one that looks for what it showed are all among them.
-const ASIDE_M: [f32; 3] = [0.0, 0.0, 0.01];
+/// Frames that are recorded at rest, so that a history that begins and one that goes on are both among them.
+const FRAMES_AT_REST: usize = 2;
+/// How far the camera has moved in the frame after them, in metres: a history then looks for what it showed.
+const MOVED_M: f32 = 0.01;
 
 /// Which programs are compiled: those that frames of some variants run.
 pub struct ShadersStudy {
@@ -60,7 +61,8 @@ columns! {
         /// What runs it.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// When the program runs: "frame", or "prepare" for what is made once before the first frame.
+        /// When the program runs: "frame"; "frame at rest" if frames of a camera that moves run another; or "prepare" for what is
+        /// made once before the first frame.
         pub runs_in: String = time("runs in"),
         /// The passes that run it, with commas between them.
         pub passes: String = time(""),
@@ -106,11 +108,13 @@ fn shown(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |v| if v.fract() == 0.0 { format!("{v:.0}") } else { format!("{v:.2}") })
 }
 
-const FRAMES_TABLE: &str = "What the programs of one frame come to: each program once, however many passes run it. Counts \
-    of instructions and cycles are sums, registers and memory the greatest of a program, and subgroups that fit the least.";
+const FRAMES_TABLE: &str = "What the programs of one frame come to while the camera moves: each program once, however many \
+    passes run it. Counts of instructions and cycles are sums, registers and memory the greatest of a program, and subgroups \
+    that fit the least.";
 
 const PROGRAMS_TABLE: &str = "Every program, by the driver's own names of what it counts (docs/devices.md says what they are \
-    called elsewhere). Programs that run before the first frame are made once.";
+    called elsewhere). Programs that run before the first frame are made once. With a history, frames of a camera at rest \
+    run another program than those of one that moves.";
 
 impl Row for ShaderRecord {
     const KIND: &'static str = "shaders";
@@ -156,7 +160,7 @@ fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
 fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
-    for r in rows.iter().filter(|r| r.runs_in == FRAME) {
+    for r in rows.iter().filter(|r| r.runs_in != PREPARE) {
         let own = [r.program.clone(), r.constants.clone(), r.stage.clone(), r.subgroup_size.to_string()];
         let row: Vec<String> = own.into_iter().chain(names.iter().map(|name| shown(r.statistic(name)))).collect();
         if !cells.contains(&row) {
@@ -180,6 +184,7 @@ fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
 
 /// When a program runs.
 const FRAME: &str = "frame";
+const FRAME_AT_REST: &str = "frame at rest";
 const PREPARE: &str = "prepare";
 
 /// A cell is a variant with a set of factors.
@@ -229,13 +234,19 @@ pub fn compiled(
     let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));
     let mut shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
     let prepared = gpu.take_programs()?;
-    for aside_m in ASIDE_M {
-        shot.camera.world_to_view = Mat4::from_translation(Vec3::X * aside_m) * camera.world_to_view;
+    for _ in 0..FRAMES_AT_REST {
         stage.run(&shot, Mode::Plain)?;
     }
-    let ran: Vec<_> = gpu.take_programs()?.into_iter().filter(|p| p.counted).collect();
+    let mut rested = gpu.take_programs()?;
+    shot.camera.world_to_view = Mat4::from_translation(Vec3::X * MOVED_M) * camera.world_to_view;
+    stage.run(&shot, Mode::Plain)?;
+    let mut ran = gpu.take_programs()?;
+    ran.retain(|p| p.counted);
+    let is_other = |p: &CompiledProgram| ran.iter().all(|r| (&r.program, &r.constants) != (&p.program, &p.constants));
+    rested.retain(|p| p.counted && is_other(p));
     let head = Head::new("shaders", &gpu, (scene, view), Of::Method(method), &setup, globals);
-    Ok([(FRAME, &ran), (PREPARE, &prepared)].into_iter().flat_map(|(when, ran)| records(&head, when, ran)).collect())
+    let all = [(FRAME, &ran), (FRAME_AT_REST, &rested), (PREPARE, &prepared)];
+    Ok(all.into_iter().flat_map(|(when, ran)| records(&head, when, ran)).collect())
 }
 
 impl ShaderRecord {
