@@ -11,8 +11,8 @@ out=${1:-out/test-times.csv}
 mkdir -p "$(dirname "$out")"
 said=$(mktemp)
 trap 'rm -f "$said"' EXIT
-# The harness tells times by an unstable option, which a stable one takes with this variable. Only the tests have it: with it, the
-# compiler would build everything anew.
+# Rust's test harness tells times by an unstable option, which a stable toolchain allows with this variable. The tests alone get it,
+# since with it the compiler would build everything anew.
 host=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
 export "CARGO_TARGET_${host}_RUNNER=env RUSTC_BOOTSTRAP=1"
 status=0
