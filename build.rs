@@ -234,15 +234,15 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
     if let Some(push) = push {
         let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
     }
-    let (generics, of, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
+    let (generics, elided, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
     let pushed = push.as_ref().map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
     let title = [&[file.to_owned()], &program.defines[..]].concat().join(" ");
     let shader = declared_shader(program, file, interface, &[]);
     let (constants_type, constants) = declared_constants(name, constants);
     let kind = match Path::new(file).extension().and_then(|e| e.to_str()) {
-        Some("frag") => format!("Fragment for {name}{of} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
-        Some("vert") => format!("VertexProgram for {name}{of} {{}}"),
-        _ => format!("Compute for {name}{of} {{}}"),
+        Some("frag") => format!("Fragment for {name}{elided} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
+        Some("vert") => format!("VertexProgram for {name}{elided} {{}}"),
+        _ => format!("Compute for {name}{elided} {{}}"),
     };
     let written = match &outputs[..] {
         [] => String::new(),
@@ -253,7 +253,7 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
     };
     format!(
         "/// What `{ROOT}/{title}` reads.{written}\n#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
-         impl Program for {name}{of} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
+         impl Program for {name}{elided} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
          const SHADER: &'static Shader = &{shader};\n    \
          fn resources(&self) -> Vec<Resource<'_>> {{ vec![{resources}] }}\n    \
          fn push(&self) -> &[u8] {{ {pushed} }}\n}}\nimpl {kind}\n{constants}"
@@ -317,7 +317,7 @@ fn declared_constants(program: &str, constants: &[Constant]) -> (String, String)
 /// computes in f32 rounds it once, as GLSL does.
 fn shared(source: &str) -> Result<String, String> {
     let (mut text, mut comment) = (String::new(), String::new());
-    for (at, line) in source.lines().enumerate() {
+    for (index, line) in source.lines().enumerate() {
         if let Some(said) = line.strip_prefix("// ") {
             let _ = writeln!(comment, "/// {said}");
             continue;
@@ -335,7 +335,7 @@ fn shared(source: &str) -> Result<String, String> {
             let beside = beside.trim().trim_start_matches("// ");
             if value.is_empty() || (comment.is_empty() && beside.is_empty()) {
                 let wanted = "`const int|uint|float NAME = VALUE;` with a comment above or beside it";
-                return Err(format!("{ROOT}/{CONSTANTS}:{}: {line:?} should be {wanted}", at + 1));
+                return Err(format!("{ROOT}/{CONSTANTS}:{}: {line:?} should be {wanted}", index + 1));
             }
             if !beside.is_empty() {
                 comment = format!("/// {beside}\n");
@@ -353,17 +353,17 @@ fn declaration(block: &Block, name: &str) -> String {
         "/// Twin of the block `{name}` ({} bytes), first declared for `{}`.\n#[repr(C)]\n#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\n#[allow(missing_docs, non_snake_case)]\npub struct {name} {{\n",
         block.size, block.used_in
     );
-    let (mut at, mut checks) = (0, String::new());
+    let (mut end, mut checks) = (0, String::new());
     for (i, (field, offset, ty, size)) in block.fields.iter().enumerate() {
-        if at < *offset {
-            let _ = writeln!(text, "    pub _pad{i}: [u8; {}],", offset - at);
+        if end < *offset {
+            let _ = writeln!(text, "    pub _pad{i}: [u8; {}],", offset - end);
         }
         let _ = writeln!(text, "    pub {field}: {ty},");
         let _ = writeln!(checks, "    assert!(std::mem::offset_of!({name}, {field}) == {offset});");
-        at = offset + size;
+        end = offset + size;
     }
-    if at < block.size {
-        let _ = writeln!(text, "    pub _pad_end: [u8; {}],", block.size - at);
+    if end < block.size {
+        let _ = writeln!(text, "    pub _pad_end: [u8; {}],", block.size - end);
     }
     let _ = write!(
         text,

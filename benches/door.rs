@@ -67,14 +67,14 @@ fn main() {
                 let [command, door, import] = [0, 1, 2].map(|i| median_of(pairs.iter().map(|p| p[i])));
                 let ratio = median_of(pairs.iter().map(|p| p[1] / p[0]));
                 let (name, view) = (method.name, &view.name);
-                let of = roughness.map_or("materials".into(), |value| value.to_string());
-                println!("{name},{of},{view},{command:.3},{door:.3},{ratio:.3},{import:.3},{bytes}");
+                let roughness_label = roughness.map_or("materials".into(), |value| value.to_string());
+                println!("{name},{roughness_label},{view},{command:.3},{door:.3},{ratio:.3},{import:.3},{bytes}");
                 ratios.push((name, roughness, ratio));
             }
         }
     }
     for (name, roughness) in ["unified", "ssct", "hzct"].into_iter().flat_map(|n| ROUGHNESS.map(|r| (n, r))) {
-        let of = ratios.iter().filter(|r| (r.0, r.1) == (name, roughness)).map(|r| r.2);
-        println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median_of(of));
+        let method_ratios = ratios.iter().filter(|r| (r.0, r.1) == (name, roughness)).map(|r| r.2);
+        println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median_of(method_ratios));
     }
 }

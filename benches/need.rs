@@ -35,11 +35,11 @@ const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
 /// Milliseconds of the effect, of its pyramid, and of the other passes that do not depend on the number of
 /// reflecting pixels.
 fn times(report: &FrameReport) -> [f64; 3] {
-    let of = |passes: &dyn Fn(&str) -> bool| {
+    let milliseconds = |passes: &dyn Fn(&str) -> bool| {
         report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
     };
     let is_fixed = |name: &str| ["classify", "composite", "color"].contains(&name.split('/').next().unwrap_or(name));
-    [of(&|_| true), of(&|name| name == "pyramid"), of(&is_fixed)]
+    [milliseconds(&|_| true), milliseconds(&|name| name == "pyramid"), milliseconds(&is_fixed)]
 }
 
 /// The cells that mirror rays visit: the mean over the rays, and the mean over blocks of 4 × 2 pixels of the

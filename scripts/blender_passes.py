@@ -22,9 +22,9 @@ def channels(path):
 
 
 def passes(path, camera):
-    of = channels(path)
-    vector = lambda name: numpy.stack([of[f"ViewLayer.{name}.{axis}"] for axis in "XYZ"], -1)
-    depth, normal = of["ViewLayer.Depth.Z"], vector("Normal")
+    arrays = channels(path)
+    vector = lambda name: numpy.stack([arrays[f"ViewLayer.{name}.{axis}"] for axis in "XYZ"], -1)
+    depth, normal = arrays["ViewLayer.Depth.Z"], vector("Normal")
     height, width = depth.shape
     there = depth < camera["far"]
     to_view = numpy.linalg.inv(numpy.array(camera["view-to-world"]))

@@ -79,20 +79,20 @@ def main() -> None:
         scene["bufferViews"].append(section)
         return len(scene["bufferViews"]) - 1
 
-    def accessor(of: int, offset: int, component: int, count: int, kind: str, **bounds: list[float]) -> int:
-        scene["accessors"].append({"bufferView": of, "byteOffset": offset, "componentType": component, "count": count,
-                                   "type": kind, **bounds})
+    def accessor(buffer_view: int, offset: int, component: int, count: int, kind: str, **bounds: list[float]) -> int:
+        scene["accessors"].append({"bufferView": buffer_view, "byteOffset": offset, "componentType": component,
+                                   "count": count, "type": kind, **bounds})
         return len(scene["accessors"]) - 1
 
     for k in range(given.tiles**2):
         x0, z0 = k % given.tiles * width - half, k // given.tiles * width - half
         vertices, indices = grid(given.cells, x0, z0, width)
         count = (given.cells + 1) ** 2
-        of = view(vertices, 32)
+        vertex_view = view(vertices, 32)
         bounds = {"min": [x0, -0.05, z0], "max": [x0 + width, 0.05, z0 + width]}
-        attributes = {"POSITION": accessor(of, 0, 5126, count, "VEC3", **bounds),
-                      "NORMAL": accessor(of, 12, 5126, count, "VEC3"),
-                      "TEXCOORD_0": accessor(of, 24, 5126, count, "VEC2")}
+        attributes = {"POSITION": accessor(vertex_view, 0, 5126, count, "VEC3", **bounds),
+                      "NORMAL": accessor(vertex_view, 12, 5126, count, "VEC3"),
+                      "TEXCOORD_0": accessor(vertex_view, 24, 5126, count, "VEC2")}
         of_indices = accessor(view(indices), 0, 5125, 6 * given.cells**2, "SCALAR")
         scene["meshes"].append({"primitives": [{"attributes": attributes, "indices": of_indices, "material": k}]})
         scene["nodes"].append({"mesh": k})

@@ -79,9 +79,9 @@ class Truth:
         """Samples an image, bilinear and repeating; (0, 0) is the top left corner."""
         image = self.image(index)
         size = np.array([image.shape[1], image.shape[0]])
-        at = (uv % 1.0) * size - 0.5
-        low = np.floor(at).astype(int)
-        w = (at - low)[:, :, None]
+        position = (uv % 1.0) * size - 0.5
+        low = np.floor(position).astype(int)
+        w = (position - low)[:, :, None]
         x0, y0 = (low % size).T
         x1, y1 = ((low + 1) % size).T
         top = image[y0, x0] * (1 - w[:, 0]) + image[y0, x1] * w[:, 0]
@@ -126,11 +126,11 @@ class Truth:
         holes = np.zeros(len(hit["mesh"]), bool)
         for index, material in enumerate(self.info["materials"]):
             if material["single_sided"]:
-                of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
-                holes[of] |= dot(hit["flat"], direction)[of][:, 0] > 0
+                mask = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
+                holes[mask] |= dot(hit["flat"], direction)[mask][:, 0] > 0
             if material["alpha_mask"] is not None:
-                of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
-                holes[of] |= self.sample(material["alpha_mask"], hit["uv"][of])[:, 0] < 0.5
+                mask = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
+                holes[mask] |= self.sample(material["alpha_mask"], hit["uv"][mask])[:, 0] < 0.5
         return holes
 
     def normals(self, hit, direction):
@@ -138,22 +138,22 @@ class Truth:
         normal = unit(hit["smooth"])
         for index, material in enumerate(self.info["materials"]):
             deviation = material["normal_deviation"]
-            of = np.flatnonzero((hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index))
-            if material["normal_map"] is None or deviation <= 0 or not len(of):
+            rays = np.flatnonzero((hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index))
+            if material["normal_map"] is None or deviation <= 0 or not len(rays):
                 continue
-            n = normal[of]
-            along = np.zeros((len(of), 4))
-            for mesh in np.unique(hit["mesh"][of]):
-                here = hit["mesh"][of] == mesh
-                corners = self.first_vertex[mesh] + self.indices[mesh][hit["triangle"][of][here]]
-                along[here] = np.einsum("nkc,nk->nc", self.tangents[corners], hit["bary"][of][here])
+            n = normal[rays]
+            along = np.zeros((len(rays), 4))
+            for mesh in np.unique(hit["mesh"][rays]):
+                here = hit["mesh"][rays] == mesh
+                corners = self.first_vertex[mesh] + self.indices[mesh][hit["triangle"][rays][here]]
+                along[here] = np.einsum("nkc,nk->nc", self.tangents[corners], hit["bary"][rays][here])
             tangent = along[:, :3] - n * dot(n, along[:, :3])
             usable = np.linalg.norm(tangent, axis=1) > 1e-6
             tangent = unit(tangent)
             bitangent = along[:, 3:] * np.cross(n, tangent)
-            m = self.sample(material["normal_map"], hit["uv"][of])[:, :3] * 2 - 1
+            m = self.sample(material["normal_map"], hit["uv"][rays])[:, :3] * 2 - 1
             bumped = unit(tangent * m[:, :1] + bitangent * m[:, 1:2] + n * np.maximum(m[:, 2:], 1e-3))
-            normal[of[usable]] = unit(n * (1 - deviation) + bumped * deviation)[usable]
+            normal[rays[usable]] = unit(n * (1 - deviation) + bumped * deviation)[usable]
         return np.where(dot(hit["flat"], direction) > 0, -normal, normal)
 
     def lit(self, hit, direction):
@@ -179,11 +179,11 @@ class Truth:
         """The share of the albedo that is emitted."""
         share = np.zeros((len(hit["mesh"]), 1))
         for index, material in enumerate(self.info["materials"]):
-            of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
-            if material["emission"] > 0 and of.any():
+            mask = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
+            if material["emission"] > 0 and mask.any():
                 albedo_map = material["albedo_map"]
-                alpha = self.sample(albedo_map, hit["uv"][of])[:, 3:] if albedo_map is not None else 1
-                share[of] = material["emission"] * alpha
+                alpha = self.sample(albedo_map, hit["uv"][mask])[:, 3:] if albedo_map is not None else 1
+                share[mask] = material["emission"] * alpha
         return share
 
 
@@ -224,8 +224,8 @@ def sensor_rays(truth):
     """The rays of Mitsuba's own sensor through the pixels' centres, starting at the near plane."""
     width, height = truth.info["width"], truth.info["height"]
     index = dr.arange(mi.UInt32, width * height)
-    at = mi.Point2f((mi.Float(index % width) + 0.5) / width, (mi.Float(index // width) + 0.5) / height)
-    ray, _ = truth.scene.sensors()[0].sample_ray(0.0, 0.5, at, mi.Point2f(0.5))
+    position = mi.Point2f((mi.Float(index % width) + 0.5) / width, (mi.Float(index // width) + 0.5) / height)
+    ray, _ = truth.scene.sensors()[0].sample_ray(0.0, 0.5, position, mi.Point2f(0.5))
     return np.array(ray.o).T.astype(np.float64), np.array(ray.d).T.astype(np.float64)
 
 

@@ -364,7 +364,10 @@ impl MethodInfo {
             let of_preset = base.of_preset(preset);
             all.push(of_preset.clone());
             for row in &rows {
-                let tried = row.sweep.iter().filter(|(of, value)| *of == preset && of_preset.values.of(row) != *value);
+                let tried = row
+                    .sweep
+                    .iter()
+                    .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.of(row) != *value);
                 all.extend(tried.map(|(_, value)| {
                     let mut setup = of_preset.clone();
                     setup.values.set(row, *value);

@@ -119,41 +119,41 @@ fn row(claim: &str, method: &str, (scene, view): (&Scene, &View), height: u32, v
 }
 
 /// Samples and levels of cones.
-fn cones(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+fn cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let limits: [(&str, Change); 2] =
         [("", SAME), ("-unbounded", |s| s.with(|p: &mut ConeParams| p.cone_samples = UNBOUNDED))];
     for roughness in [0.05, 0.1, 0.3, 0.6, 1.0] {
         for (suffix, change) in limits {
             let counting =
                 Counted { method: "ssct", edits: CONE, change, size: SIZE, globals: globals(roughness, 0.1) };
-            let (image, _) = counting.images(bench, stage, at);
+            let (image, _) = counting.images(bench, stage, subject);
             let (samples, levels) = (counted(&image, 0), counted(&image, 1));
             let variant = roughness.to_string();
-            row(&format!("cone-samples{suffix}"), "ssct", at, SIZE[1], &variant, samples);
-            row(&format!("cone-levels{suffix}"), "ssct", at, SIZE[1], &variant, levels / samples);
+            row(&format!("cone-samples{suffix}"), "ssct", subject, SIZE[1], &variant, samples);
+            row(&format!("cone-levels{suffix}"), "ssct", subject, SIZE[1], &variant, levels / samples);
         }
     }
 }
 
 /// Rays by their direction, and what becomes of them.
-fn directions(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+fn directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let counting = Counted { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
-    let (_, hits) = counting.images(bench, stage, at);
+    let (_, hits) = counting.images(bench, stage, subject);
     let codes: Vec<_> = hits.texels().filter_map(|t| PathCode::from_channel(t[3])).collect();
     let count = |wanted: &[PathCode]| codes.iter().filter(|c| wanted.contains(c)).count() as f64;
     let towards = count(&[PathCode::Linear, PathCode::LinearMiss]);
     let away = count(&[PathCode::HiZ, PathCode::Miss, PathCode::Exhausted]);
     let share = |part: f64, all: f64| part / all.max(1.0);
-    row("towards-camera", "ssct", at, SIZE[1], "0", share(towards, towards + away));
-    row("towards-camera-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
+    row("towards-camera", "ssct", subject, SIZE[1], "0", share(towards, towards + away));
+    row("towards-camera-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
     let marched = hits.texels().filter(|t| PathCode::from_channel(t[3]) == Some(PathCode::Linear));
     let off_screen = marched.filter(|t| t[..2].iter().any(|c| !(0.0..=1.0).contains(c))).count() as f64;
-    row("search-off-screen", "ssct", at, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
-    row("away-hits", "ssct", at, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
+    row("search-off-screen", "ssct", subject, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
+    row("away-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
 }
 
 /// Bytes of the effect's images and buffers, with its passes combined and split.
-fn memory(stage: &mut Stage, at: (&Scene, &View)) {
+fn memory(stage: &mut Stage, subject: (&Scene, &View)) {
     let mut megabytes = |split: bool| {
         let setup = Setup::new(SIZE).with(|p: &mut ThesisDrawing| p.split = split);
         let before = stage.context.gpu().allocated_bytes();
@@ -163,24 +163,24 @@ fn memory(stage: &mut Stage, at: (&Scene, &View)) {
         bytes as f64 / 1e6
     };
     let [combined, split] = [false, true].map(&mut megabytes);
-    row("device-mb", "ssct", at, SIZE[1], "combined", combined);
-    row("device-mb", "ssct", at, SIZE[1], "split", split);
+    row("device-mb", "ssct", subject, SIZE[1], "combined", combined);
+    row("device-mb", "ssct", subject, SIZE[1], "split", split);
 }
 
 /// Steps of SSLR by roughness.
-fn uniform_steps(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+fn uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     for roughness in [0.0, 0.1, 0.3, 0.6] {
         let counting =
             Counted { method: "sslr", edits: UNIFORM, change: SAME, size: SIZE, globals: globals(roughness, 0.1) };
-        let (_, hits) = counting.images(bench, stage, at);
+        let (_, hits) = counting.images(bench, stage, subject);
         let traced = |t: &&[f32]| PathCode::from_channel(t[3]).is_some_and(|c| c != PathCode::None);
         let steps = mean(hits.texels().filter(traced).map(|t| f64::from(t[0])));
-        row("ray-steps", "sslr", at, SIZE[1], &roughness.to_string(), steps);
+        row("ray-steps", "sslr", subject, SIZE[1], &roughness.to_string(), steps);
     }
 }
 
 /// Steps of Schmidt's marches by pixels a step and by the height of the image.
-fn marches(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
+fn marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let steps: [(&str, Change); 4] = [
         ("1", SAME),
         ("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
@@ -190,8 +190,8 @@ fn marches(bench: &Bench, stage: &mut Stage, at: (&Scene, &View)) {
     let mut count = |method, variant, change, height: u32| {
         let size = [height * 16 / 9, height];
         let counting = Counted { method, edits: MARCH, change, size, globals: globals(0.0, 0.0) };
-        let (image, _) = counting.images(bench, stage, at);
-        row("ray-steps", method, at, height, variant, counted(&image, 0));
+        let (image, _) = counting.images(bench, stage, subject);
+        row("ray-steps", method, subject, height, variant, counted(&image, 0));
     };
     steps.into_iter().for_each(|(variant, change)| count("ssr", variant, change, 180));
     for height in [360, 720] {
@@ -209,18 +209,18 @@ pub fn run(bench: &Bench) {
         let scene = scene(name);
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
         for view in scene.views.iter().filter(|v| views.contains(&v.name.as_str())) {
-            let at = (&scene, view);
+            let subject = (&scene, view);
             if bench.wants("cone-samples") {
-                cones(bench, &mut stage, at);
+                cones(bench, &mut stage, subject);
             }
             if bench.wants("towards-camera") {
-                directions(bench, &mut stage, at);
+                directions(bench, &mut stage, subject);
             }
             if bench.wants("ray-steps") {
-                uniform_steps(bench, &mut stage, at);
+                uniform_steps(bench, &mut stage, subject);
             }
             if bench.wants("device-mb") {
-                memory(&mut stage, at);
+                memory(&mut stage, subject);
             }
         }
     }

@@ -382,24 +382,25 @@ struct Kept {
 }
 
 /// Measures a claim on a view, and prints its row.
-fn measure(bench: &Bench, stage: &mut Stage, claim: &Claim, at: &At, kept: &mut Kept) {
+fn measure(bench: &Bench, stage: &mut Stage, claim: &Claim, subject: &At, kept: &mut Kept) {
     let info = method(claim.method);
     let both = (claim.both)(&Setup::new(claim.place.size()));
-    let of = format!("{} {} {:?}", at.view.name, at.roughness, claim.place);
-    let key = format!("{} {of} {:?}", claim.method, both.recorded(Some(info)));
-    if !kept.images.contains_key(&key) || !kept.truths.contains_key(&of) {
-        let (made, shot) = at.made(stage, info, &both);
+    let truth_key = format!("{} {} {:?}", subject.view.name, subject.roughness, claim.place);
+    let key = format!("{} {truth_key} {:?}", claim.method, both.recorded(Some(info)));
+    if !kept.images.contains_key(&key) || !kept.truths.contains_key(&truth_key) {
+        let (made, shot) = subject.made(stage, info, &both);
         kept.images.insert(key.clone(), made);
-        kept.truths.entry(of.clone()).or_insert_with(|| at.truth(stage, &shot));
+        kept.truths.entry(truth_key.clone()).or_insert_with(|| subject.truth(stage, &shot));
     }
-    let (changed, _) = bench.shaders.with(&bench.gpu, claim.edits, || at.made(stage, info, &(claim.change)(&both)));
-    let (before, truth) = (&kept.images[&key], &kept.truths[&of]);
+    let (changed, _) =
+        bench.shaders.with(&bench.gpu, claim.edits, || subject.made(stage, info, &(claim.change)(&both)));
+    let (before, truth) = (&kept.images[&key], &kept.truths[&truth_key]);
     let (share, rmse) = difference(&before.shown, &changed.shown);
     let [error, error_changed] = [before, &changed].map(|m| masked_rmse(&truth.color, &m.color, &truth.mask));
     let [[right, wrong], [right_changed, wrong_changed]] = [before, &changed].map(|m| hits(truth, m));
     println!(
         "{},{},{},{},{},{share:.6},{rmse:.6},{error:.6},{error_changed:.6},{right},{right_changed},{wrong},{wrong_changed}",
-        claim.name, claim.method, at.scene.name, at.view.name, at.roughness
+        claim.name, claim.method, subject.scene.name, subject.view.name, subject.roughness
     );
 }
 
@@ -411,7 +412,9 @@ pub fn run(bench: &Bench) {
     for name in ["rooms", "atrium", "street", "museum", "corridor"] {
         let mut loaded = None;
         for claim in CLAIMS.iter().filter(|c| bench.wants(c.name)) {
-            let Some((_, views)) = claim.place.views().iter().find(|(of, _)| *of == name) else { continue };
+            let Some((_, views)) = claim.place.views().iter().find(|(scene_name, _)| *scene_name == name) else {
+                continue;
+            };
             let (scene, stage, kept) = loaded.get_or_insert_with(|| {
                 let scene = scene(name);
                 let stage = Stage::new(&bench.gpu, &scene).expect("device memory");

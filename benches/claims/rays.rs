@@ -93,12 +93,12 @@ fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, material
         let made = image::render(stage, &shot, true).expect("an image");
         made.intermediates.expect("intermediates").into_iter().find(|(name, ..)| name == "hits").expect("hits").2
     });
-    let of = |texel: &[f32]| {
+    let ray_work = |texel: &[f32]| {
         let code = PathCode::from_channel(texel[3]).filter(|code| *code != PathCode::None)?;
         let steps = if code == PathCode::Untraced { 0 } else { texel[0] as u32 };
         Some((matches!(code, PathCode::Linear | PathCode::LinearMiss | PathCode::Untraced), steps))
     };
-    hits.texels().map(of).collect()
+    hits.texels().map(ray_work).collect()
 }
 
 /// All pixels, tile by tile, and in a tile group by group.

@@ -53,7 +53,7 @@ fn times(report: &FrameReport) -> Times {
 }
 
 /// A value at a share of the way through the sorted values.
-fn at(mut values: Vec<f64>, share: f64) -> f64 {
+fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() - 1) as f64 * share).round() as usize]
 }
@@ -61,7 +61,7 @@ fn at(mut values: Vec<f64>, share: f64) -> f64 {
 /// Median and ends of the middle half.
 pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
     let values: Vec<_> = values.into_iter().collect();
-    [0.5, 0.25, 0.75].map(|share| at(values.clone(), share))
+    [0.5, 0.25, 0.75].map(|share| quantile(values.clone(), share))
 }
 
 /// Prints a row for each variant of the turns.
@@ -87,8 +87,8 @@ fn changed(name: &'static str, roughness: f32, change: Change) -> Variant {
 }
 
 /// Times variants of a method on a view.
-fn take_turns(bench: &Bench, claim: &str, name: &str, at: (&Scene, &View, &mut Stage), variants: &[Variant]) {
-    let (scene, view, stage) = at;
+fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &mut Stage), variants: &[Variant]) {
+    let (scene, view, stage) = subject;
     let shot = |variant: &Variant, stage: &mut Stage| {
         let materials = variant.globals.materials(scene, view);
         let setup = (variant.change)(&Setup::new(SIZE));

@@ -588,7 +588,7 @@ void ssct_context_trim(const struct SsctContext *context);
 const struct SsctMethod *ssct_methods(uint32_t *count);
 
 /// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
-struct SsctImageUse ssct_image_use(SsctUse of);
+struct SsctImageUse ssct_image_use(SsctUse kind);
 
 /// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if it fails. Nothing is
 /// submitted.

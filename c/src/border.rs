@@ -144,12 +144,12 @@ pub unsafe trait Growing: Copy {
 ///
 /// # Safety
 /// The pointer is NULL, or points to a struct of the size that its first field states.
-pub unsafe fn take<T: Growing>(argument: &str, at: *const T) -> Outcome<T> {
+pub unsafe fn take<T: Growing>(argument: &str, pointer: *const T) -> Outcome<T> {
     // SAFETY: by the contract.
-    let size = unsafe { size_of_theirs(argument, at) }?;
+    let size = unsafe { size_of_theirs(argument, pointer) }?;
     let known = size_of::<T>();
     // SAFETY: by the contract, so many bytes are there.
-    let beyond = unsafe { std::slice::from_raw_parts(at.cast::<u8>().add(known), size - known) };
+    let beyond = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
     if beyond.iter().any(|byte| *byte != 0) {
         let name = T::NAME;
         return Err(Failure::usage(format!(
@@ -158,19 +158,19 @@ pub unsafe fn take<T: Growing>(argument: &str, at: *const T) -> Outcome<T> {
         )));
     }
     // SAFETY: at least as many bytes are there, and any bytes are a value.
-    Ok(unsafe { at.read_unaligned() })
+    Ok(unsafe { pointer.read_unaligned() })
 }
 
 /// Returns the size that a struct of the caller's states.
 ///
 /// # Safety
 /// The contract is that of [`take`].
-pub unsafe fn size_of_theirs<T: Growing>(argument: &str, at: *const T) -> Outcome<usize> {
-    if at.is_null() {
+pub unsafe fn size_of_theirs<T: Growing>(argument: &str, pointer: *const T) -> Outcome<usize> {
+    if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
     // SAFETY: by the contract, the size comes first.
-    let size = unsafe { at.cast::<usize>().read_unaligned() };
+    let size = unsafe { pointer.cast::<usize>().read_unaligned() };
     let (name, known) = (T::NAME, size_of::<T>());
     // No struct is longer than a page; what states more was never set.
     if !(known..=4096).contains(&size) {
@@ -185,30 +185,30 @@ pub unsafe fn size_of_theirs<T: Growing>(argument: &str, at: *const T) -> Outcom
 ///
 /// # Safety
 /// The pointer is NULL or valid for as long as the call lasts.
-pub unsafe fn needed<'a, T>(argument: &str, at: *const T) -> Outcome<&'a T> {
+pub unsafe fn needed<'a, T>(argument: &str, pointer: *const T) -> Outcome<&'a T> {
     // SAFETY: by the contract.
-    unsafe { at.as_ref() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
+    unsafe { pointer.as_ref() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
 
 /// Turns a pointer that a call writes to into a reference.
 ///
 /// # Safety
 /// The pointer is NULL, or valid and nobody else's for as long as the call lasts.
-pub unsafe fn needed_mut<'a, T>(argument: &str, at: *mut T) -> Outcome<&'a mut T> {
+pub unsafe fn needed_mut<'a, T>(argument: &str, pointer: *mut T) -> Outcome<&'a mut T> {
     // SAFETY: by the contract.
-    unsafe { at.as_mut() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
+    unsafe { pointer.as_mut() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
 
 /// Reads an array of the caller's.
 ///
 /// # Safety
 /// The pointer is NULL, or points to so many elements that stay for as long as the call lasts.
-pub unsafe fn array<'a, T>(argument: &str, at: *const T, count: u32) -> Outcome<&'a [T]> {
-    match (count, at.is_null()) {
+pub unsafe fn array<'a, T>(argument: &str, pointer: *const T, count: u32) -> Outcome<&'a [T]> {
+    match (count, pointer.is_null()) {
         (0, _) => Ok(&[]),
         (_, true) => Err(Failure::usage(format!("the argument {argument} is NULL, and its count is {count}"))),
         // SAFETY: by the contract.
-        (_, false) => Ok(unsafe { std::slice::from_raw_parts(at, count as usize) }),
+        (_, false) => Ok(unsafe { std::slice::from_raw_parts(pointer, count as usize) }),
     }
 }
 
@@ -216,12 +216,12 @@ pub unsafe fn array<'a, T>(argument: &str, at: *const T, count: u32) -> Outcome<
 ///
 /// # Safety
 /// The pointer is NULL, or points to a text that ends with a zero byte and stays for as long as the call lasts.
-pub unsafe fn text_of<'a>(argument: &str, at: *const c_char) -> Outcome<&'a str> {
-    if at.is_null() {
+pub unsafe fn text_of<'a>(argument: &str, pointer: *const c_char) -> Outcome<&'a str> {
+    if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
     // SAFETY: by the contract.
-    let text = unsafe { CStr::from_ptr(at) };
+    let text = unsafe { CStr::from_ptr(pointer) };
     text.to_str().map_err(|_| Failure::usage(format!("the argument {argument} is no text in UTF-8")))
 }
 

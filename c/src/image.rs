@@ -184,17 +184,17 @@ unsafe impl Growing for SsctMotion {
 
 /// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
 #[unsafe(no_mangle)]
-pub extern "C" fn ssct_image_use(of: SsctUse) -> SsctImageUse {
+pub extern "C" fn ssct_image_use(kind: SsctUse) -> SsctImageUse {
     let none = SsctImageUse { layout: VkImageLayout::UNDEFINED, stages: 0, access: 0 };
     or(none, || {
-        let known = match of {
+        let known = match kind {
             SSCT_USE_FRAGMENT_SAMPLED => ImageUse::FRAGMENT_SAMPLED,
             SSCT_USE_COMPUTE_SAMPLED => ImageUse::COMPUTE_SAMPLED,
             SSCT_USE_COLOR_ATTACHMENT => ImageUse::COLOR_ATTACHMENT,
             SSCT_USE_DEPTH_ATTACHMENT => ImageUse::DEPTH_ATTACHMENT,
             SSCT_USE_TRANSFER_SOURCE => ImageUse::TRANSFER_SOURCE,
             SSCT_USE_TRANSFER_TARGET => ImageUse::TRANSFER_TARGET,
-            other => return Err(none_of("SSCT_USE_*", "of", other)),
+            other => return Err(none_of("SSCT_USE_*", "kind", other)),
         };
         let ImageUse { layout, stages, access } = known;
         Ok(SsctImageUse { layout, stages: stages.as_raw(), access: access.as_raw() })
@@ -221,10 +221,10 @@ impl SsctImageUse {
 ///
 /// # Safety
 /// The pointer is NULL or points to such a struct.
-pub unsafe fn image(argument: &str, at: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
+pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
     // SAFETY: by the contract.
     let SsctImage { image, view, format, extent, mut part, mut usage, before, after, .. } =
-        unsafe { take(argument, at) }?;
+        unsafe { take(argument, pointer) }?;
     if part.aspect_mask.is_empty() {
         part.aspect_mask = aspects(format);
     }
@@ -264,9 +264,9 @@ pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
 ///
 /// # Safety
 /// The contract is that of [`image`].
-pub unsafe fn camera(at: *const SsctCamera) -> Outcome<CameraInput> {
+pub unsafe fn camera(pointer: *const SsctCamera) -> Outcome<CameraInput> {
     // SAFETY: by the contract.
-    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", at) }?;
+    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", pointer) }?;
     Ok(CameraInput { world_to_view, view_to_clip, clip_y: clip_y(y)? })
 }
 
@@ -274,10 +274,10 @@ pub unsafe fn camera(at: *const SsctCamera) -> Outcome<CameraInput> {
 ///
 /// # Safety
 /// The contract is that of [`image`].
-pub unsafe fn normals(at: *const SsctNormals) -> Outcome<NormalInput> {
+pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     // SAFETY: by the contract.
     let (normals, image) = unsafe {
-        let normals = take("normals", at)?;
+        let normals = take("normals", pointer)?;
         (normals, image("normals.image", normals.image, 1)?)
     };
     let space = match normals.space {
@@ -299,10 +299,10 @@ pub unsafe fn normals(at: *const SsctNormals) -> Outcome<NormalInput> {
 ///
 /// # Safety
 /// The contract is that of [`image`].
-pub unsafe fn factor(argument: &str, at: *const SsctFactor) -> Outcome<FactorInput> {
+pub unsafe fn factor(argument: &str, pointer: *const SsctFactor) -> Outcome<FactorInput> {
     // SAFETY: by the contract.
     unsafe {
-        let factor = take(argument, at)?;
+        let factor = take(argument, pointer)?;
         if factor.image.is_null() {
             return Ok(FactorInput::Constant(factor.value));
         }
@@ -314,13 +314,13 @@ pub unsafe fn factor(argument: &str, at: *const SsctFactor) -> Outcome<FactorInp
 ///
 /// # Safety
 /// The contract is that of [`image`].
-pub unsafe fn motion(argument: &str, at: *const SsctMotion) -> Outcome<Option<MotionInput>> {
-    if at.is_null() {
+pub unsafe fn motion(argument: &str, pointer: *const SsctMotion) -> Outcome<Option<MotionInput>> {
+    if pointer.is_null() {
         return Ok(None);
     }
     // SAFETY: by the contract.
     unsafe {
-        let SsctMotion { image: held, scale, jittered, .. } = take(argument, at)?;
+        let SsctMotion { image: held, scale, jittered, .. } = take(argument, pointer)?;
         let image = image(&format!("{argument}.image"), held, 1)?;
         Ok(Some(MotionInput { image, scale, jittered: jittered != vk::FALSE }))
     }

@@ -132,7 +132,7 @@ unsafe impl DeviceMemory for CallersMemory {
 
     fn free(&mut self, block: MemoryBlock) {
         let MemoryBlock { memory, offset, mapped, key } = block;
-        let mapped = mapped.map_or(std::ptr::null_mut(), |at| at.as_ptr().cast());
+        let mapped = mapped.map_or(std::ptr::null_mut(), |pointer| pointer.as_ptr().cast());
         let block = SsctMemoryBlock { memory, offset, mapped, key };
         // SAFETY: the block is one that the caller gave.
         unsafe { (self.release)(self.user_data, &block) };

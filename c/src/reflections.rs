@@ -435,18 +435,18 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
 ///
 /// # Safety
 /// The pointer is NULL, or valid for as long as the result is used.
-unsafe fn captures<'a>(at: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
+unsafe fn captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
     // SAFETY: by the contract.
-    unsafe { at.as_ref() }.map(|captures| captures.cubes.get()).transpose()
+    unsafe { pointer.as_ref() }.map(|captures| captures.cubes.get()).transpose()
 }
 
 /// The triangles that a frame is given.
 ///
 /// # Safety
 /// The contract is that of [`captures`].
-unsafe fn triangles<'a>(at: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
+unsafe fn triangles<'a>(pointer: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
     // SAFETY: by the contract.
-    unsafe { at.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
+    unsafe { pointer.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
 }
 
 fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {

@@ -161,7 +161,7 @@ fn captures_a_sky_and_times_come_through() {
         assert!(!recorded.composite.image.is_null() && !recorded.reflection.view.is_null());
         assert!(recorded.hits.image.is_null() && recorded.struct_size == size_of::<SsctRecorded>());
         let passes = std::slice::from_raw_parts(recorded.passes, recorded.pass_count as usize);
-        let name = |at: *const c_char| CStr::from_ptr(at).to_str().unwrap();
+        let name = |pointer: *const c_char| CStr::from_ptr(pointer).to_str().unwrap();
         assert_eq!(name(passes[0]), "import");
         let skipped = std::slice::from_raw_parts(recorded.skipped, recorded.skipped_count as usize);
         assert!(skipped.iter().all(|s| !name(s.pass).is_empty() && !name(s.why).is_empty()) && !skipped.is_empty());
@@ -263,7 +263,7 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
 }
 
 /// A mesh of a colour, moved along z.
-fn at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> SsctTriangleMesh {
+fn mesh_at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> SsctTriangleMesh {
     let mut mesh_to_world = WORLD;
     mesh_to_world[14] = z;
     SsctTriangleMesh {
@@ -285,7 +285,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
     let numbers = program.image(vk::Format::R32_UINT, SIDE, [0.0; 4], 1);
     let context = program.context();
     let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
-    let wall = |indices: &[u32]| at(-1.0, (&positions, indices), [0.25, 0.5, 1.0]);
+    let wall = |indices: &[u32]| mesh_at(-1.0, (&positions, indices), [0.25, 0.5, 1.0]);
     unsafe {
         let mut triangles = null_mut();
         let create = |mesh, triangles| ssct_triangles_create(context, mesh, 1, triangles);
@@ -326,7 +326,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         }
         // A mirror that stands a little before the depth that is seen stops its own rays, unless its number is known.
         let large = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 18.0, 0.0]];
-        let mirror = at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
+        let mirror = mesh_at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
         let mut both = null_mut();
         let meshes = [mirror, wall(&[0, 1, 2, 2, 3, 0])];
         assert_eq!(ssct_triangles_create(context, meshes.as_ptr(), 2, &mut both), SsctResult::Ok, "{}", said());
@@ -424,7 +424,7 @@ fn what_is_wrong_is_said() {
         let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &good, null_mut());
         refused(result, usage, "commands is a null handle");
         assert_eq!(ssct_image_use(99).stages, 0);
-        assert!(said().contains("of is 99"), "{}", said());
+        assert!(said().contains("kind is 99"), "{}", said());
 
         let mut count = 0;
         let methods = std::slice::from_raw_parts(ssct_methods(&mut count), count as usize);

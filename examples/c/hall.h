@@ -166,11 +166,11 @@ static inline Vec dusk(float x, float y) {
 
 static inline Vec ring(int i) { return i / 2 % 2 ? vec(0.1f, 1.3f, 1.9f) : vec(2.0f, 0.16f, 1.1f); }
 
-static inline Material material_at(const Hit *hit, Vec at) {
+static inline Material material_at(const Hit *hit, Vec position) {
     const Vec none = vec(0, 0, 0);
     switch (hit->what) {
     case FLOOR: {
-        const float u = at.x / 1.2f + 100.5f, v = at.z / 1.2f + 100, joint = 0.018f;
+        const float u = position.x / 1.2f + 100.5f, v = position.z / 1.2f + 100, joint = 0.018f;
         const float fu = u - floorf(u), fv = v - floorf(v);
         if (fu < joint || fv < joint || fu > 1 - joint || fv > 1 - joint)
             return (Material){vec(0.015f, 0.015f, 0.02f), none, 0.03f, 0.5f};
@@ -180,17 +180,17 @@ static inline Material material_at(const Hit *hit, Vec at) {
     case CEILING:
         return (Material){vec(0.10f, 0.085f, 0.11f), none, 0.02f, 0.8f};
     case SIDE: {
-        const float panel = fabsf(fmodf(at.z + 100.5f, 4) - 2);
+        const float panel = fabsf(fmodf(position.z + 100.5f, 4) - 2);
         return (Material){panel > 1.72f ? vec(0.05f, 0.04f, 0.06f) : vec(0.17f, 0.13f, 0.20f), none, 0.03f, 0.6f};
     }
     case END: {
-        const Vec from = sub(at, SUN);
+        const Vec from = sub(position, SUN);
         const float r = sqrtf(from.x * from.x + from.y * from.y) / SUN_RADIUS;
         if (r < 1) return (Material){none, dusk(from.x, from.y), 0, 1};
         return (Material){r < 1.09f ? vec(0.30f, 0.24f, 0.20f) : vec(0.14f, 0.11f, 0.16f), none, 0.03f, 0.6f};
     }
     case COLUMN: {
-        const bool shines = at.y > 2.55f && at.y < 2.66f;
+        const bool shines = position.y > 2.55f && position.y < 2.66f;
         const float flute = 0.85f + 0.15f * cosf(20 * atan2f(hit->normal.x, hit->normal.z));
         return (Material){times(vec(0.50f, 0.45f, 0.44f), flute), shines ? ring(hit->which) : none, 0.04f, 0.3f};
     }
@@ -208,8 +208,8 @@ static inline Vec around(Vec normal, float a, float b) {
 }
 
 // Light that arrives from a point of a lamp that faces `facing`, without shadows that `follow` finds.
-static inline float arrives(Vec at, Vec normal, Vec lamp, Vec facing, float *distance, Vec *along) {
-    const Vec to = sub(lamp, at);
+static inline float arrives(Vec position, Vec normal, Vec lamp, Vec facing, float *distance, Vec *along) {
+    const Vec to = sub(lamp, position);
     *distance = sqrtf(dot(to, to));
     *along = times(to, 1 / *distance);
     const float cosines = clamp(dot(normal, *along), 0, 1) * clamp(-dot(facing, *along), 0, 1);
@@ -217,15 +217,15 @@ static inline float arrives(Vec at, Vec normal, Vec lamp, Vec facing, float *dis
 }
 
 // Light that reaches a surface, by samples that `turn` moves.
-static inline Vec lit(Vec at, Vec normal, float turn) {
+static inline Vec lit(Vec position, Vec normal, float turn) {
     Vec sum = vec(0, 0, 0), along;
     Hit hit;
     float distance;
     for (int i = 0; i < SUN_SAMPLES; i++) {
         const float r = SUN_RADIUS * sqrtf(((float)i + 0.5f) / SUN_SAMPLES), angle = 2.39996f * (float)i + 2 * PI * turn;
         const Vec from = vec(r * cosf(angle), r * sinf(angle), 0);
-        const float share = arrives(at, normal, add(SUN, from), vec(0, 0, 1), &distance, &along);
-        if (share > 0 && !follow(at, along, 0.995f * distance, &hit))
+        const float share = arrives(position, normal, add(SUN, from), vec(0, 0, 1), &distance, &along);
+        if (share > 0 && !follow(position, along, 0.995f * distance, &hit))
             sum = add(sum, times(dusk(from.x, from.y), 3.0f * share * PI * SUN_RADIUS * SUN_RADIUS / SUN_SAMPLES));
     }
     const float radius = BALLS[LAMP].radius;
@@ -233,12 +233,12 @@ static inline Vec lit(Vec at, Vec normal, float turn) {
         const float z = 1 - 2 * ((float)i + 0.5f) / LAMP_SAMPLES, angle = 2.39996f * (float)i + 2 * PI * turn;
         const Vec facing = vec(sqrtf(1 - z * z) * cosf(angle), z, sqrtf(1 - z * z) * sinf(angle));
         const Vec lamp = add(BALLS[LAMP].center, times(facing, radius));
-        const float share = arrives(at, normal, lamp, facing, &distance, &along);
-        if (share > 0 && !follow(at, along, 0.98f * distance, &hit))
+        const float share = arrives(position, normal, lamp, facing, &distance, &along);
+        if (share > 0 && !follow(position, along, 0.98f * distance, &hit))
             sum = add(sum, times(BALLS[LAMP].material.emission, 2.5f * share * 4 * PI * radius * radius / LAMP_SAMPLES));
     }
     for (int i = 0; i < COLUMNS; i++) {
-        const Vec to = sub(add(column(i), vec(0, 2.6f, 0)), at);
+        const Vec to = sub(add(column(i), vec(0, 2.6f, 0)), position);
         const float square = dot(to, to);
         const float facing = clamp(0.4f + 0.6f * dot(normal, to) / sqrtf(square), 0, 1);
         sum = add(sum, times(ring(i), 0.3f * facing / (square + 0.25f)));
@@ -246,7 +246,7 @@ static inline Vec lit(Vec at, Vec normal, float turn) {
     float open = 0;
     for (int i = 0; i < AROUND; i++) {
         const float a = ((float)i + 0.5f) / AROUND, b = 0.61803f * (float)i + turn;
-        open += follow(at, around(normal, a, b - floorf(b)), 2.5f, &hit) ? hit.t / 2.5f : 1;
+        open += follow(position, around(normal, a, b - floorf(b)), 2.5f, &hit) ? hit.t / 2.5f : 1;
     }
     return add(sum, times(vec(0.13f, 0.10f, 0.16f), open / AROUND));
 }
@@ -268,10 +268,10 @@ static inline void draw_hall(Hall *hall) {
                                    view[8] * seen.x + view[9] * seen.y + view[10] * seen.z));
         Hit hit;
         follow(EYE, along, FAR, &hit);
-        const Vec at = add(EYE, times(along, hit.t));
+        const Vec position = add(EYE, times(along, hit.t));
         const float deep = -hit.t * to_view(view, along).z;
         hall->depth[i] = clip[14] / deep - clip[10];
-        const Material m = material_at(&hit, at);
+        const Material m = material_at(&hit, position);
         const Vec normal = to_view(view, hit.normal);
         put(&hall->normal[4 * i], normal.x, normal.y, normal.z, 0);
         const float grazing = 1 - clamp(-dot(along, hit.normal), 0, 1);
@@ -280,7 +280,7 @@ static inline void draw_hall(Hall *hall) {
         // A hash of the pixel turns the samples, so that what few of them miss looks like grain.
         const uint32_t hash = ((uint32_t)i * 2654435761u ^ (uint32_t)(i / WIDTH) * 2246822519u) * 3266489917u;
         const float turn = (float)(hash >> 8) / 16777216.0f;
-        const Vec light = add(m.emission, mul(m.albedo, lit(at, hit.normal, turn)));
+        const Vec light = add(m.emission, mul(m.albedo, lit(position, hit.normal, turn)));
         put(&hall->color[4 * i], light.x, light.y, light.z, 1);
     }
 }

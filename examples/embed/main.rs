@@ -51,20 +51,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sampled = ssct::ImageUse::FRAGMENT_SAMPLED;
     let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_COMMANDS, ..sampled };
     let copied = ssct::ImageUse::TRANSFER_SOURCE;
-    let of = |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, copied);
+    let image_input = |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, copied);
     let input = ssct::FrameInput {
         slot: 0,
         camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Down },
         depth: ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE).used(drawn, copied),
         normal: ssct::NormalInput {
-            image: of(&images[0]),
+            image: image_input(&images[0]),
             space: ssct::NormalSpace::View,
             encoding: ssct::NormalEncoding::Float,
         },
-        reflectivity: ssct::FactorInput::Channel(of(&images[1]), 0),
-        roughness: ssct::FactorInput::Channel(of(&images[1]), 1),
+        reflectivity: ssct::FactorInput::Channel(image_input(&images[1]), 0),
+        roughness: ssct::FactorInput::Channel(image_input(&images[1]), 1),
         reflectors: ssct::Reflectors::UNKNOWN,
-        color: of(&images[2]),
+        color: image_input(&images[2]),
         sky: None,
         captures: None,
         triangles: None,

@@ -164,7 +164,7 @@ impl Renderer {
             let vertex = module(include_str!("scene.vert"), shaderc::ShaderKind::Vertex, "scene.vert")?;
             let fragment = module(include_str!("scene.frag"), shaderc::ShaderKind::Fragment, "scene.frag")?;
             let stage =
-                |of, module| vk::PipelineShaderStageCreateInfo::default().stage(of).module(module).name(c"main");
+                |flags, module| vk::PipelineShaderStageCreateInfo::default().stage(flags).module(module).name(c"main");
             let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
             let triangles = vk::PrimitiveTopology::TRIANGLE_LIST;
             let input = vk::PipelineVertexInputStateCreateInfo::default();

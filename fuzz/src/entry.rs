@@ -177,7 +177,7 @@ pub fn run(data: &[u8]) -> bool {
         let others = [engine::check::<PrecisionRecord>(&input).is_ok(), engine::check::<TimeRow>(&input).is_ok()];
         let rows = engine::rows::<ErrorRecord>(&input.cells, &input.journal);
         assert!(!is_sound || rows.iter().all(|row| row.head.width > 0 && row.head.height > 0));
-        let kind = ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |_| false };
+        let kind = ResultKind { read: |_, result, journal| journal.value(&result.key).cloned(), is_time: |_| false };
         // Two results of a cell may differ in their figures.
         let Ok(merged) = merge(&[input], kind) else { return false };
         assert!(merged.results.len() <= merged.lines.len() * merged.cells.cells.len().max(1));

@@ -238,13 +238,13 @@ impl Shot {
         &'s self,
         frame: &mut Frame,
         data: &SceneData,
-        (of, drawn): (&'s Shot, &Drawn),
+        (shot, drawn): (&'s Shot, &Drawn),
     ) -> Result<Output<'s>> {
-        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
+        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..shot.gbuffer.gbuffer() };
         let scene = SceneInput { data, materials: &self.materials };
         self.effect.record(
             frame,
-            &Input { scene: Some(scene), sky: Some(data.sky()), ..Input::of_screen(gbuffer, &of.camera) },
+            &Input { scene: Some(scene), sky: Some(data.sky()), ..Input::of_screen(gbuffer, &shot.camera) },
         )
     }
 }

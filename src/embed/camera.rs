@@ -133,15 +133,15 @@ mod tests {
             assert!(camera.view_to_clip_reversed().is_finite() && camera.view_to_clip().is_finite(), "{name}");
             for point in [Vec3::new(0.3, 0.2, 2.0), Vec3::new(-1.0, 0.7, 20.0), Vec3::new(0.0, -0.4, 0.6)] {
                 let view = point * Vec3::new(1.0, 1.0, forward);
-                let at = world.inverse().transform_point3(view).extend(1.0);
-                let theirs = clip * world * at;
+                let position = world.inverse().transform_point3(view).extend(1.0);
+                let theirs = clip * world * position;
                 let theirs = theirs.xyz() / theirs.w;
-                let ours = camera.view_to_clip_reversed() * camera.world_to_view * at;
+                let ours = camera.view_to_clip_reversed() * camera.world_to_view * position;
                 let ours = ours.xyz() / ours.w;
                 let up = if clip_y == ClipY::Up { 1.0 } else { -1.0 };
                 let expected = Vec3::new(theirs.x, up * theirs.y, to_reversed[0] * theirs.z + to_reversed[1]);
                 assert!(ours.distance(expected) < 2e-5, "{name}: {ours} is not {expected}");
-                assert!((camera.world_to_view * at).z > 0.0, "{name}");
+                assert!((camera.world_to_view * position).z > 0.0, "{name}");
             }
         }
     }

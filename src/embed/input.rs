@@ -135,14 +135,14 @@ impl Borrowed {
     /// [`Error::Usage`] if an earlier input is the same image with another use.
     pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<Loan> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
-        let Some(at) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
+        let Some(index) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
             let like = (input.format, input.extent);
             self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, like)));
             return Ok(Loan(self.0.len() - 1));
         };
-        let known = &self.0[at].0;
+        let known = &self.0[index].0;
         if (known.before, known.after) == (input.before, input.after) {
-            return Ok(Loan(at));
+            return Ok(Loan(index));
         }
         Err(Error::Usage(format!(
             "the input {name} is the same image as another input, but declares a different use before or after"

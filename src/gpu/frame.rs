@@ -226,8 +226,12 @@ impl Frame<'_> {
         wait_stages: vk::PipelineStageFlags2,
         rendered: vk::Semaphore,
     ) -> Result<FrameReport> {
-        let at = |semaphore, stages| vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stages);
-        self.submit(&[at(acquired, wait_stages)], &[at(rendered, vk::PipelineStageFlags2::ALL_COMMANDS)])
+        let semaphore_info =
+            |semaphore, stages| vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stages);
+        self.submit(
+            &[semaphore_info(acquired, wait_stages)],
+            &[semaphore_info(rendered, vk::PipelineStageFlags2::ALL_COMMANDS)],
+        )
     }
 
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
@@ -281,10 +285,10 @@ impl Frame<'_> {
         let on_host = std::mem::take(&mut self.on_host);
         let mut report = self.recorded();
         report.recorded.splice(..0, on_host.iter().map(|pass| pass.name.clone()));
-        let (at, begun) = self.begun;
+        let (system_time, begun) = self.begun;
         let milliseconds = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
         report.host = Some(HostTime {
-            begun_us: at.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_micros() as u64),
+            begun_us: system_time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_micros() as u64),
             record_ms: milliseconds(begun, submitted),
             wait_ms: milliseconds(submitted, Instant::now()),
         });

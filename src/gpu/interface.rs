@@ -97,10 +97,10 @@ fn format_name(format: ImageFormat) -> Option<&'static str> {
 fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
     const HEADER: usize = 5;
     let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
-    let mut at = HEADER;
-    while at < words.len() {
-        let instruction = &words[at..at + (words[at] >> 16).max(1) as usize];
-        at += instruction.len();
+    let mut offset = HEADER;
+    while offset < words.len() {
+        let instruction = &words[offset..offset + (words[offset] >> 16).max(1) as usize];
+        offset += instruction.len();
         match *instruction {
             [head, _, mode, x, y, z]
                 if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
@@ -188,8 +188,8 @@ impl<'a> Reflection<'a> {
         self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
     }
 
-    fn operand_id(&self, id: Word, at: usize) -> Result<Word, String> {
-        match self.definition(id).and_then(|d| d.operands.get(at)) {
+    fn operand_id(&self, id: Word, index: usize) -> Result<Word, String> {
+        match self.definition(id).and_then(|d| d.operands.get(index)) {
             Some(Operand::IdRef(x)) => Ok(*x),
             _ => Err(format!("{}: unexpected SPIR-V at id {id}", self.name)),
         }

@@ -163,7 +163,7 @@ impl Allocation {
             Self::Theirs(block, size) => {
                 let size = *size as usize;
                 // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
-                block.mapped.map(|at| unsafe { std::slice::from_raw_parts(at.as_ptr(), size) })
+                block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts(pointer.as_ptr(), size) })
             }
         }
     }
@@ -174,7 +174,7 @@ impl Allocation {
             Self::Theirs(block, size) => {
                 let size = *size as usize;
                 // SAFETY: as in `bytes`.
-                block.mapped.map(|at| unsafe { std::slice::from_raw_parts_mut(at.as_ptr(), size) })
+                block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts_mut(pointer.as_ptr(), size) })
             }
         }
     }

@@ -162,11 +162,11 @@ fn address(device_address: u64) -> vk::DeviceOrHostAddressConstKHR {
 }
 
 /// A `VkAccelerationStructureInstanceKHR` of the structure at an address: where it stands, for every ray.
-fn instance(at: u64) -> [u32; 16] {
+fn instance(device_address: u64) -> [u32; 16] {
     let one = 1.0_f32.to_bits();
     let mut words = [0; 16];
     (words[0], words[5], words[10]) = (one, one, one);
     words[12] = 0xff << 24;
-    (words[14], words[15]) = (at as u32, (at >> 32) as u32);
+    (words[14], words[15]) = (device_address as u32, (device_address >> 32) as u32);
     words
 }

@@ -61,12 +61,15 @@ mod tests {
         let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens::perspective(1.0, 0.1, 1000.0), 1.0);
         let matrix = c.view_to_clip() * c.world_to_view;
         let h = 5.0 * 0.5_f32.tan();
-        let at = |x: f32, y: f32| Vec3::new(x * h, y * h, 5.0);
+        let point = |x: f32, y: f32| Vec3::new(x * h, y * h, 5.0);
         let area = |a, b, c| projected_area(&matrix, &[a, b, c]);
-        assert!((area(at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0)) - 0.5).abs() < 1e-4, "half the screen");
-        assert!((area(at(-9.0, -1.0), at(9.0, -1.0), at(0.0, 80.0)) - 1.0).abs() < 1e-4, "more than all of it");
-        assert_eq!(area(at(2.0, 0.0), at(3.0, 0.0), at(3.0, 1.0)), 0.0, "beside it");
-        assert_eq!(area(-at(-1.0, -1.0), -at(1.0, -1.0), -at(1.0, 1.0)), 0.0, "behind");
+        assert!((area(point(-1.0, -1.0), point(1.0, -1.0), point(1.0, 1.0)) - 0.5).abs() < 1e-4, "half the screen");
+        assert!(
+            (area(point(-9.0, -1.0), point(9.0, -1.0), point(0.0, 80.0)) - 1.0).abs() < 1e-4,
+            "more than all of it"
+        );
+        assert_eq!(area(point(2.0, 0.0), point(3.0, 0.0), point(3.0, 1.0)), 0.0, "beside it");
+        assert_eq!(area(-point(-1.0, -1.0), -point(1.0, -1.0), -point(1.0, 1.0)), 0.0, "behind");
         // A floor that begins behind the camera covers the lower half of the screen, except for the part that
         // the near plane cuts off.
         let floor = area(Vec3::new(-1e4, -1.0, -1e3), Vec3::new(1e4, -1.0, -1e3), Vec3::new(0.0, -1.0, 1e6));

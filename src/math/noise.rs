@@ -6,8 +6,8 @@
 use glam::{IVec2, Vec2};
 
 /// A hash of a lattice point: three odd multipliers, followed by MurmurHash3's 32-bit finaliser.
-fn hash(at: IVec2, seed: u32) -> u32 {
-    finish(column(at.x) ^ row(at.y, seed))
+fn hash(point: IVec2, seed: u32) -> u32 {
+    finish(column(point.x) ^ row(point.y, seed))
 }
 
 /// The part of a hash that all points of a column share.
@@ -29,8 +29,8 @@ fn finish(mut h: u32) -> u32 {
 }
 
 /// A pseudo-random number, 0 ≤ u < 1, for a lattice point.
-pub fn unit(at: IVec2, seed: u32) -> f32 {
-    unit_of(hash(at, seed))
+pub fn unit(point: IVec2, seed: u32) -> f32 {
+    unit_of(hash(point, seed))
 }
 
 fn unit_of(hash: u32) -> f32 {
@@ -45,8 +45,8 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 }
 
 /// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
-pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
-    let [(x, fx), (y, fy)] = [split(at.x), split(at.y)];
+pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
+    let [(x, fx), (y, fy)] = [split(point.x), split(point.y)];
     let [(left, right), (lower, upper)] = [neighbours(x, period.x), neighbours(y, period.y)];
     let columns = [column(left), column(right)];
     let along = |y: i32| {
@@ -79,12 +79,12 @@ fn neighbours(cell: i32, period: i32) -> (i32, i32) {
 }
 
 /// Sum of octaves of [`value`], each with twice the frequency and half the weight of the previous; 0…1.
-pub fn fractal(at: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
+pub fn fractal(point: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for octave in 0..octaves {
         let scale = 1 << octave;
         let weight = 1.0 / scale as f32;
-        sum += weight * value(at * scale as f32, period * scale, seed.wrapping_add(octave));
+        sum += weight * value(point * scale as f32, period * scale, seed.wrapping_add(octave));
         weights += weight;
     }
     sum / weights
@@ -101,9 +101,9 @@ pub struct VoronoiCell {
 
 /// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a
 /// cell, as in masonry. `jitter` is 0…1; `period.y` must be even.
-pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
-    let row = (at.y / cell_size.y).floor() as i32;
-    let column = (at.x / cell_size.x).floor() as i32;
+pub fn cells(position: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
+    let row = (position.y / cell_size.y).floor() as i32;
+    let column = (position.x / cell_size.x).floor() as i32;
     // The sites of two rows above and below; of a shifted row, one more to the left than to the right.
     let mut around = [[(IVec2::ZERO, Vec2::ZERO); 6]; 5];
     for (iy, sites) in (row - 2..).zip(&mut around) {
@@ -118,7 +118,7 @@ pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -
     }
     let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
     for (id, point) in around[1..4].iter().flat_map(|row| &row[1..5]) {
-        let distance = point.distance_squared(at);
+        let distance = point.distance_squared(position);
         if distance < nearest.2 {
             nearest = (*id, *point, distance);
         }
@@ -128,7 +128,7 @@ pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -
         let apart = *point - nearest.1;
         if apart.length_squared() > 1e-8 {
             let middle = 0.5 * (*point + nearest.1);
-            border = border.min((middle - at).dot(apart.normalize()));
+            border = border.min((middle - position).dot(apart.normalize()));
         }
     }
     VoronoiCell { id: nearest.0, border: border.max(0.0) }
@@ -141,13 +141,13 @@ mod tests {
     #[test]
     fn noise_repeats_after_its_period_and_stays_in_range() {
         for k in 0..500_u32 {
-            let at = Vec2::new(unit(IVec2::new(k as i32, 0), 1), unit(IVec2::new(k as i32, 1), 1));
-            let at = at * Vec2::new(4.0, 6.0);
+            let position = Vec2::new(unit(IVec2::new(k as i32, 0), 1), unit(IVec2::new(k as i32, 1), 1));
+            let position = position * Vec2::new(4.0, 6.0);
             let period = IVec2::new(4, 6);
-            let here = fractal(at, period, 4, 7);
+            let here = fractal(position, period, 4, 7);
             assert!((0.0..=1.0).contains(&here));
-            let there = fractal(at + period.as_vec2(), period, 4, 7);
-            assert!((here - there).abs() < 1e-4, "{at}: {here} and {there}");
+            let there = fractal(position + period.as_vec2(), period, 4, 7);
+            assert!((here - there).abs() < 1e-4, "{position}: {here} and {there}");
         }
     }
 

@@ -66,7 +66,7 @@ pub(super) struct Captured {
     /// Width and height of the faces.
     pub(super) face: [u32; 2],
     pub(super) images: Option<CaptureImages>,
-    pub(super) of: Vec<Material>,
+    pub(super) materials: Vec<Material>,
     /// `None` where the captures stay as and where they are.
     pub(super) renewal: Option<Renewal>,
     /// True if the only capture follows the camera and is redrawn every frame.
@@ -76,7 +76,7 @@ pub(super) struct Captured {
 impl Captured {
     /// Captures that the caller brings along: their images at once, or with each input.
     pub(super) fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
-        Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None, at_camera: false }
+        Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, at_camera: false }
     }
 }
 

@@ -95,8 +95,8 @@ impl Effect {
         let renewal = is_renewed.then(|| Renewal::new(context.gpu(), &places, faces)).transpose()?;
         let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
         let captured = (!places.is_empty()).then(|| {
-            let (images, of) = (None, Vec::new());
-            Captured { places, face, images, of, renewal, at_camera }
+            let (images, materials) = (None, Vec::new());
+            Captured { places, face, images, materials, renewal, at_camera }
         });
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
@@ -306,14 +306,14 @@ impl Effect {
     /// Makes what outlives frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         if let Some(captured) = &mut self.captures {
-            let of = captured_of(scene.materials);
+            let materials = captured_of(scene.materials);
             if captured.at_camera {
                 if captured.images.is_none() {
                     captured.images = Some(CaptureImages::undrawn(context.gpu(), &captured.places)?);
                 }
-            } else if captured.images.is_none() || captured.of != of {
+            } else if captured.images.is_none() || captured.materials != materials {
                 captured.images = Some(CaptureImages::new(context, scene, &captured.places)?);
-                captured.of = of;
+                captured.materials = materials;
             }
         }
         if let Some(triangles) = &mut self.triangles {
@@ -366,8 +366,11 @@ impl Effect {
     fn places(&self) -> impl Iterator<Item = Capture> {
         let captured =
             self.captures.as_ref().and_then(|c| Some((c.places.iter(), c.images.as_ref()?.captures().places)));
-        let placed = |(of, places): (std::slice::Iter<Capture>, &[Cell<Vec3>])| {
-            of.zip(places).map(|(of, place)| Capture { position: place.get(), ..*of }).collect::<Vec<_>>()
+        let placed = |(captures, places): (std::slice::Iter<Capture>, &[Cell<Vec3>])| {
+            captures
+                .zip(places)
+                .map(|(capture, place)| Capture { position: place.get(), ..*capture })
+                .collect::<Vec<_>>()
         };
         captured.map_or(Vec::new(), placed).into_iter()
     }
@@ -393,7 +396,7 @@ impl Effect {
         };
         let places: Vec<Vec3> = captured.places.iter().map(|c| c.position).collect();
         renewal.move_to(context, scene, images, &places)?;
-        captured.of = captured_of(scene.materials);
+        captured.materials = captured_of(scene.materials);
         Ok(())
     }
 

@@ -89,12 +89,12 @@ mod tests {
             bounds: Aabb { min: Vec3::new(from, -1.0, -1.0), max: Vec3::new(to, 1.0, 1.0) },
         };
         let all = [probe("far", 9.0, 8.0, 12.0), probe("next", 3.1, 3.0, 8.0), probe("here", -2.0, -4.0, 3.0)];
-        let of =
+        let nearest_names =
             |probes: &[Probe], x: f32| two_nearest(probes, |p| p, Vec3::X * x).map(|two| two.map(|p| p.name.clone()));
         // In the box of "here", though "next" was captured nearer by.
-        assert_eq!(of(&all, 2.9).unwrap(), ["here", "next"]);
-        assert_eq!(of(&all, 8.5).unwrap(), ["far", "next"]);
-        assert_eq!(of(&all[..1], 0.0).unwrap(), ["far", "far"]);
-        assert!(of(&[], 0.0).is_none());
+        assert_eq!(nearest_names(&all, 2.9).unwrap(), ["here", "next"]);
+        assert_eq!(nearest_names(&all, 8.5).unwrap(), ["far", "next"]);
+        assert_eq!(nearest_names(&all[..1], 0.0).unwrap(), ["far", "far"]);
+        assert!(nearest_names(&[], 0.0).is_none());
     }
 }

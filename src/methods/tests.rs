@@ -5,14 +5,14 @@ fn every_parameter_is_described_and_takes_its_own_values() {
     for method in METHODS {
         let rows = method.reads();
         for (n, p) in rows.iter().enumerate() {
-            let of = format!("{} of {}", p.name, method.name);
-            assert!(p.help.ends_with('.') && p.help.len() > 10, "{of}: {:?}", p.help);
-            assert!(!p.source.is_empty(), "{of} has no source");
+            let label = format!("{} of {}", p.name, method.name);
+            assert!(p.help.ends_with('.') && p.help.len() > 10, "{label}: {:?}", p.help);
+            assert!(!p.source.is_empty(), "{label} has no source");
             for value in [p.published, p.author].into_iter().chain(p.sweep.iter().map(|(_, v)| *v)) {
-                assert!(p.domain.has(value), "{of}: {value} is outside {}", p.domain);
-                assert_eq!(p.parse(&value.to_string()).ok(), Some(value), "{of}");
+                assert!(p.domain.has(value), "{label}: {value} is outside {}", p.domain);
+                assert_eq!(p.parse(&value.to_string()).ok(), Some(value), "{label}");
             }
-            assert!(!rows[..n].iter().any(|other| other.name == p.name), "{of} is declared twice");
+            assert!(!rows[..n].iter().any(|other| other.name == p.name), "{label} is declared twice");
         }
     }
     let all = parameters();

@@ -111,7 +111,8 @@ impl BillboardPass {
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
-        let image = |n: usize, of: &Impostor| images.map_or(&scene.textures[of.texture], |images| &images[n]);
+        let image =
+            |n: usize, impostor: &Impostor| images.map_or(&scene.textures[impostor.texture], |images| &images[n]);
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
             order: drawing.order as i32,
@@ -166,10 +167,10 @@ mod tests {
         let (centre, half_u, half_v) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.0, -0.5, 0.0));
         let matrix = model_matrix(&Impostor { name: String::new(), centre, half_u, half_v, texture: 0 });
         // Texture coordinates (0, 0) are at x = −½, z = ½: the first vertex that the listing intersects.
-        let at = |u: f32, v: f32| matrix.transform_point3(Vec3::new(u - 0.5, 0.0, 0.5 - v));
+        let point = |u: f32, v: f32| matrix.transform_point3(Vec3::new(u - 0.5, 0.0, 0.5 - v));
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.25, 0.75)] {
             let place = centre + (2.0 * u - 1.0) * half_u + (2.0 * v - 1.0) * half_v;
-            assert!(at(u, v).distance(place) < 1e-6, "{u}, {v}: {} is not {place}", at(u, v));
+            assert!(point(u, v).distance(place) < 1e-6, "{u}, {v}: {} is not {place}", point(u, v));
         }
     }
 }

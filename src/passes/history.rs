@@ -344,7 +344,7 @@ impl HistoryPass {
             ..HistoryBlock::default()
         };
         if let Some(SurfaceMotion { scale, shifted, .. }) = motion {
-            let shifts = |of: &Camera| shift(of, extent) - shift(camera, extent);
+            let shifts = |past_camera: &Camera| shift(past_camera, extent) - shift(camera, extent);
             let held = if shifted { shifts(before) } else { Vec2::ZERO };
             (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - held).to_array());
         }

@@ -130,8 +130,8 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     block.view_unit = unit(camera);
     if let Some(captures) = captures {
         let eye = camera.eye();
-        for (place, of) in block.places.iter_mut().zip(captures.places) {
-            *place = (of.get() - eye).extend(0.0).to_array();
+        for (place, position) in block.places.iter_mut().zip(captures.places) {
+            *place = (position.get() - eye).extend(0.0).to_array();
         }
         block.count = captures.places.len().min(block.places.len()) as i32;
         block.face_unit = captures.face_unit;

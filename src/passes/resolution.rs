@@ -36,17 +36,17 @@ impl DownsamplePass {
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], divisor: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = divided(extent, divisor);
-        let of = |name, format, levels, more| {
+        let small_image = |name, format, levels, more| {
             let usage = more | stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [DEPTH, NORMAL, MATERIAL, LIT_COLOR], &())?,
             divisor,
-            depth: of("small depth", DEPTH, 1, U::empty())?,
-            normal: of("small normal", NORMAL, 1, U::STORAGE)?,
-            material: of("small material", MATERIAL, 1, U::STORAGE)?,
-            color: of("small color", LIT_COLOR, image::full_chain(extent), U::STORAGE)?,
+            depth: small_image("small depth", DEPTH, 1, U::empty())?,
+            normal: small_image("small normal", NORMAL, 1, U::STORAGE)?,
+            material: small_image("small material", MATERIAL, 1, U::STORAGE)?,
+            color: small_image("small color", LIT_COLOR, image::full_chain(extent), U::STORAGE)?,
             numbered: None,
             label: "downsample",
         })

@@ -176,7 +176,7 @@ impl SceneData {
     /// [`Self::find_captures_by`] was given finds the first time they are asked for. Empty if there is no such place.
     pub fn captures(&self, wanted: Wanted) -> Placed {
         let mut placed = self.placed.borrow_mut();
-        if let Some((_, known)) = placed.iter().find(|(of, _)| *of == wanted) {
+        if let Some((_, known)) = placed.iter().find(|(request, _)| *request == wanted) {
             return known.clone();
         }
         let begun = Instant::now();
@@ -243,7 +243,7 @@ impl SceneData {
         if moves {
             self.ray_structure.take();
             self.has_moved.set(true);
-            if !self.moving.iter().any(|of| of == name) {
+            if !self.moving.iter().any(|mesh_name| mesh_name == name) {
                 self.moving.push(name.to_owned());
                 self.triangle_geometry.take();
             }
@@ -253,11 +253,11 @@ impl SceneData {
 
     /// The meshes, where they stand.
     pub fn standing(&self) -> Vec<Standing> {
-        let of = |m: &MeshData| Standing {
+        let standing = |m: &MeshData| Standing {
             triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
             placement: m.placement,
         };
-        self.meshes.iter().map(of).collect()
+        self.meshes.iter().map(standing).collect()
     }
 
     /// Replaces the captures that the scene names itself; without any, they are found.
@@ -290,10 +290,10 @@ impl SceneData {
 }
 
 /// Whether no more lights are given than are drawn.
-fn check_lights(of: &str, lights: &[Light]) -> Result<()> {
+fn check_lights(subject: &str, lights: &[Light]) -> Result<()> {
     let count = lights.len();
     if count > MAX_LIGHTS {
-        return Err(Error::Usage(format!("{of} has {count} lights; at most {MAX_LIGHTS} can be drawn")));
+        return Err(Error::Usage(format!("{subject} has {count} lights; at most {MAX_LIGHTS} can be drawn")));
     }
     Ok(())
 }

@@ -219,8 +219,8 @@ impl TriangleGeometry {
         vectors.resize(places.attributes, [0; 4]);
         vectors.extend_from_slice(&records.attributes);
         vectors.resize(places.end, [0; 4]);
-        for (at, part) in places.of_moving(moving) {
-            vectors[at..at + part.len()].copy_from_slice(&part);
+        for (offset, part) in places.of_moving(moving) {
+            vectors[offset..offset + part.len()].copy_from_slice(&part);
         }
         let made = Self::of(tree, records, uploaded(context, "triangles", &vectors)?);
         let [_, _, count, nodes] = made.counts;
@@ -263,10 +263,10 @@ impl TriangleGeometry {
         update.runs.clear();
         let mut from = 0;
         let written = update.staging.bytes_mut()?;
-        for (at, part) in places.of_moving(moving) {
+        for (offset, part) in places.of_moving(moving) {
             let bytes: &[u8] = bytemuck::cast_slice(&part);
             written[from..from + bytes.len()].copy_from_slice(bytes);
-            update.runs.push([from, at * size_of::<Words>(), bytes.len()].map(|n| n as u64));
+            update.runs.push([from, offset * size_of::<Words>(), bytes.len()].map(|n| n as u64));
             from += bytes.len();
         }
         self.moves(places, moving);

@@ -81,8 +81,8 @@ fn levels(texture: &Texture) -> Vec<Vec<u32>> {
         let coarse = size.map(|side| (side / 2).max(1));
         let texel = |x: usize, y: usize| finest[y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)];
         let next: Vec<[u8; 4]> = (0..coarse[0] * coarse[1])
-            .map(|at| {
-                let (x, y) = (2 * (at % coarse[0]), 2 * (at / coarse[0]));
+            .map(|index| {
+                let (x, y) = (2 * (index % coarse[0]), 2 * (index / coarse[0]));
                 let four = [texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)];
                 std::array::from_fn(|channel| {
                     let sum: f32 = four.iter().map(|texel| light[usize::from(texel[channel])]).sum();
@@ -111,15 +111,15 @@ mod tests {
 
     #[test]
     fn a_level_is_the_mean_of_light_over_the_one_before() {
-        let of = |encoding| {
+        let level_bytes = |encoding| {
             let made = levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
             made.iter()
                 .map(|level| level.iter().map(|word| word.to_le_bytes()[0]).collect::<Vec<_>>())
                 .collect::<Vec<_>>()
         };
         // Half of all light is 188 of 255 in sRGB.
-        assert_eq!(of(Encoding::Linear)[1..], [vec![128, 10], vec![69]]);
-        assert_eq!(of(Encoding::Srgb)[1], [188, 10]);
+        assert_eq!(level_bytes(Encoding::Linear)[1..], [vec![128, 10], vec![69]]);
+        assert_eq!(level_bytes(Encoding::Srgb)[1], [188, 10]);
         let odd = levels(&texture([3, 1], Encoding::Linear, &[0, 100, 255]));
         assert_eq!(odd.iter().map(Vec::len).collect::<Vec<_>>(), [3, 1]);
         assert_eq!(odd[1][0].to_le_bytes(), [50, 50, 50, 255]);

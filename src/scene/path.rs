@@ -151,7 +151,7 @@ impl CameraPath {
     /// mirrored.
     fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
         let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
-        let mirrored = |at: (Vec3, Vec3), of: (Vec3, Vec3)| (2.0 * at.0 - of.0, 2.0 * at.1 - of.1);
+        let mirrored = |centre: (Vec3, Vec3), point: (Vec3, Vec3)| (2.0 * centre.0 - point.0, 2.0 * centre.1 - point.1);
         let (from, to) = (key(n), key(n + 1));
         let before = n.checked_sub(1).map_or_else(|| mirrored(from, to), key);
         let after = if n + 2 < self.keys.len() { key(n + 2) } else { mirrored(to, from) };

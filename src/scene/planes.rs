@@ -98,8 +98,8 @@ mod tests {
     use crate::scene::{Material, Mesh, Vertex};
 
     fn quad(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
-        let at = |p: Vec3| Vertex { position: p.to_array(), normal: [0.0; 3], uv: [0.0; 2], tangent: [0.0; 4] };
-        let vertices = vec![at(corner), at(corner + u), at(corner + u + v), at(corner + v)];
+        let vertex = |p: Vec3| Vertex { position: p.to_array(), normal: [0.0; 3], uv: [0.0; 2], tangent: [0.0; 4] };
+        let vertices = vec![vertex(corner), vertex(corner + u), vertex(corner + u + v), vertex(corner + v)];
         Mesh { vertices, indices: vec![0, 1, 2, 0, 2, 3], material, ..Mesh::default() }
     }
 
@@ -135,8 +135,8 @@ mod tests {
         // Many small triangles of a plane that is parallel to no axis; each corner is rounded to f32
         // separately.
         let (u, v) = (Vec3::new(0.8, 0.1, 0.3).normalize(), Vec3::new(-0.2, 0.9, 0.4).normalize());
-        let at = |i: u32, j: u32| Vec3::new(7.0, -3.0, 11.0) + u * i as f32 * 0.1 + v * j as f32 * 0.1;
-        let meshes = (0..1600).map(|k| quad(at(k % 40, k / 40), u * 0.1, v * 0.1, 0)).collect();
+        let corner = |i: u32, j: u32| Vec3::new(7.0, -3.0, 11.0) + u * i as f32 * 0.1 + v * j as f32 * 0.1;
+        let meshes = (0..1600).map(|k| quad(corner(k % 40, k / 40), u * 0.1, v * 0.1, 0)).collect();
         let scene = Scene { meshes, materials: vec![Material::default()], ..Scene::default() };
         let groups = merged(coplanar_groups(&scene).iter(), 8);
         let share = groups[0].triangles.len() as f32 / 3200.0;

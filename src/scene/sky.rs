@@ -74,8 +74,8 @@ pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
 pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
     let color = |face: usize, k: u32| {
         let texel = Vec2::new((k % size) as f32, (k / size) as f32);
-        let at = (texel + 0.5) / size as f32;
-        radiance(face_direction(face, at.x, at.y)).extend(1.0).to_array()
+        let position = (texel + 0.5) / size as f32;
+        radiance(face_direction(face, position.x, position.y)).extend(1.0).to_array()
     };
     let mut faces: [Vec<[f32; 4]>; 6] = Default::default();
     std::thread::scope(|threads| {

@@ -178,30 +178,34 @@ fn a_device_is_measured_and_held_against_its_own_images() {
         all
     };
     let records = study(&[]);
-    let of = |kind: &str| records.iter().filter(|r| r["kind"] == kind).collect::<Vec<_>>();
+    let records_of = |kind: &str| records.iter().filter(|r| r["kind"] == kind).collect::<Vec<_>>();
     let times: Vec<Value> = serde_json::from_str(&folder.text("study/time.json")).unwrap();
     // `unified` in each stage at three roughness values stands behind all else.
     for pair in times[times.len() - 6..].chunks_exact(2) {
         assert_eq!([0, 1].map(|n| &pair[n]["setup"]["trace_stage"]), ["fragment", "compute"]);
         assert_eq!((&pair[0]["recorded"], &pair[0]["roughness"]), (&pair[1]["recorded"], &pair[1]["roughness"]));
     }
-    let rates = of("bandwidth");
+    let rates = records_of("bandwidth");
     assert!(rates.len() > 4 && rates.iter().all(|r| r["gb_per_s"].as_f64().is_some_and(|v| v > 0.0)), "{rates:?}");
     // Two views, each on the screen alone, on the screen before captures, and in captures.
-    assert!(of("steps").iter().all(|r| r["mean"].as_f64().is_some_and(|v| v > 1.0)), "{:?}", of("steps"));
-    assert_eq!(of("steps").len(), 2 * 3);
-    assert_eq!(of("validation")[0]["messages"], Value::Array(Vec::new()));
+    assert!(
+        records_of("steps").iter().all(|r| r["mean"].as_f64().is_some_and(|v| v > 1.0)),
+        "{:?}",
+        records_of("steps")
+    );
+    assert_eq!(records_of("steps").len(), 2 * 3);
+    assert_eq!(records_of("validation")[0]["messages"], Value::Array(Vec::new()));
     // The second driver is here, and draws what this one is held against.
     let rooms = crate::common::built_in("rooms");
     let shown = METHODS.iter().filter(|method| method.lacks(&rooms).is_empty()).count();
-    assert_eq!((of("agreement").len(), of("drawn").len()), (2 * shown, 3));
+    assert_eq!((records_of("agreement").len(), records_of("drawn").len()), (2 * shown, 3));
     assert!(times.iter().all(|r| r["noise_floor"].as_f64().is_some()), "a floor for each");
     let page = folder.text("study/index.html");
     for part in ["Table 5.8", "Every method", "Fragment and compute", "Rates", "Steps", "Validation"] {
         assert!(page.contains(part), "{part}");
     }
     // The README's numbers: hits carry over to any device.
-    let readme = of("readme");
+    let readme = records_of("readme");
     assert!(readme.iter().filter(|r| r["here"].as_f64().is_some()).count() >= 9, "{readme:?}");
     let shares: Vec<_> = readme.iter().filter(|r| ["ends", "hits"].iter().any(|f| r["figure"] == *f)).collect();
     assert!(!shares.is_empty() && shares.iter().all(|r| r["verdict"] == "same" || r["views"] == 0), "{shares:?}");

@@ -29,7 +29,7 @@ const SCALE: [f32; 2] = [1.2, 1.2 * SIZE[0] as f32 / SIZE[1] as f32];
 /// farther right, below a pillar and a chequered wall. It uses only operations that IEEE 754 rounds, so that every build
 /// computes the same.
 fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
-    let along = |at: u32, axis: usize| (at as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
+    let along = |coordinate: u32, axis: usize| (coordinate as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
     let (right, up) = (along(x, 0) / SCALE[0], -along(y, 1) / SCALE[1]);
     let is_pillar = |z: f32| (right * z).abs() < 0.6 && up * z < 1.0;
     let wall = if is_pillar(4.0) { 4.0 } else { 8.0 };

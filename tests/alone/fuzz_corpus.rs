@@ -34,19 +34,19 @@ impl Random {
 fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = input.to_vec();
     for _ in 0..=random.below(4) {
-        let at = random.below(bytes.len());
-        let end = (at + 1 + random.below(16)).min(bytes.len());
+        let start = random.below(bytes.len());
+        let end = (start + 1 + random.below(16)).min(bytes.len());
         match random.below(6) {
             _ if bytes.is_empty() => bytes.push(random.below(256) as u8),
-            0 => bytes[at] ^= 1 << random.below(8),
-            1 => bytes[at] = random.below(256) as u8,
-            2 => bytes[at..end].fill([0, 0x7f, 0x80, 0xff][random.below(4)]),
-            3 => drop(bytes.drain(at..end)),
-            4 => drop(bytes.splice(at..at, bytes[at..end].to_vec())),
+            0 => bytes[start] ^= 1 << random.below(8),
+            1 => bytes[start] = random.below(256) as u8,
+            2 => bytes[start..end].fill([0, 0x7f, 0x80, 0xff][random.below(4)]),
+            3 => drop(bytes.drain(start..end)),
+            4 => drop(bytes.splice(start..start, bytes[start..end].to_vec())),
             _ => {
                 let from = random.below(other.len());
                 let run = &other[from..(from + 1 + random.below(32)).min(other.len())];
-                drop(bytes.splice(at..end, run.iter().copied()));
+                drop(bytes.splice(start..end, run.iter().copied()));
             }
         }
     }

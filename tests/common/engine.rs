@@ -236,17 +236,18 @@ impl Theirs {
     }
 
     pub fn input(&self) -> FrameInput<'static> {
-        let of = |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
+        let image_input =
+            |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
         let (space, encoding) = self.convention.normal;
         FrameInput {
             slot: 0,
             camera: self.camera,
-            depth: of(&self.depth),
-            normal: NormalInput { image: of(&self.normal), space, encoding },
-            reflectivity: FactorInput::Channel(of(&self.material), 3),
-            roughness: FactorInput::Channel(of(&self.material), 1),
+            depth: image_input(&self.depth),
+            normal: NormalInput { image: image_input(&self.normal), space, encoding },
+            reflectivity: FactorInput::Channel(image_input(&self.material), 3),
+            roughness: FactorInput::Channel(image_input(&self.material), 1),
             reflectors: Reflectors::UNKNOWN,
-            color: of(&self.color),
+            color: image_input(&self.color),
             sky: None,
             captures: None,
             triangles: None,
@@ -315,11 +316,11 @@ pub struct Vertices {
 
 /// The vertices of a scene's meshes.
 pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
-    let of = |mesh: &Mesh| Vertices {
+    let vertices = |mesh: &Mesh| Vertices {
         positions: mesh.vertices.iter().map(|v| v.position).collect(),
         places: mesh.vertices.iter().map(|v| v.uv).collect(),
     };
-    scene.meshes.iter().map(of).collect()
+    scene.meshes.iter().map(vertices).collect()
 }
 
 /// The meshes of a scene, each in its material's albedo; with textures, in its map of it as well.

@@ -14,11 +14,11 @@ fn numbers(path: &Path) -> Vec<f32> {
 
 /// The G-buffer that an example drew, whose view space is right-handed, with y turned in the projection.
 fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
-    let of = |name: &str| numbers(&images.join(format!("{name}.f32")));
-    let camera = of("camera");
+    let values = |name: &str| numbers(&images.join(format!("{name}.f32")));
+    let camera = values("camera");
     let (clip, view) = camera.split_at(16);
     let vectors =
-        |name: &str, z: f32| of(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
+        |name: &str, z: f32| values(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
     let material: Vec<Vec3> = vectors("material", 1.0);
     let turn = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
     let kind = ProjectionKind::Perspective;
@@ -35,7 +35,7 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
             near_plane: None,
             projection: Some(projection),
         },
-        depth: of("depth"),
+        depth: values("depth"),
         normal: vectors("normal", -1.0),
         reflectivity: material.iter().map(|m| m.x).collect(),
         roughness: material.iter().map(|m| m.y).collect(),

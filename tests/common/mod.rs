@@ -299,11 +299,11 @@ impl Shown {
     /// All levels of an intermediate.
     pub fn levels(&self, name: &str) -> Vec<&Pixels> {
         let all = self.image.intermediates.as_ref().unwrap();
-        let of = |stem: &str| {
+        let is_level = |stem: &str| {
             stem == name
                 || stem.strip_prefix(name).and_then(|s| s.strip_prefix('-')).is_some_and(|n| n.parse::<u32>().is_ok())
         };
-        let levels: Vec<_> = all.iter().filter(|(stem, ..)| of(stem)).map(|(_, _, pixels)| pixels).collect();
+        let levels: Vec<_> = all.iter().filter(|(stem, ..)| is_level(stem)).map(|(_, _, pixels)| pixels).collect();
         assert!(!levels.is_empty(), "no intermediate {name}");
         levels
     }
@@ -369,13 +369,13 @@ pub fn window() -> Material {
 pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
     let (x, y) = (u * image.width as f32 - 0.5, v * image.height as f32 - 0.5);
     let (fx, fy) = (x - x.floor(), y - y.floor());
-    let at = |dx: i32, dy: i32| {
+    let texel = |dx: i32, dy: i32| {
         let clamp = |v: f32, d: i32, side: u32| (v.floor() as i32).saturating_add(d).clamp(0, side as i32 - 1) as u32;
         image.at(clamp(x, dx, image.width), clamp(y, dy, image.height))
     };
     // A share has one channel; it is the same in all three.
     [0, 1, 2].map(|c| c.min(image.channels - 1)).map(|c| {
-        let row = |dy| at(0, dy)[c] * (1.0 - fx) + at(1, dy)[c] * fx;
+        let row = |dy| texel(0, dy)[c] * (1.0 - fx) + texel(1, dy)[c] * fx;
         row(0) * (1.0 - fy) + row(1) * fy
     })
 }

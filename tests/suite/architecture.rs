@@ -124,8 +124,8 @@ impl Source {
 fn code(text: &str) -> String {
     // `mod tests;` only names another file; what follows it is shipped.
     let opens_a_module =
-        |(at, attribute): &(usize, &str)| text[at + attribute.len()..].lines().next().unwrap().contains('{');
-    let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(at, _)| at);
+        |(offset, attribute): &(usize, &str)| text[offset + attribute.len()..].lines().next().unwrap().contains('{');
+    let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(offset, _)| offset);
     let shipped = &text[..end];
     shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
 }
@@ -150,14 +150,14 @@ fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
 
 fn sources() -> Vec<Source> {
     let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
-    let of = |(package, _): &(&'static str, _)| {
+    let package_sources = |(package, _): &(&'static str, _)| {
         let package = *package;
         let source = move |(path, text): (String, String)| Source { package, path, code: code(&text) };
         let found: Vec<_> = files(package, &["rs"]).into_iter().filter(shipped).map(source).collect();
         assert!(found.len() > 25, "only {} sources found in {package}", found.len());
         found
     };
-    PACKAGES.iter().flat_map(of).collect()
+    PACKAGES.iter().flat_map(package_sources).collect()
 }
 
 /// The shaders' sources, without comments.
@@ -256,12 +256,12 @@ fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
 fn names_after(code: &str, prefix: &str) -> Vec<String> {
     let word = |s: &str| s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut names = Vec::new();
-    for (at, _) in code.match_indices(prefix) {
-        let before = code[..at].chars().next_back();
+    for (offset, _) in code.match_indices(prefix) {
+        let before = code[..offset].chars().next_back();
         if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
             continue;
         }
-        let rest = &code[at + prefix.len()..];
+        let rest = &code[offset + prefix.len()..];
         let Some(list) = rest.strip_prefix('{') else {
             names.push(word(rest));
             continue;

@@ -51,11 +51,11 @@ fn meets(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
             let (centre, u, v) = (centre.as_dvec3() - from, half_u.as_dvec3(), half_v.as_dvec3());
             let normal = u.cross(v);
             let t = centre.dot(normal) / direction.dot(normal);
-            let at = direction * t - centre;
+            let from_centre = direction * t - centre;
             t > 0.0
                 && direction.dot(normal) < 0.0
-                && at.dot(u).abs() <= u.length_squared()
-                && at.dot(v).abs() <= v.length_squared()
+                && from_centre.dot(u).abs() <= u.length_squared()
+                && from_centre.dot(v).abs() <= v.length_squared()
         }
     }
 }

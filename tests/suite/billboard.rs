@@ -174,9 +174,9 @@ fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> 
     let off = |receiver: &Receiver| {
         let direction = receiver.mirror();
         let t = (f64::from(CENTRE.z) - receiver.position.z) / direction.z;
-        let at = receiver.position + t * direction - CENTRE.as_dvec3();
+        let from_centre = receiver.position + t * direction - CENTRE.as_dvec3();
         let beyond = |v: f64, half: f32| v.signum() * (v.abs() - f64::from(half)).max(0.0);
-        let (x, y) = (beyond(at.x, HALF_U.x), beyond(at.y, -HALF_V.y));
+        let (x, y) = (beyond(from_centre.x, HALF_U.x), beyond(from_centre.y, -HALF_V.y));
         (direction.z > 0.0).then(|| [x, y, x.hypot(y)])
     };
     (reflection, first_hits.receivers.iter().map(|r| r.as_ref().and_then(off)).collect())

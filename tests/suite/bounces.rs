@@ -183,12 +183,12 @@ fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
     let gpu = gpu();
     let data = seen(&gpu, &facing_mirrors(0.0), look());
     let unfaded = |n| bounces(n).with(|p: &mut EffectParams| p.fade = false);
-    let of = |n| {
+    let image_with = |n| {
         let (reflection, ..) = made(&gpu, &data, find("unified").unwrap(), &unfaded(n));
         reflection.iter().map(|r| [r[0], r[1], r[2]]).collect::<Vec<_>>()
     };
-    let (one, three) = (of(1), of(3));
-    let error = |of: &[[f32; 3]], n| masked_rmse(&truth(&data, n), of, &data.reflecting());
+    let (one, three) = (image_with(1), image_with(3));
+    let error = |image: &[[f32; 3]], n| masked_rmse(&truth(&data, n), image, &data.reflecting());
     let errors = [error(&one, 1), error(&one, 3), error(&three, 3)];
     println!("one bounce against one, one against three, three against three: {errors:.4?}");
     assert!(errors[2] < 0.7 * errors[1], "{errors:?}");

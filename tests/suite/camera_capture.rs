@@ -116,7 +116,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     let gpu = gpu();
     let scene = facing_mirror();
     for eye in [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.4, 1.3, -1.0)] {
-        let at = camera(eye, eye + Vec3::Z, EXTENT);
+        let viewpoint = camera(eye, eye + Vec3::Z, EXTENT);
         for method in ["unified", "captures"] {
             let mut stage = Stage::new(&gpu, &scene).unwrap();
             let alone = unfaded(EXTENT);
@@ -124,18 +124,18 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
                 (p.captures, p.beyond) = (CaptureCount::Camera, BeyondScreen::Captures);
             });
             let shown = |stage: &mut Stage, setup: &Setup| -> (Pixels, Pixels) {
-                let shot = shot(stage, &scene, method, at, setup, Wants::HITS);
+                let shot = shot(stage, &scene, method, viewpoint, setup, Wants::HITS);
                 let (_, _, output) = stage.output(&shot).unwrap();
                 let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
                 (gbuffer::reflection(&mut stage.context, &output).unwrap(), hits)
             };
             let (reflection, hits) = shown(&mut stage, &with);
             let data = {
-                let drawn = shot(&mut stage, &scene, method, at, &with, Wants::IMAGE);
+                let drawn = shot(&mut stage, &scene, method, viewpoint, &with, Wants::IMAGE);
                 stage.draw(&drawn).unwrap();
                 gbuffer::read(&mut stage.context, &drawn).unwrap()
             };
-            let (to_view, to_world) = (data.view_to_clip().inverse(), at.world_to_view.as_dmat4().inverse());
+            let (to_view, to_world) = (data.view_to_clip().inverse(), viewpoint.world_to_view.as_dmat4().inverse());
             let ends = gbuffer::ray_ends(&hits, &data);
             let mut reflecting = 0;
             for (i, (end, color)) in ends.iter().zip(reflection.texels()).enumerate() {

@@ -176,8 +176,8 @@ fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
             let px = place.truncate() * DVec2::new(data.width.into(), data.height.into());
             (px - position.truncate()).abs().max_element() <= 1.0
         }
-        (Some(EndInImages::Capture { index, place: at, texel_m }), Some(PathCode::Capture)) => {
-            PathCode::capture(found[3]) == Some(index) && place.distance(at) <= texel_m
+        (Some(EndInImages::Capture { index, place: expected_place, texel_m }), Some(PathCode::Capture)) => {
+            PathCode::capture(found[3]) == Some(index) && place.distance(expected_place) <= texel_m
         }
         (Some(EndInImages::Sky), Some(PathCode::Sky)) | (Some(EndInImages::Unknown), Some(PathCode::Unknown)) => true,
         _ => false,
@@ -244,8 +244,8 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
         let view = scene.views.iter().find(|v| v.name == view).unwrap_or(&scene.views[0]).clone();
         // Between the eye and what it looks at, and beside both.
         let aside = (view.look_at - view.eye).cross(Vec3::Y).normalize();
-        let at = |along: f32, side: f32| view.eye.lerp(view.look_at, along) + side * aside;
-        let places = [at(0.3, 0.2), at(0.8, -0.4), view.eye, at(-0.2, 0.5)];
+        let place = |along: f32, side: f32| view.eye.lerp(view.look_at, along) + side * aside;
+        let places = [place(0.3, 0.2), place(0.8, -0.4), view.eye, place(-0.2, 0.5)];
         for (extent, side, count) in [([97, 61], 64, 1), ([160, 90], 128, 2), ([97, 61], 16, 4), ([64, 64], 33, 4)] {
             let scene = with_captures(scene.clone(), &places[..count], side);
             let name = format!("{} {} {extent:?}, {count} of {side}", scene.name, view.name);
@@ -313,9 +313,9 @@ fn ramp() -> Scene {
         (255.0 * v).round() as u8
     };
     let side = 1024_u32;
-    let at = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
+    let coordinate = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
     let wall = b.picture(side, side, |x, y| {
-        let (u, v) = (at(x), 1.0 - at(y));
+        let (u, v) = (coordinate(x), 1.0 - coordinate(y));
         let cell = (u * WALL[0] / CELL).floor() + (v * WALL[1] / CELL).floor();
         [srgb(u), srgb(v), if cell % 2.0 == 0.0 { 255 } else { 0 }]
     });
@@ -346,9 +346,9 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
     let tan = f64::from(drawn.data.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     let shown = (0..drawn.data.depth.len()).map(|i| {
         let (x, y) = (i as u32 % extent[0], i as u32 / extent[0]);
-        let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+        let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         let aspect = f64::from(extent[0]) / f64::from(extent[1]);
-        let ndc = [2.0 * at[0] / f64::from(extent[0]) - 1.0, 1.0 - 2.0 * at[1] / f64::from(extent[1])];
+        let ndc = [2.0 * pixel[0] / f64::from(extent[0]) - 1.0, 1.0 - 2.0 * pixel[1] / f64::from(extent[1])];
         let d = rotation.transform_vector3(DVec3::new(ndc[0] * tan * aspect, ndc[1] * tan, 1.0));
         // The mirror's eye lies below the floor.
         let t = 8.0 / d.z;
@@ -419,11 +419,11 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 let is_seam = code != other_code;
                 let between_faces = code == PathCode::Capture && code == other_code && face(wall) != face(other);
                 if is_seam || between_faces {
-                    let at = [i, next].map(|i| drawn.reflection.at((i % width) as u32, (i / width) as u32));
+                    let colors = [i, next].map(|i| drawn.reflection.at((i % width) as u32, (i / width) as u32));
                     let hit = [i, next].map(|i| drawn.hits.at((i % width) as u32, (i / width) as u32));
                     assert!(
                         off + other_off <= 2.0 * allowed,
-                        "{wall}, {other}: off by {off}, {other_off}, {at:?}, {hit:?}"
+                        "{wall}, {other}: off by {off}, {other_off}, {colors:?}, {hit:?}"
                     );
                 }
                 seams += usize::from(is_seam);
@@ -441,7 +441,7 @@ fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
     let gpu = gpu();
     let scene = crate::common::built_in("corridor");
     let (view, extent) = (&scene.views[0], [160, 90]);
-    let of = |fallback| {
+    let images = |fallback| {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
         let camera = view.camera(&scene, extent);
@@ -452,7 +452,7 @@ fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
         let reflection = stage.context.read(output.traced.reflection.unwrap().0.all()).unwrap();
         (reflection, stage.context.read(output.composite.level(0)).unwrap())
     };
-    let ((alone, screen), (_, captured)) = (of(Fallback::None), of(Fallback::Captures));
+    let ((alone, screen), (_, captured)) = (images(Fallback::None), images(Fallback::Captures));
     let mut shown = 0;
     for ((reflection, screen), captured) in alone.texels().zip(screen.texels()).zip(captured.texels()) {
         if reflection[3] == 1.0 {

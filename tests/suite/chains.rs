@@ -184,11 +184,11 @@ fn blits_of_even_levels_are_box_averages() {
             for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
                 for c in 0..3 {
                     // A side of 1 has no second texel.
-                    let at = |dx: u32, dy: u32| {
+                    let texel = |dx: u32, dy: u32| {
                         let (x, y) = ((2 * x + dx).min(below.width - 1), (2 * y + dy).min(below.height - 1));
                         below.at(x, y)[c]
                     };
-                    let box_average = 0.25 * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
+                    let box_average = 0.25 * (texel(0, 0) + texel(1, 0) + texel(0, 1) + texel(1, 1));
                     let found = here.at(x, y)[c];
                     assert!(
                         (found - box_average).abs() <= half_step(box_average),
@@ -335,13 +335,13 @@ fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx
     let [w, h] = [depth.width, depth.height].map(|v| v as i32);
     let mut values = Vec::new();
     for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-        let at = |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+        let sample = |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
         let deep = |x: i32, y: i32| depth.at(x.clamp(0, w - 1) as u32, y.clamp(0, h - 1) as u32)[0];
         let mut sum = [0.0; 3];
         for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
             let (tap_x, tap_y) = (x + tap * dx, y + tap * dy);
             let is_read = counts(deep(x, y), deep(tap_x, tap_y));
-            let read = if is_read { at(tap_x, tap_y) } else { at(x, y) };
+            let read = if is_read { sample(tap_x, tap_y) } else { sample(x, y) };
             sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
         }
         values.extend(sum);

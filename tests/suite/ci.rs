@@ -56,11 +56,11 @@ fn the_workflow_makes_targets_that_exist() {
 #[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
     let scripts = repository().join("scripts");
-    let of = |folder: &str| {
+    let scripts_in = |folder: &str| {
         let entries = std::fs::read_dir(scripts.join(folder)).unwrap().map(|e| e.unwrap().path());
         entries.filter(|p| p.extension().is_some_and(|e| e == "sh")).collect::<Vec<_>>()
     };
-    let all = [of(""), of("cluster")].concat();
+    let all = [scripts_in(""), scripts_in("cluster")].concat();
     assert!(all.len() > 8, "{all:?}");
     for script in all {
         let output = Command::new("bash").arg("-n").arg(&script).output().unwrap();

@@ -39,7 +39,7 @@ fn render_writes_the_image_at_its_size() {
     let exr = exr::prelude::read_first_rgba_layer_from_file(
         folder.path("x.exr"),
         |size, _| vec![[0.0_f32; 4]; size.area()],
-        |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels[at.y() * 53 + at.x()] = [r, g, b, a],
+        |pixels, position, (r, g, b, a): (f32, f32, f32, f32)| pixels[position.y() * 53 + position.x()] = [r, g, b, a],
     )
     .unwrap()
     .layer_data
@@ -188,9 +188,9 @@ fn a_path_gives_frames_per_second_of_each_method() {
         let frames = r["frames"].as_array().unwrap();
         assert_eq!(frames.len(), 5);
         for f in frames {
-            let of = |name: &str| f[name].as_f64().unwrap();
-            assert!(of("frame_ms") > of("effect_ms") && of("effect_ms") > 0.0, "{f}");
-            assert!((of("fps") * of("frame_ms") - 1000.0).abs() < 1e-3, "{f}");
+            let value = |name: &str| f[name].as_f64().unwrap();
+            assert!(value("frame_ms") > value("effect_ms") && value("effect_ms") > 0.0, "{f}");
+            assert!((value("fps") * value("frame_ms") - 1000.0).abs() < 1e-3, "{f}");
         }
         let fps = |name: &str| r["fps"][name].as_f64().unwrap();
         assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");

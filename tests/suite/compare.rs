@@ -304,9 +304,9 @@ fn an_exr_that_cannot_be_read_is_refused() {
     // The data window's last column, 31, becomes 99999; the pixels would need 29 MB, but the header is enough.
     let mut bytes = std::fs::read(folder.path("a.exr")).unwrap();
     let name = b"dataWindow\0box2i\0";
-    let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4 + 8;
-    assert_eq!(bytes[at..at + 4], 31_i32.to_le_bytes());
-    bytes[at..at + 4].copy_from_slice(&99_999_i32.to_le_bytes());
+    let column_offset = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4 + 8;
+    assert_eq!(bytes[column_offset..column_offset + 4], 31_i32.to_le_bytes());
+    bytes[column_offset..column_offset + 4].copy_from_slice(&99_999_i32.to_le_bytes());
     folder.write("huge.exr", bytes);
     fails(&folder, &["a.exr", "huge.exr"], 1, "huge.exr: an image of 100000x24 pixels; at most 16384");
 
@@ -322,9 +322,9 @@ fn an_exr_that_cannot_be_read_is_refused() {
     write("coarse.exr", ["R", "G", "B"]);
     let mut bytes = std::fs::read(folder.path("coarse.exr")).unwrap();
     let start = b"chlist\0";
-    let at = bytes.windows(start.len()).position(|w| w == start).unwrap() + start.len() + 4;
-    assert_eq!(bytes[at..at + 18], *b"B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0");
-    (bytes[at + 10], bytes[at + 14]) = (2, 2);
+    let channel_offset = bytes.windows(start.len()).position(|w| w == start).unwrap() + start.len() + 4;
+    assert_eq!(bytes[channel_offset..channel_offset + 18], *b"B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0");
+    (bytes[channel_offset + 10], bytes[channel_offset + 14]) = (2, 2);
     folder.write("coarse.exr", bytes);
     fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
 }

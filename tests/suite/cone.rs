@@ -11,11 +11,11 @@ use ssct::passes::PathCode;
 use ssct_lab::stage::Globals;
 
 /// A trilinear sample of a chain; the level is clamped to it.
-fn trilinear(levels: &[&Pixels], at: DVec2, level: f64) -> [f64; 3] {
+fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
     let level = level.clamp(0.0, levels.len() as f64 - 1.0);
     let (fine, share) = (level as usize, level.fract());
     let coarse = (fine + 1).min(levels.len() - 1);
-    let [a, b] = [fine, coarse].map(|l| bilinear(levels[l], at.x as f32, at.y as f32).map(f64::from));
+    let [a, b] = [fine, coarse].map(|l| bilinear(levels[l], position.x as f32, position.y as f32).map(f64::from));
     [0, 1, 2].map(|c| a[c] * (1.0 - share) + b[c] * share)
 }
 
@@ -41,10 +41,10 @@ fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Pre
         if weight > 1.0 + doubt {
             return results;
         }
-        let at = origin + direction * distance;
+        let position = origin + direction * distance;
         let level = (radius * size).log2();
-        let share = trilinear(&visibility, at, level)[0];
-        let sample = trilinear(&color, at, level);
+        let share = trilinear(&visibility, position, level)[0];
+        let sample = trilinear(&color, position, level);
         sum = [0, 1, 2].map(|c| sum[c] + share * sample[c]);
         weight += share;
     }

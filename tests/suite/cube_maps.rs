@@ -63,10 +63,10 @@ fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
     let (min, max) = (MIN.as_dvec3(), MAX.as_dvec3());
     let far = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
     let axis = (0..3).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
-    let at = from + direction * far(axis);
+    let point = from + direction * far(axis);
     let others = [(axis + 1) % 3, (axis + 2) % 3];
-    let is_clear = others.iter().all(|&a| at[a].abs().min(at[a] - min[a]).min(max[a] - at[a]) > margin);
-    is_clear.then(|| 0.2 * quarter_albedo(axis, direction[axis] > 0.0, others.map(|a| at[a] > 0.0)))
+    let is_clear = others.iter().all(|&a| point[a].abs().min(point[a] - min[a]).min(max[a] - point[a]) > margin);
+    is_clear.then(|| 0.2 * quarter_albedo(axis, direction[axis] > 0.0, others.map(|a| point[a] > 0.0)))
 }
 
 /// 8 bits of sRGB and 16-bit floats.
@@ -178,11 +178,11 @@ fn the_environment_is_the_sky_in_the_mirror_direction() {
     let rays = floor_rays(shown.get("material"), &view, 0.0);
     assert!(rays.len() > 20_000);
     let error = |turn: fn(Vec3) -> Vec3| {
-        let of = |(x, y, _, d): &(u32, u32, DVec3, DVec3)| {
+        let difference = |(x, y, _, d): &(u32, u32, DVec3, DVec3)| {
             let (found, right) = (shown.get("reflection").at(*x, *y), sky::radiance(turn(d.as_vec3())));
             (0..3).map(|c| f64::from((found[c] - right[c]).abs())).sum::<f64>() / 3.0
         };
-        rays.iter().map(of).sum::<f64>() / rays.len() as f64
+        rays.iter().map(difference).sum::<f64>() / rays.len() as f64
     };
     // The map's texels are 0.35°, the clouds' edges some degrees wide.
     let right = error(|d| d);
@@ -203,8 +203,8 @@ fn levels_are_blurred_by_the_lobe_of_their_roughness() {
     let mut context = FrameContext::new(&gpu).unwrap();
     let (source, target) = (CubeFilterPass::source(&gpu).unwrap(), CubeFilterPass::target(&gpu, "target").unwrap());
     let direction = |face: usize, x: u32, y: u32, size: u32| {
-        let at = |k: u32| (k as f32 + 0.5) / size as f32;
-        sky::face_direction(face, at(x), at(y)).normalize()
+        let coordinate = |k: u32| (k as f32 + 0.5) / size as f32;
+        sky::face_direction(face, coordinate(x), coordinate(y)).normalize()
     };
     let texels: Vec<u16> = (0..6)
         .flat_map(|face| (0..FACE_SIZE).flat_map(move |y| (0..FACE_SIZE).map(move |x| (face, x, y))))
@@ -254,8 +254,8 @@ fn a_fallback_shows_where_the_method_fades() {
             let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
             let (mut part, mut whole) = (0, 0);
             for (i, found) in both.get("reflection").texels().enumerate() {
-                let of = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
-                let (local, back) = (of(&alone), of(&behind));
+                let pixel = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
+                let (local, back) = (pixel(&alone), pixel(&behind));
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
                 let mut through = 1.0 - fade;
@@ -309,10 +309,10 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
             let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, materials.clone()).unwrap();
             let shown = Shown { image: render(&mut stage, &shot, true).unwrap(), camera };
             gpu.check_validation().unwrap();
-            let of = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
+            let texel = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
             let (mut reflecting, mut bright) = (0, 0);
             for (i, material) in shown.get("material").texels().enumerate().filter(|(_, m)| m[0] > 0.0) {
-                let (lit, reflection, image) = (of("color", i), of("reflection", i), of("composite", i));
+                let (lit, reflection, image) = (texel("color", i), texel("reflection", i), texel("composite", i));
                 reflecting += 1;
                 bright += usize::from(reflection[3] == 1.0);
                 for c in 0..3 {
@@ -343,14 +343,14 @@ fn what_has_no_fallback_says_so() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = Fallback::Environment);
     let view = clutter_camera(extent);
-    let of = |stage: &mut Stage, method: &str, setup: &Setup| {
+    let new_shot = |stage: &mut Stage, method: &str, setup: &Setup| {
         Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone())
     };
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
-        let Err(Error::Usage(said)) = of(&mut stage, method.name, &setup) else { panic!("{}", method.name) };
+        let Err(Error::Usage(said)) = new_shot(&mut stage, method.name, &setup) else { panic!("{}", method.name) };
         assert!(said.contains("only screen-space methods have a fallback"), "{said}");
     }
-    let shot = of(&mut stage, "ssct", &Setup::new(extent)).unwrap();
+    let shot = new_shot(&mut stage, "ssct", &Setup::new(extent)).unwrap();
     stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
     let Err(Error::Usage(said)) = gbuffer::reflect(&gpu, &data, None, find("ssct").unwrap(), &setup) else { panic!() };

@@ -149,11 +149,11 @@ fn links_lead_to_files_and_headings_that_exist() {
         let defined = definitions(&text);
         let mut targets: Vec<String> = defined.values().cloned().collect();
         for line in outside_code(&text) {
-            for (at, _) in line.match_indices("](") {
-                targets.push(line[at + 2..].split(')').next().unwrap().to_owned());
+            for (offset, _) in line.match_indices("](") {
+                targets.push(line[offset + 2..].split(')').next().unwrap().to_owned());
             }
-            for (at, _) in line.match_indices("][") {
-                let label = line[at + 2..].split(']').next().unwrap();
+            for (offset, _) in line.match_indices("][") {
+                let label = line[offset + 2..].split(']').next().unwrap();
                 if !defined.contains_key(label) {
                     broken.push(format!("{name}: no definition of the link [{label}]"));
                 }
@@ -227,8 +227,9 @@ fn cited(after: &str) -> Vec<(String, Vec<usize>)> {
         } else if let Some(items) = rest.strip_prefix("item") {
             let numbers = items.trim_start_matches(['s', ' ']);
             let end = numbers.find(|c: char| !(c.is_ascii_digit() || " toand,".contains(c))).unwrap_or(numbers.len());
-            let Some((_, of)) = found.last_mut() else { return found };
-            of.extend(numbers[..end].split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse::<usize>().ok()));
+            let Some((_, item_numbers)) = found.last_mut() else { return found };
+            item_numbers
+                .extend(numbers[..end].split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse::<usize>().ok()));
             rest = &numbers[end..];
         } else {
             return found;
@@ -263,9 +264,9 @@ fn cited_sections_exist() {
         let headings = headings(&text);
         for (name, citing) in texts().into_iter().filter(|(name, _)| name != "tests/suite/docs.rs") {
             let citing = flowing(&citing);
-            for (at, _) in citing.match_indices(page) {
+            for (offset, _) in citing.match_indices(page) {
                 citations += 1;
-                for (section, numbers) in cited(&citing[at + page.len()..]) {
+                for (section, numbers) in cited(&citing[offset + page.len()..]) {
                     if !headings.contains(&section) {
                         wrong.push(format!("{name}: {page} has no section \"{section}\""));
                     }
@@ -334,9 +335,9 @@ fn shown(name: &str, text: &str) -> (String, usize) {
     while let Some((before, after)) = rest.split_once(BEGIN) {
         let (marker, after) = after.split_once(" -->").unwrap_or_else(|| panic!("{name}: a marker without an end"));
         let (_, after) = after.split_once(END).unwrap_or_else(|| panic!("{name}: no end of what is shown of {marker}"));
-        let (query, of) = marker.split_once(" of ").unwrap_or_else(|| panic!("{name}: {marker} of which records?"));
-        let folders = of.split(", ").map(|of| {
-            let target = defined.get(of).unwrap_or_else(|| panic!("{name}: no link definition [{of}]"));
+        let (query, labels) = marker.split_once(" of ").unwrap_or_else(|| panic!("{name}: {marker} of which records?"));
+        let folders = labels.split(", ").map(|label| {
+            let target = defined.get(label).unwrap_or_else(|| panic!("{name}: no link definition [{label}]"));
             folder.join(target)
         });
         let folders: Vec<_> = folders.collect();

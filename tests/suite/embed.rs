@@ -146,8 +146,9 @@ fn a_sky_shows_where_rays_end_in_it() {
     let mirrors = FrameInput { reflectivity, roughness, ..theirs.input() };
     let mut show = |sky: Option<Vec3>| {
         let cube = sky.map(|color| engine.cube(8, color));
-        let of = |cube: &Image| ImageInput::cube(cube.handle(), cube.faces().view(), cube.format(), cube.extent());
-        let recorded = engine.frame(&mut reflections, &FrameInput { sky: cube.as_ref().map(of), ..mirrors });
+        let image_input =
+            |cube: &Image| ImageInput::cube(cube.handle(), cube.faces().view(), cube.format(), cube.extent());
+        let recorded = engine.frame(&mut reflections, &FrameInput { sky: cube.as_ref().map(image_input), ..mirrors });
         engine.read(&recorded.unwrap().composite.unwrap())
     };
     let (none, black, bright) = (show(None), show(Some(Vec3::ZERO)), show(Some(Vec3::new(0.0, 8.0, 0.0))));
@@ -319,8 +320,9 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     for (face, data) in faces.iter().enumerate() {
         let color = engine.upload(HALVES, [64; 2], &halves(data.color.iter().flat_map(|c| c.extend(1.0).to_array())));
         let depth = engine.upload(FLOAT, [64; 2], bytemuck::cast_slice(&data.depth));
-        let of = |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), [64; 2]);
-        let input = CaptureFaceInput { capture: 0, face, color: of(&color), depth: of(&depth) };
+        let image_input =
+            |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), [64; 2]);
+        let input = CaptureFaceInput { capture: 0, face, color: image_input(&color), depth: image_input(&depth) };
         let commands = engine.begin();
         // SAFETY: as above; submitted and waited for at once.
         unsafe { captures.record_face(commands, 0, &input) }.unwrap();
@@ -450,9 +452,12 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     // Bytes are as good as halves for what needs no more.
     let bytes: Vec<u8> = data.roughness.iter().flat_map(|r| [(r * 255.0).round() as u8, 128, 0, 255]).collect();
     let image = engine.upload(BYTES, [64, 48], &bytes);
-    let of = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
-    let input =
-        FrameInput { reflectivity: FactorInput::Channel(of, 1), roughness: FactorInput::Channel(of, 0), ..of_image };
+    let image_input = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
+    let input = FrameInput {
+        reflectivity: FactorInput::Channel(image_input, 1),
+        roughness: FactorInput::Channel(image_input, 0),
+        ..of_image
+    };
     assert!(engine.frame(&mut reflections, &input).unwrap().reflection.is_some());
     gpu.check_validation().unwrap();
 }

@@ -126,9 +126,13 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
         assert!(said.contains(why), "{said}");
     };
     let given = MeshTexture { number: 1, places: &vertices[0].places };
-    let of = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
-    refused(&of(given), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
-    refused(&of(MeshTexture { places: &[], ..given }), &textures[..2], "triangle mesh 0 has 0 places on its texture");
+    let mesh_with = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
+    refused(&mesh_with(given), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
+    refused(
+        &mesh_with(MeshTexture { places: &[], ..given }),
+        &textures[..2],
+        "triangle mesh 0 has 0 places on its texture",
+    );
     refused(one, &[HitTexture { extent: [0, 4], ..textures[0] }], "texture 0 is 0x4 texels; each side must have 1 to");
     refused(one, &[HitTexture { texels: &[0; 5], ..textures[0] }], "texels of four bytes, and has 5 bytes");
     gpu.check_validation().unwrap();

@@ -24,7 +24,7 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let records = error_study(folder.path(), "4");
     for method in ["ssct", "hzct"] {
-        let of = |against: &str, roughness: f64| {
+        let record_against = |against: &str, roughness: f64| {
             records
                 .iter()
                 .find(|r| {
@@ -36,20 +36,20 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
         };
         for key in ["hit_agreement", "false", "missed", "displaced"] {
             for against in ["oracle", "world"] {
-                let share = of(against, 0.0)[key].as_f64().unwrap();
+                let share = record_against(against, 0.0)[key].as_f64().unwrap();
                 assert!((0.0..=1.0).contains(&share), "{key} against {against}: {share}");
             }
-            assert!(of("world", 0.1)[key].is_null(), "hits of glossy pixels don't compare");
+            assert!(record_against("world", 0.1)[key].is_null(), "hits of glossy pixels don't compare");
         }
-        let (world, glossy) = (of("world", 0.0), of("world", 0.1));
+        let (world, glossy) = (record_against("world", 0.0), record_against("world", 0.1));
         // A miss is right by world agreement where the screen does not show the ray's end, and never a right place.
         let places = world["place_agreement"].as_f64().unwrap();
         assert!(places > 0.05 && places < world["hit_agreement"].as_f64().unwrap(), "{world}");
         assert!(glossy["place_agreement"].is_null(), "a lobe ends in many places");
         assert!(world["floor"].as_f64().unwrap() < world["rmse"].as_f64().unwrap(), "{world}");
-        assert!(of("oracle", 0.0)["hit_error_px_p99"].as_f64().unwrap() >= 0.0);
+        assert!(record_against("oracle", 0.0)["hit_error_px_p99"].as_f64().unwrap() >= 0.0);
         for (against, roughness) in [("screen", 0.0), ("world", 0.0), ("screen", 0.1), ("world", 0.1)] {
-            let record = of(against, roughness);
+            let record = record_against(against, roughness);
             for key in ["rmse", "rel_mse", "flip", "standard_error", "time_ms"] {
                 assert!(record[key].as_f64().unwrap().is_finite(), "{key}: {record}");
             }
@@ -110,8 +110,8 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     let agreement = |version: Value, against: &str| {
         let is_it =
             |r: &&Value| r["method"] == "unified" && r["against"] == against && r["setup"]["resolution_scale"] == 1.0;
-        let mut of = records.iter().filter(|r| is_it(r) && r["setup"]["oracle"] == version);
-        let (found, more) = (of.next(), of.next());
+        let mut selected = records.iter().filter(|r| is_it(r) && r["setup"]["oracle"] == version);
+        let (found, more) = (selected.next(), selected.next());
         assert!(more.is_none(), "one record for oracle {version} against {against}");
         found.unwrap_or_else(|| panic!("oracle {version} against {against}"))["hit_agreement"].as_f64().unwrap()
     };
@@ -124,8 +124,8 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     let pictures = records.iter().filter(|r| r["method"] == "screen-reference");
     assert_eq!(pictures.map(|r| r["setup"]["oracle"].clone()).collect::<Vec<_>>(), [Value::from(1), 2.into()]);
     // Another method is judged by the one that is asked for.
-    let of = ["--oracle", "2"];
-    let records = ssct(&[&what[..5], &["--method", "ssct,unified", "--roughness", "0"], &how, &of].concat());
+    let oracle = ["--oracle", "2"];
+    let records = ssct(&[&what[..5], &["--method", "ssct,unified", "--roughness", "0"], &how, &oracle].concat());
     assert!(records.iter().all(|r| r["setup"]["oracle"] == 2), "{records:?}");
 }
 
@@ -139,8 +139,8 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
         ssct(&[&what[..], &view, &how, more].concat())
     };
     let against = |records: &[Value], method: &str| {
-        let of: Vec<_> = records.iter().filter(|r| r["method"] == method).collect();
-        of.iter().map(|r| r["against"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+        let method_records: Vec<_> = records.iter().filter(|r| r["method"] == method).collect();
+        method_records.iter().map(|r| r["against"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     let plain = run(&["--method", "ssct,environment"]);
     assert_eq!(against(&plain, "ssct"), ["oracle", "screen", "world"]);

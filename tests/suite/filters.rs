@@ -156,7 +156,8 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
 fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
     let half = |n: u32| (n / 2).max(1);
     let (w, h) = (half(below.width), half(below.height));
-    let range = |at: u32, small: u32, large: u32| 2 * at..=if at + 1 == small { large - 1 } else { 2 * at + 1 };
+    let range =
+        |index: u32, small: u32, large: u32| 2 * index..=if index + 1 == small { large - 1 } else { 2 * index + 1 };
     let same = |a: f32, b: f32| (a - b).abs() <= tolerance * a.min(b);
     let texel = |(x, y): (u32, u32)| {
         let places = range(y, h, below.height).flat_map(|j| range(x, w, below.width).map(move |i| (i, j)));

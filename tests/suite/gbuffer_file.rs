@@ -309,22 +309,22 @@ fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
     assert!(read(&|_| ()).unwrap() == good);
     // Brighter than a half float is no mistake of a file.
     assert_eq!(read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
-    let at = 64 * 5 + 7;
+    let pixel = 64 * 5 + 7;
     let said = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
     let colour = "it must be a finite number from 0 on";
     let unit = "it must be a number from 0 to 1";
     for (said, expected) in [
-        (said(&|d| d.color[at].x = f32::NAN), format!("a.exr: channel R is NaN at pixel 7, 5; {colour}")),
-        (said(&|d| d.color[at].y = f32::INFINITY), format!("a.exr: channel G is inf at pixel 7, 5; {colour}")),
-        (said(&|d| d.color[at].z = -1.0), format!("a.exr: channel B is -1 at pixel 7, 5; {colour}")),
-        (said(&|d| d.depth[at] = f32::NAN), format!("a.exr: channel depth is NaN at pixel 7, 5; {unit}")),
-        (said(&|d| d.depth[at] = 1.5), format!("a.exr: channel depth is 1.5 at pixel 7, 5; {unit}")),
-        (said(&|d| d.depth[at] = -0.5), format!("a.exr: channel depth is -0.5 at pixel 7, 5; {unit}")),
-        (said(&|d| d.roughness[at] = f32::NAN), format!("a.exr: channel roughness is NaN at pixel 7, 5; {unit}")),
-        (said(&|d| d.roughness[at] = 2.0), format!("a.exr: channel roughness is 2 at pixel 7, 5; {unit}")),
-        (said(&|d| d.reflectivity[at] = -0.1), format!("a.exr: channel reflectivity is -0.1 at pixel 7, 5; {unit}")),
+        (said(&|d| d.color[pixel].x = f32::NAN), format!("a.exr: channel R is NaN at pixel 7, 5; {colour}")),
+        (said(&|d| d.color[pixel].y = f32::INFINITY), format!("a.exr: channel G is inf at pixel 7, 5; {colour}")),
+        (said(&|d| d.color[pixel].z = -1.0), format!("a.exr: channel B is -1 at pixel 7, 5; {colour}")),
+        (said(&|d| d.depth[pixel] = f32::NAN), format!("a.exr: channel depth is NaN at pixel 7, 5; {unit}")),
+        (said(&|d| d.depth[pixel] = 1.5), format!("a.exr: channel depth is 1.5 at pixel 7, 5; {unit}")),
+        (said(&|d| d.depth[pixel] = -0.5), format!("a.exr: channel depth is -0.5 at pixel 7, 5; {unit}")),
+        (said(&|d| d.roughness[pixel] = f32::NAN), format!("a.exr: channel roughness is NaN at pixel 7, 5; {unit}")),
+        (said(&|d| d.roughness[pixel] = 2.0), format!("a.exr: channel roughness is 2 at pixel 7, 5; {unit}")),
+        (said(&|d| d.reflectivity[pixel] = -0.1), format!("a.exr: channel reflectivity is -0.1 at pixel 7, 5; {unit}")),
         (
-            said(&|d| d.normal[at].y = f32::NEG_INFINITY),
+            said(&|d| d.normal[pixel].y = f32::NEG_INFINITY),
             "a.exr: channel N.Y is -inf at pixel 7, 5; it must be a finite number".to_owned(),
         ),
     ] {
@@ -339,9 +339,9 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     let whole = gbuffer_file::encode(&data, Path::new("a.exr")).unwrap();
     // The window that is shown becomes one pixel wider: what is there is then a piece of it.
     let name = b"displayWindow\0box2i\0\x10\0\0\0";
-    let at = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 8;
+    let column_offset = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 8;
     let mut piece = whole.clone();
-    piece[at..at + 4].copy_from_slice(&64_i32.to_le_bytes());
+    piece[column_offset..column_offset + 4].copy_from_slice(&64_i32.to_le_bytes());
     folder.write("piece.exr", &piece);
     let output = folder.run(&["gbuffer", "reflect", "piece.exr", "--method", "linear", "-o", "o.exr"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -359,9 +359,9 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
         [(10_u8, "HTJ2K256"), (11, "HTJ2K32"), (12, "LJ2K"), (13, "ZSTD"), (99, "of number 99")]
     {
         let name = b"compression\0compression\0\x01\0\0\0";
-        let at = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+        let compression_offset = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len();
         let mut other = whole.clone();
-        other[at] = number;
+        other[compression_offset] = number;
         let error = gbuffer_file::decode(&other, Path::new("a.exr")).unwrap_err().to_string();
         assert_eq!(
             error,

@@ -67,8 +67,8 @@ fn read(folder: &Folder, map: &str, main: &str) -> GBufferData {
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(main)).unwrap()
 }
 
-fn each<'a, T>(values: &'a [T], of: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
-    values.iter().map(of)
+fn each<'a, T>(values: &'a [T], value: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
+    values.iter().map(value)
 }
 
 fn axis(values: &[Vec3], k: usize) -> impl Iterator<Item = f64> + '_ {

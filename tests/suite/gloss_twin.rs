@@ -318,10 +318,11 @@ pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     let stream = Stream::new(u64::from(block), u64::from(data.width));
     let mut mixed = data.clone();
     for (x, y) in (0..data.height).flat_map(|y| (0..data.width).map(move |x| (x, y))) {
-        let at = u64::from(y / block * 1000 + x / block);
+        let block_index = u64::from(y / block * 1000 + x / block);
         let i = data.index(x, y);
-        mixed.roughness[i] = half([0.0, 0.02, 0.1, 0.2, 0.21, 0.4, 0.7, 1.0][(8.0 * stream.uniform(2 * at)) as usize]);
-        mixed.reflectivity[i] *= f32::from(u8::from(stream.uniform(2 * at + 1) < 0.9));
+        mixed.roughness[i] =
+            half([0.0, 0.02, 0.1, 0.2, 0.21, 0.4, 0.7, 1.0][(8.0 * stream.uniform(2 * block_index)) as usize]);
+        mixed.reflectivity[i] *= f32::from(u8::from(stream.uniform(2 * block_index + 1) < 0.9));
     }
     mixed
 }

@@ -214,8 +214,8 @@ fn a_curved_mirror_finds_what_it_showed() {
     let moments: Vec<Moment> = (0..8 + 3 * AVERAGED).map(moment).collect();
     let camera = moments[8].view.camera(&scene, EXTENT);
     let scale = camera.view_to_clip().to_cols_array_2d();
-    let is_on = |at: u32| {
-        let place = Vec2::new((at % EXTENT[0]) as f32, (at / EXTENT[0]) as f32) + 0.5;
+    let is_on = |pixel: u32| {
+        let place = Vec2::new((pixel % EXTENT[0]) as f32, (pixel / EXTENT[0]) as f32) + 0.5;
         let ndc = (2.0 * place / Vec2::new(EXTENT[0] as f32, EXTENT[1] as f32) - 1.0) * Vec2::new(1.0, -1.0);
         let along = Vec3::new(ndc.x / scale[0][0], ndc.y / scale[1][1], 1.0);
         let along = camera.world_to_view.inverse().transform_vector3(along).normalize();

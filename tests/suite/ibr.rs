@@ -77,8 +77,8 @@ fn a_plane_shows_what_stands_in_its_box_as_it_is_lit() {
 #[test]
 fn a_box_holds_what_stands_in_it_and_nothing_else() {
     let gpu = gpu();
-    let of = |depth| kinds(&see(&gpu, &scene(true), depth, 0.0).reflection);
-    let (thin, deep) = (of(0.5), of(2.0));
+    let counts = |depth| kinds(&see(&gpu, &scene(true), depth, 0.0).reflection);
+    let (thin, deep) = (counts(0.5), counts(2.0));
     println!("black, red, green, blue: {thin:?} thin, {deep:?} deep");
     // The block is before the thin box, and flattened onto the plane of the deep one.
     assert_eq!(thin[3], 0);

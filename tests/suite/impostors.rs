@@ -14,8 +14,8 @@ const GRID: u32 = 24;
 /// Linear colour and alpha of a texel.
 fn texel(scene: &Scene, impostor: &Impostor, x: u32, y: u32) -> (Vec3, u8) {
     let texture = &scene.textures[impostor.texture];
-    let at = &texture.rgba[4 * (y * texture.width + x) as usize..][..4];
-    (Vec3::from_array([0, 1, 2].map(|k| srgb_to_linear(f32::from(at[k]) / 255.0))), at[3])
+    let rgba = &texture.rgba[4 * (y * texture.width + x) as usize..][..4];
+    (Vec3::from_array([0, 1, 2].map(|k| srgb_to_linear(f32::from(rgba[k]) / 255.0))), rgba[3])
 }
 
 /// Mean difference between an impostor's image and what rays see, and the share of the rays that see

@@ -41,7 +41,7 @@ fn signal(child: &Child, name: &str) {
 /// The whole lines of a folder's journal.
 fn journal(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
-    let whole = text.rfind('\n').map_or(0, |at| at + 1);
+    let whole = text.rfind('\n').map_or(0, |newline| newline + 1);
     text[..whole].lines().map(str::to_owned).collect()
 }
 
@@ -206,9 +206,9 @@ fn no_room_and_no_right_to_write_are_sentences() {
         assert_eq!(status, Some(1), "{args}: {said}");
         assert!(said.contains("cannot write") && said.contains(file) && said.contains("too large"), "{said}");
     }
-    let names = |of: &Path| {
+    let names = |directory: &Path| {
         let mut names: Vec<_> =
-            std::fs::read_dir(of).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+            std::fs::read_dir(directory).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     };

@@ -241,6 +241,7 @@ fn times_of_two_devices_are_not_compared_and_the_page_fits_a_phone() {
     let folder = library();
     folder.succeed(&["index", "all"]);
     let Some(found) = probe(&folder, PROBE) else { return };
-    let of = |width: u32| format!("{width} overflow 0 first 0 2\nNot compared: times compare only on one device.\n1\n");
-    assert_eq!(found, of(390) + &of(1280) + "no-script 0 2");
+    let report =
+        |width: u32| format!("{width} overflow 0 first 0 2\nNot compared: times compare only on one device.\n1\n");
+    assert_eq!(found, report(390) + &report(1280) + "no-script 0 2");
 }

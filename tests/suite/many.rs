@@ -20,7 +20,7 @@ fn albedo(n: u32) -> Vec3 {
 fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32) -> [String; 2] {
     let (mut mesh, mut materials) = ("mtllib a.mtl\n".to_owned(), String::new());
     for n in 0..columns * rows {
-        let edge = |i: u32, of: u32, half: f32| half * (2.0 * i as f32 / of as f32 - 1.0);
+        let edge = |i: u32, count: u32, half: f32| half * (2.0 * i as f32 / count as f32 - 1.0);
         let [left, right] = [0, 1].map(|i| edge(n % columns + i, columns, half_width));
         let [low, high] = [0, 1].map(|i| edge(n / columns + i, rows, half_height));
         let Vec3 { x: r, y: g, z: b } = albedo(n);

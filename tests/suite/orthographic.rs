@@ -25,26 +25,31 @@ fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {
 
 /// Scenes with views: down at an angle, along an axis, straight down, and as a town is drawn.
 fn views() -> Vec<(Scene, View)> {
-    let of = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
+    let parallel_view = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
         let scene = crate::common::built_in(name);
         let view = parallel(&scene, eye.into(), look_at.into(), height_m);
         (scene, view)
     };
-    let at = |name: &str, view: &str| {
+    let eye_and_target = |name: &str, view: &str| {
         let scene = crate::common::built_in(name);
         let view = scene.view(view).unwrap();
         (view.eye, view.look_at)
     };
-    let (corridor, ahead) = at("rooms", "corridor");
+    let (corridor, ahead) = eye_and_target("rooms", "corridor");
     let along = ahead - corridor;
     let axis = if along.x.abs() > along.z.abs() { Vec3::X * along.x.signum() } else { Vec3::Z * along.z.signum() };
-    let (street, car) = at("street", "car");
-    let (hall, _) = at("atrium", "hall");
+    let (street, car) = eye_and_target("street", "car");
+    let (hall, _) = eye_and_target("atrium", "hall");
     vec![
-        of("rooms", corridor.to_array(), (corridor + axis - 0.4 * Vec3::Y).to_array(), 3.0),
-        of("rooms", corridor.to_array(), (corridor + axis).to_array(), 2.5),
-        of("street", (car + 12.0 * (street - car).normalize() + 9.0 * Vec3::Y).to_array(), car.to_array(), 9.0),
-        of("atrium", (hall + 2.0 * Vec3::Y).to_array(), (hall - Vec3::Y).to_array(), 6.0),
+        parallel_view("rooms", corridor.to_array(), (corridor + axis - 0.4 * Vec3::Y).to_array(), 3.0),
+        parallel_view("rooms", corridor.to_array(), (corridor + axis).to_array(), 2.5),
+        parallel_view(
+            "street",
+            (car + 12.0 * (street - car).normalize() + 9.0 * Vec3::Y).to_array(),
+            car.to_array(),
+            9.0,
+        ),
+        parallel_view("atrium", (hall + 2.0 * Vec3::Y).to_array(), (hall - Vec3::Y).to_array(), 6.0),
     ]
 }
 
@@ -172,13 +177,13 @@ fn traced_rays_end_where_the_world_says() {
         let name = view.name.clone();
         scene.views.push(view);
         let materials = triangles::mirrors(&scene, &name);
-        let of =
+        let drawing =
             |method, setup: &Setup| triangles::draw(&gpu, (&scene, &name), materials.clone(), (method, setup), false);
-        let all = of(triangles::traced(), &Setup::new(triangles::EXTENT));
+        let all = drawing(triangles::traced(), &Setup::new(triangles::EXTENT));
         let (rays, wrong) = triangles::against_world(&all, &scene, &materials);
         println!("{name}: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 200 <= rays, "{name}: {wrong} of {rays} end elsewhere");
-        let screen = of(&unified::INFO, &triangles::beyond(First::Screen));
+        let screen = drawing(&unified::INFO, &triangles::beyond(First::Screen));
         let (rays, wrong) = triangles::against_world(&screen, &scene, &materials);
         println!("{name}, the screen first: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 50 <= rays, "{name}: {wrong} of {rays} end elsewhere");
@@ -226,10 +231,10 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
     let gpu = gpu();
     let seen = clutter_from_above();
     for roughness in [0.0, 0.1, 0.4] {
-        let of = |change: fn(&mut EffectParams)| reflection(&gpu, &seen, ("unified", roughness), change);
-        let plain = of(|_| ());
-        let history = of(|p| p.history = HistoryUse::On);
-        let half = of(|p| p.resolution_scale = 0.5);
+        let image = |change: fn(&mut EffectParams)| reflection(&gpu, &seen, ("unified", roughness), change);
+        let plain = image(|_| ());
+        let history = image(|p| p.history = HistoryUse::On);
+        let half = image(|p| p.resolution_scale = 0.5);
         let bright = [&plain, &history, &half].map(brightness);
         let pairs = added(&plain).into_iter().zip(added(&history));
         let apart = pairs.map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
@@ -249,12 +254,13 @@ fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let gpu = gpu();
     let mut seen = clutter_from_above();
     seen.0.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::at(place.into())).to_vec();
-    let of = |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &seen, (method, 0.0), change));
-    let truth = of("traced", |_| ());
-    let captures = of("captures", |p| p.captures = CaptureCount::Auto);
-    let behind = of("unified", |p| (p.fallback, p.captures) = (Fallback::Captures, CaptureCount::Auto));
-    let beyond = of("unified", |p| (p.beyond, p.captures) = (BeyondScreen::Captures, CaptureCount::Auto));
-    let screen = of("unified", |_| ());
+    let brightness_of =
+        |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &seen, (method, 0.0), change));
+    let truth = brightness_of("traced", |_| ());
+    let captures = brightness_of("captures", |p| p.captures = CaptureCount::Auto);
+    let behind = brightness_of("unified", |p| (p.fallback, p.captures) = (Fallback::Captures, CaptureCount::Auto));
+    let beyond = brightness_of("unified", |p| (p.beyond, p.captures) = (BeyondScreen::Captures, CaptureCount::Auto));
+    let screen = brightness_of("unified", |_| ());
     println!("traced {truth}, captures {captures}, behind {behind}, beyond {beyond}, screen {screen}");
     for (what, shown) in [("captures", captures), ("behind", behind), ("beyond", beyond)] {
         assert!((shown / truth - 1.0).abs() < 0.15 && shown > 1.5 * screen, "{what}: {shown} beside {truth}");
@@ -302,8 +308,8 @@ fn methods_that_need_a_perspective_say_so() {
 #[test]
 fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
-    let (at, beside) = ("1,0,-3", "1,-0.5,0");
-    let aimed = ["--eye", at, "--look-at", beside];
+    let (eye, beside) = ("1,0,-3", "1,-0.5,0");
+    let aimed = ["--eye", eye, "--look-at", beside];
     let few = ["--scene", "rooms", "--size", "32x32", "--roughness", "0", "--json"];
     for (command, taken) in [
         ([&["time", "--samples", "1", "--warmup", "0"], &aimed[..]].concat(), 6),

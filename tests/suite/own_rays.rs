@@ -21,8 +21,8 @@ const MOST_ON_SCREEN: [(f64, f64); 2] = [(0.1, 0.85), (0.3, 0.75)];
 
 /// The mean squared error of a record against a reference, without what the reference's own noise adds.
 fn squared_error(record: &Value) -> f64 {
-    let of = |key: &str| record[key].as_f64().unwrap();
-    of("rmse").powi(2) - of("standard_error").powi(2)
+    let value = |key: &str| record[key].as_f64().unwrap();
+    value("rmse").powi(2) - value("standard_error").powi(2)
 }
 
 /// The error against a reference with 8 rays of a pixel's own over that without any is at most that, by roughness.

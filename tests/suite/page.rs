@@ -203,15 +203,16 @@ impl Made {
             .flat_map(|a| [error_record("ssct", a, 10.0, 0.03), error_record("hzct", a, 8.0, 0.05)])
             .collect();
         let device = device();
-        let of = |name: &str, color| picture(path, name, color);
-        let (lit, ssct, reference) = (of("lit", [200, 0, 0]), of("ssct", [0, 200, 0]), of("reference", [0, 0, 200]));
+        let new_picture = |name: &str, color| picture(path, name, color);
+        let (lit, ssct, reference) =
+            (new_picture("lit", [200, 0, 0]), new_picture("ssct", [0, 200, 0]), new_picture("reference", [0, 0, 200]));
         let gallery = |title: &str, strip, compared: [&str; 2]| Gallery {
             title: title.into(),
             strips: vec![strip],
             compared: compared.map(str::to_owned),
         };
         // Two pairs beside a reference.
-        let [ssct_map, lit_map] = [of("ssct map", [90, 0, 0]), of("lit map", [0, 90, 0])];
+        let [ssct_map, lit_map] = [new_picture("ssct map", [90, 0, 0]), new_picture("lit map", [0, 90, 0])];
         let pairs = vec![[ssct.clone(), ssct_map], [lit.clone(), lit_map]];
         let beside = Strip::Beside { title: "held against".into(), reference, pairs };
         std::fs::write(path.join("time.json"), "[]").unwrap();

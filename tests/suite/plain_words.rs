@@ -19,8 +19,8 @@ const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The 
 
 /// The text of the comment on a line, and whether code stands before it.
 fn comment(line: &str) -> Option<(&str, bool)> {
-    let at = line.find("//")?;
-    let (before, marked) = line.split_at(at);
+    let offset = line.find("//")?;
+    let (before, marked) = line.split_at(offset);
     // Two slashes in a string or in an address are no comment.
     let is_code = before.contains('"') || before.ends_with(':');
     (!is_code).then(|| (marked.trim_start_matches(['/', '!']).trim(), !before.trim().is_empty()))

@@ -29,8 +29,8 @@ fn scene() -> Scene {
     b.quad(floor, Vec3::new(-6.0, -0.01, -3.0), Vec3::X * 12.0, Vec3::Z * 8.0, Vec3::Y);
     for k in 0..5 {
         let board = b.matt(Vec3::new(0.2 * k as f32, 0.9 - 0.15 * k as f32, 0.3 + 0.1 * k as f32));
-        let at = Vec3::new(-2.2 + 0.9 * k as f32, 0.2, 3.6 - 0.5 * k as f32);
-        b.quad(board, at, Vec3::new(0.5, 0.0, 0.2), Vec3::Y * (0.5 + 0.2 * k as f32), Vec3::new(0.2, 0.0, -0.5));
+        let corner = Vec3::new(-2.2 + 0.9 * k as f32, 0.2, 3.6 - 0.5 * k as f32);
+        b.quad(board, corner, Vec3::new(0.5, 0.0, 0.2), Vec3::Y * (0.5 + 0.2 * k as f32), Vec3::new(0.2, 0.0, -0.5));
     }
     b.0
 }
@@ -105,9 +105,9 @@ fn as_a_fallback_the_mirror_shows_where_the_screen_does_not() {
     };
     let mirror = shown("planar", Fallback::None);
     let (alone, both) = (shown("ssct", Fallback::None), shown("ssct", Fallback::Planar));
-    let of = |shown: &Shown| shown.get("reflection").texels().map(<[f32]>::to_vec).collect::<Vec<_>>();
+    let texels = |shown: &Shown| shown.get("reflection").texels().map(<[f32]>::to_vec).collect::<Vec<_>>();
     let (mut missed, mut kept) = (0, 0);
-    for ((mirror, alone), both) in of(&mirror).iter().zip(of(&alone)).zip(of(&both)) {
+    for ((mirror, alone), both) in texels(&mirror).iter().zip(texels(&alone)).zip(texels(&both)) {
         if alone[3] == 0.0 {
             assert_eq!(&both, mirror, "what the screen misses is what the mirror shows, or nothing");
             missed += u32::from(mirror[3] == 1.0);

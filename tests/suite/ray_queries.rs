@@ -169,12 +169,12 @@ fn refuses(gpu: &Gpu) {
 fn the_command_draws_with_queries_or_says_why_not() {
     let folder = Folder::new();
     let has = gpu().has_ray_queries();
-    let of = |tracer| {
+    let output = |tracer| {
         let file = format!("{tracer}.png");
         let size = ["--size", "64x36", "--validation", "--explain", "-o", &file];
         folder.run(&[&["render", "--method", "traced", "--tracer", tracer], &size[..]].concat())
     };
-    let query = of("query");
+    let query = output("query");
     let [said, printed] = [&query.stderr, &query.stdout].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
     if !has {
         assert_eq!(query.status.code(), Some(2), "{said}");
@@ -183,7 +183,7 @@ fn the_command_draws_with_queries_or_says_why_not() {
     }
     assert_eq!(query.status.code(), Some(0), "{said}");
     assert!(printed.contains("structure for ray queries: "), "{printed}");
-    let tree = of("tree");
+    let tree = output("tree");
     let printed = String::from_utf8_lossy(&tree.stdout).into_owned();
     assert!(tree.status.success() && !printed.contains("ray queries"), "{printed}");
     assert_eq!(folder.image("query.png"), folder.image("tree.png"));

@@ -49,8 +49,8 @@ fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     let captures = images.captures();
     let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
     let all = [captures.normal.level(0)].into_iter().chain(levels);
-    let of = |pixels: Pixels| pixels.values.iter().map(|v| v.to_bits()).collect();
-    let mut all: Vec<Vec<u32>> = all.map(|slice| of(context.read(slice).unwrap())).collect();
+    let float_bits = |pixels: Pixels| pixels.values.iter().map(|v| v.to_bits()).collect();
+    let mut all: Vec<Vec<u32>> = all.map(|slice| float_bits(context.read(slice).unwrap())).collect();
     all.push(cells(&context.read(captures.pyramid.level(0)).unwrap(), captures.normal.extent(), images.faces()));
     all
 }
@@ -151,7 +151,7 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
                 ("capture/color", 5),
             ];
             for (name, count) in per_face {
-                let recorded = all.iter().filter(|(of, _)| of == name).count();
+                let recorded = all.iter().filter(|(pass, _)| pass == name).count();
                 assert_eq!(recorded, 5 * count, "{}: {name}", method.name);
             }
             let added: usize = per_face.iter().map(|(_, count)| 5 * count).sum();

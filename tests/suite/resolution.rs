@@ -13,9 +13,9 @@ const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, norma
 
 /// An image moved right and down by whole pixels, its border repeated.
 fn moved(image: &Pixels, dx: i32, dy: i32) -> Vec<f32> {
-    let at = |v: u32, d: i32, side: u32| (v as i32 - d).clamp(0, side as i32 - 1) as u32;
+    let shifted = |v: u32, d: i32, side: u32| (v as i32 - d).clamp(0, side as i32 - 1) as u32;
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
-    pixels.flat_map(|(x, y)| image.at(at(x, dx, image.width), at(y, dy, image.height)).to_vec()).collect()
+    pixels.flat_map(|(x, y)| image.at(shifted(x, dx, image.width), shifted(y, dy, image.height)).to_vec()).collect()
 }
 
 /// Half and quarter resolution, by full pixels a side of a traced one.
@@ -29,11 +29,11 @@ fn half_resolution_lies_where_full_resolution_does() {
     // Rays of `unified` begin on the triangles that small pixels show.
     let sizes = [[640, 480], [321, 239]];
     for (extent, method) in sizes.into_iter().flat_map(|extent| ["ssct", "unified"].map(|method| (extent, method))) {
-        let of = |divisor| {
+        let shown = |divisor| {
             let setup = divided(extent, divisor);
             show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &GLOSSY)
         };
-        let (full, half) = (of(1), of(2));
+        let (full, half) = (shown(1), shown(2));
         let (full, small) = (full.get("reflection"), half.get("reflection"));
         let here = rmse(&full.values, &small.values);
         let black = rmse(&full.values, &vec![0.0; full.values.len()]);

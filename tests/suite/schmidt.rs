@@ -70,8 +70,8 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             }
             let hit = hits.at(x, y);
             assert_eq!(path(hit), PathCode::Linear, "({x}, {y})");
-            let at = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2]));
-            let beyond = (at - end).dot(advance.normalize()) / step;
+            let hit_point = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2]));
+            let beyond = (hit_point - end).dot(advance.normalize()) / step;
             // The floor's own depth, a pixel's slope away from the ray, may stop it before.
             if beyond < -0.1 {
                 self_hits += 1;
@@ -79,7 +79,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             }
             // f16 normals, and the ray's direction from two projected points.
             assert!(beyond < 1.1, "({x}, {y}): {beyond} steps beyond the wall");
-            let fade = 16.0 * at.x * (1.0 - at.x) * at.y * (1.0 - at.y);
+            let fade = 16.0 * hit_point.x * (1.0 - hit_point.x) * hit_point.y * (1.0 - hit_point.y);
             // At the sample before, as printed: a step away, where the slope is at most 4 a side.
             let difference = (f64::from(reflection.at(x, y)[3]) - fade).abs();
             assert!(difference <= 4.0 * 2.0 * step + 1.0 / 1024.0, "({x}, {y}): {difference}");

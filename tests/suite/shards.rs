@@ -52,8 +52,8 @@ impl Folders {
     }
 
     /// Runs a shard into the folder that its number names.
-    fn shard(&self, command: &[&str], index: u32, of: u32) {
-        let (shard, folder) = (format!("{index}/{of}"), self.name(&index.to_string()));
+    fn shard(&self, command: &[&str], index: u32, count: u32) {
+        let (shard, folder) = (format!("{index}/{count}"), self.name(&index.to_string()));
         done(&[command, &["--shard", &shard, "-o", &folder]].concat());
     }
 
@@ -107,11 +107,11 @@ fn figures(mut value: Value) -> Value {
 
 /// The names of the cells that a shard owns, and those of all cells.
 fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
-    let of = |is_own: &dyn Fn(&Value) -> bool| {
+    let names = |is_own: &dyn Fn(&Value) -> bool| {
         let cells = list["cells"].as_array().unwrap().iter().filter(|c| is_own(c));
         cells.map(|c| c["name"].as_str().unwrap().to_owned()).collect()
     };
-    (of(&|c| c["own"] == true), of(&|_| true))
+    (names(&|c| c["own"] == true), names(&|_| true))
 }
 
 /// Kills a run once its journal has some number of lines.
@@ -186,8 +186,8 @@ fn what_does_not_belong_together_is_not_merged() {
     let folders = Folders::new();
     let study =
         ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
-    let of = |more: &[&'static str]| [&study[..], more].concat();
-    let base = of(&["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]);
+    let command = |more: &[&'static str]| [&study[..], more].concat();
+    let base = command(&["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]);
     folders.shard(&base, 1, 2);
     folders.shard(&base, 2, 2);
     let [a, b, other, to] = ["1", "2", "other", "to"].map(|name| folders.name(name));
@@ -198,7 +198,7 @@ fn what_does_not_belong_together_is_not_merged() {
         (["--method", "ssct", "--rays", "4", "--roughness", "0,0.2"], "it has no cell corridor"),
     ] {
         let _ = std::fs::remove_dir_all(&other);
-        done(&[&of(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
+        done(&[&command(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
         let said = merge(&other);
         assert!(said.contains("is not of the same study as") && said.contains(part), "{said}");
     }
@@ -263,8 +263,8 @@ fn times_are_divided_by_size_and_roughness() {
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
     // Methods are compared with each other, so that each shard has both.
     for n in ["1", "2"] {
-        let of = folders.json(&format!("{n}/time.json"));
-        let methods: BTreeSet<&str> = of.as_array().unwrap().iter().filter_map(|r| r["method"].as_str()).collect();
+        let records = folders.json(&format!("{n}/time.json"));
+        let methods: BTreeSet<&str> = records.as_array().unwrap().iter().filter_map(|r| r["method"].as_str()).collect();
         assert_eq!(methods.len(), 2);
     }
     let [a, b] = ["whole", "all"].map(|name| folders.name(name));

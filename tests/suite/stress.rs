@@ -12,12 +12,12 @@ fn every_method_survives_and_the_judged_one_passes() {
     let report = std::fs::read_to_string(folder.path("stress.txt")).unwrap_or_default();
     assert!(output.status.success(), "{said}\n{report}");
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-    let of = |method: &str| records.iter().filter(|r| r["method"] == method).collect::<Vec<_>>();
+    let records_of = |method: &str| records.iter().filter(|r| r["method"] == method).collect::<Vec<_>>();
     for method in ssct::methods::METHODS {
-        assert!(of(method.name).len() > if method.is_screen_space() { 100 } else { 10 }, "{}", method.name);
+        assert!(records_of(method.name).len() > if method.is_screen_space() { 100 } else { 10 }, "{}", method.name);
     }
     // The counts count: the thesis's cone divides 0 by 0, and its march takes exhaustion for a hit.
-    let sum = |method: &str, what: &str| of(method).iter().filter_map(|r| r[what].as_u64()).sum::<u64>();
+    let sum = |method: &str, what: &str| records_of(method).iter().filter_map(|r| r[what].as_u64()).sum::<u64>();
     for what in ["nan", "negative", "exhausted"] {
         assert!(sum("ssct", what) > 0, "no {what} in ssct");
     }

@@ -28,10 +28,13 @@ fn without_normal_maps_the_geometry_is_what_shades() {
     let view = scene.views[0].camera(&scene, extent);
     let image = |normals, bump| show(&gpu, &scene, view, "unified", &setup(extent, normals, bump), &flat);
     let usual = image(TraceNormals::Shading, 0.0);
-    let of =
+    let difference =
         |normals, bump| differ(usual.get("reflection"), image(normals, bump).get("reflection"), usual.get("material"));
-    let (geometric, bumped, up) =
-        (of(TraceNormals::Geometric, 0.0), of(TraceNormals::Geometric, 0.2), of(TraceNormals::Up, 0.0));
+    let (geometric, bumped, up) = (
+        difference(TraceNormals::Geometric, 0.0),
+        difference(TraceNormals::Geometric, 0.2),
+        difference(TraceNormals::Up, 0.0),
+    );
     println!("differ: geometric {geometric}, with bumps {bumped}, up {up}");
     // Edges, where a neighbour lies on another surface, and the rounding of normals found from depth.
     assert!(geometric < 0.2, "{geometric}");
@@ -46,7 +49,7 @@ fn without_normal_maps_the_geometry_is_what_shades() {
 fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
     let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));
     let [width, height] = [reflection.width, reflection.height];
-    let normal = |of: &Pixels, x, y| Vec3::from_slice(&of.at(x, y)[..3]);
+    let normal = |image: &Pixels, x, y| Vec3::from_slice(&image.at(x, y)[..3]);
     let (mut moved, mut right) = (0, 0);
     for (x0, y0) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         if material.at(x0, y0)[0] <= 1e-4 {
@@ -54,7 +57,9 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
         }
         let traced = normal(geometric, x0, y0);
         let shift = (normal(shading, x0, y0) - traced) * strength * height as f32;
-        let to = |at: u32, by: f32, end: u32| ((at as f32 + 0.5 + by).floor().clamp(0.0, end as f32 - 1.0)) as u32;
+        let to = |coordinate: u32, by: f32, end: u32| {
+            ((coordinate as f32 + 0.5 + by).floor().clamp(0.0, end as f32 - 1.0)) as u32
+        };
         let (x, y) = (to(x0, shift.x, width), to(y0, -shift.y * y, height));
         if (x, y) != (x0, y0) && material.at(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
             moved += 1;
@@ -71,13 +76,15 @@ fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
     let (extent, strength) = ([320, 180], 0.1);
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap().camera(&scene, extent);
-    let of = |deviation| Globals { roughness: Some(0.0), normal_deviation: Some(deviation), ..Globals::default() };
-    let plain = show(&gpu, &scene, view, "ssct", &Setup::new(extent), &of(0.0));
+    let globals_with =
+        |deviation| Globals { roughness: Some(0.0), normal_deviation: Some(deviation), ..Globals::default() };
+    let plain = show(&gpu, &scene, view, "ssct", &Setup::new(extent), &globals_with(0.0));
     for method in ["ssct", "unified"] {
-        let image = |bump| show(&gpu, &scene, view, method, &setup(extent, TraceNormals::Geometric, bump), &of(1.0));
+        let image =
+            |bump| show(&gpu, &scene, view, method, &setup(extent, TraceNormals::Geometric, bump), &globals_with(1.0));
         let (flat, bumped) = (image(0.0), image(strength));
-        let of = |y| displaced(&flat, &bumped, plain.get("normal"), strength, y);
-        let (right, upside_down) = (of(1.0), of(-1.0));
+        let right_share = |y| displaced(&flat, &bumped, plain.get("normal"), strength, y);
+        let (right, upside_down) = (right_share(1.0), right_share(-1.0));
         println!("{method}: {right} of the displaced pixels are right, {upside_down} if up were down");
         // Normals found from depth are rounded, so that some land a pixel beside.
         assert!(right > 0.9 && upside_down < right - 0.1, "{method}: {right}, {upside_down}");

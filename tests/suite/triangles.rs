@@ -112,9 +112,9 @@ fn the_screen_and_the_triangles_agree() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let materials = mirrors(&scene, "corridor");
-    let of =
+    let drawing =
         |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
-    let (screen, triangles) = (of(First::Screen), of(First::Triangles));
+    let (screen, triangles) = (drawing(First::Screen), drawing(First::Triangles));
     let (rays, wrong) = against_world(&screen, &scene, &materials);
     assert!(rays > 1000 && wrong * 50 <= rays, "{wrong} of {rays} end elsewhere");
     let has = |drawn: &Drawn, pass: &str| drawn.recorded.iter().any(|p| p.starts_with(pass));
@@ -134,9 +134,9 @@ fn blocks_and_texels_give_the_same_image() {
         let view = scene.view("car").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
         let setup = beyond(First::Screen);
-        let of =
+        let drawing =
             |by_blocks| draw(&gpu, (&scene, "car"), materials.clone(), (&methods::unified::INFO, &setup), by_blocks);
-        let (texels, blocks) = (of(false), of(true));
+        let (texels, blocks) = (drawing(false), drawing(true));
         assert_eq!(texels.reflection.values, blocks.reflection.values, "roughness {roughness}");
         assert!(texels.reflection.values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(texels.reflection.texels().any(|t| t[0] > 0.1), "black at roughness {roughness}");

@@ -306,13 +306,13 @@ fn a_frame_records_what_its_materials_need() {
     let (recorded, skipped, reflects, is_lit) = passes(Globals { reflectivity: 0.0, ..Globals::default() });
     assert_eq!(recorded, ["g-buffer", "lighting"]);
     assert!(!skipped.is_empty() && !reflects && is_lit);
-    let of = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
+    let globals_with = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
     let narrow = ["trace/narrow", "resolve/narrow"];
     let wide = ["trace/wide", "cells", "resolve/wide"];
     for (globals, traced, left_out) in [
-        (of(0.0), &["trace/mirrors"][..], [&narrow[..], &wide, &["color"]].concat()),
-        (of(0.1), &["color/1", "trace/narrow", "resolve/narrow"], [&["trace/mirrors"][..], &wide].concat()),
-        (of(0.3), &["trace/wide", "cells", "resolve/wide"], [&["trace/mirrors"][..], &narrow].concat()),
+        (globals_with(0.0), &["trace/mirrors"][..], [&narrow[..], &wide, &["color"]].concat()),
+        (globals_with(0.1), &["color/1", "trace/narrow", "resolve/narrow"], [&["trace/mirrors"][..], &wide].concat()),
+        (globals_with(0.3), &["trace/wide", "cells", "resolve/wide"], [&["trace/mirrors"][..], &narrow].concat()),
     ] {
         let (recorded, skipped, reflects, is_lit) = passes(globals);
         assert!(traced.iter().all(|t| recorded.iter().any(|p| p == t)), "{recorded:?}");

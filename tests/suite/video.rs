@@ -28,8 +28,8 @@ fn at_rest_every_frame_is_the_still_image() {
     assert_eq!(records.len(), 2);
     for (record, method) in records.iter().zip(["ssct", "unified"]) {
         assert_eq!((&record["method"], &record["way"]), (&method.into(), &"rest".into()));
-        let of = |r: &&Value| r["method"] == method && r["against"] == "world";
-        let still = still.iter().find(of).unwrap();
+        let is_match = |r: &&Value| r["method"] == method && r["against"] == "world";
+        let still = still.iter().find(is_match).unwrap();
         let frames = record["frames"].as_array().unwrap();
         assert_eq!(frames.len(), 3);
         for frame in frames {

@@ -70,12 +70,13 @@ fn inside_a_surface(both: &Both, x: u32, y: u32) -> bool {
     if x == 0 || y == 0 || x + 1 == SIZE[0] || y + 1 == SIZE[1] {
         return false;
     }
-    let at = |dx: i32, dy: i32| {
+    let inverse_z = |dx: i32, dy: i32| {
         let index = both.gbuffer.index((x as i32 + dx) as u32, (y as i32 + dy) as u32);
         1.0 / both.first_hits.view_z_m[index]
     };
-    let second = |dx, dy| (at(dx, dy) + at(-dx, -dy) - 2.0 * at(0, 0)).abs();
-    at(0, 0) > 0.0 && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second(dx, dy) < 1e-4 * at(0, 0))
+    let second = |dx, dy| (inverse_z(dx, dy) + inverse_z(-dx, -dy) - 2.0 * inverse_z(0, 0)).abs();
+    inverse_z(0, 0) > 0.0
+        && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second(dx, dy) < 1e-4 * inverse_z(0, 0))
 }
 
 #[test]

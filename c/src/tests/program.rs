@@ -130,11 +130,11 @@ impl Program {
 
     /// An image of one value, which is left to be sampled; with six layers it is a cube map's.
     pub fn image(&mut self, format: vk::Format, side: u32, value: [f32; 4], layers: u32) -> SsctImage {
-        let of = (
+        let (aspect, usage) = (
             vk::ImageAspectFlags::COLOR,
             vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_DST,
         );
-        let part = vk::ImageSubresourceRange::default().aspect_mask(of.0).level_count(1).layer_count(layers);
+        let part = vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(1).layer_count(layers);
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -142,7 +142,7 @@ impl Program {
             .mip_levels(1)
             .array_layers(layers)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(of.1);
+            .usage(usage);
         let device = &self.device;
         let (image, view) = unsafe {
             let image = device.create_image(&info, None).unwrap();

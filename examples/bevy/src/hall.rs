@@ -63,13 +63,13 @@ fn things(has_moved: bool) -> Vec<Thing> {
         let transform = Transform::from_xyz(x, 1.75, z).with_rotation(Quat::from_rotation_y(turn));
         (Rectangle::new(width, 3.5).into(), transform)
     };
-    let cuboid = |size: Vec3, at: Vec3, turn: f32| {
-        let transform = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(turn));
+    let cuboid = |size: Vec3, centre: Vec3, turn: f32| {
+        let transform = Transform::from_translation(centre).with_rotation(Quat::from_rotation_y(turn));
         (Cuboid::from_size(size).into(), transform)
     };
-    let sphere = |radius: f32, at: Vec3| {
+    let sphere = |radius: f32, centre: Vec3| {
         let mesh = Sphere::new(radius).mesh().ico(3).unwrap_or_else(|_| Sphere::new(radius).into());
-        (mesh, Transform::from_translation(at))
+        (mesh, Transform::from_translation(centre))
     };
     let colors = |a: [f32; 3], b: [f32; 3]| Some([a, b].map(|[r, g, b]| LinearRgba::rgb(r, g, b)));
     let quarter = std::f32::consts::FRAC_PI_2;
@@ -92,15 +92,15 @@ fn things(has_moved: bool) -> Vec<Thing> {
 
 /// A texture between two colours, darker towards a side, with lighter squares: sRGB bytes.
 fn texels([a, b]: [LinearRgba; 2]) -> Vec<u8> {
-    let texel = |at: u32| {
-        let (x, y) = ((at % SIDE) as f32 / SIDE as f32, (at / SIDE) as f32 / SIDE as f32);
+    let texel = |index: u32| {
+        let (x, y) = ((index % SIDE) as f32 / SIDE as f32, (index / SIDE) as f32 / SIDE as f32);
         let is_light = ((8.0 * x) as u32 + (8.0 * y) as u32).is_multiple_of(2);
         let color = a.mix(&b, x) * (1.0 - 0.6 * y) * if is_light { 1.0 } else { 0.7 };
         Srgba::from(color).to_u8_array_no_alpha()
     };
     (0..SIDE * SIDE)
-        .flat_map(|at| {
-            let [r, g, b] = texel(at);
+        .flat_map(|index| {
+            let [r, g, b] = texel(index);
             [r, g, b, 255]
         })
         .collect()
@@ -108,8 +108,8 @@ fn texels([a, b]: [LinearRgba; 2]) -> Vec<u8> {
 
 fn image(colors: [LinearRgba; 2]) -> Image {
     let size = Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
-    let (of, usage) = (TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::default());
-    let mut image = Image::new(size, TextureDimension::D2, texels(colors), of, usage);
+    let (format, usage) = (TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::default());
+    let mut image = Image::new(size, TextureDimension::D2, texels(colors), format, usage);
     let repeat = ImageAddressMode::Repeat;
     let sampler =
         ImageSamplerDescriptor { address_mode_u: repeat, address_mode_v: repeat, ..ImageSamplerDescriptor::linear() };
@@ -192,7 +192,7 @@ impl Sky {
     /// A cube of halves, laid out as cubes are; Bevy's have the world's z the other way round.
     fn cube(self) -> Image {
         const SIDE: u16 = 64;
-        let place = |at: u16| (2.0 * f32::from(at) + 1.0) / f32::from(SIDE) - 1.0;
+        let place = |index: u16| (2.0 * f32::from(index) + 1.0) / f32::from(SIDE) - 1.0;
         let along = |face: u32, s: f32, t: f32| match face {
             0 => Vec3::new(1.0, -t, -s),
             1 => Vec3::new(-1.0, -t, s),
@@ -207,8 +207,8 @@ impl Sky {
             [color.x, color.y, color.z, 1.0].map(|channel| half::f16::from_f32(channel).to_le_bytes())
         });
         let size = Extent3d { width: SIDE.into(), height: SIDE.into(), depth_or_array_layers: 6 };
-        let (data, of) = (data.flatten().collect(), TextureFormat::Rgba16Float);
-        let mut image = Image::new(size, TextureDimension::D2, data, of, RenderAssetUsages::RENDER_WORLD);
+        let (data, format) = (data.flatten().collect(), TextureFormat::Rgba16Float);
+        let mut image = Image::new(size, TextureDimension::D2, data, format, RenderAssetUsages::RENDER_WORLD);
         image.texture_view_descriptor =
             Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::Cube), ..default() });
         image
@@ -236,10 +236,10 @@ fn of_thing(Thing { mesh, transform, colors }: Thing) -> Vec<Triangle> {
         return Vec::new();
     };
     let indices: Vec<usize> = mesh.indices().map_or_else(Vec::new, |indices: &Indices| indices.iter().collect());
-    let of = |[a, b, c]: &[usize; 3]| Triangle {
+    let triangle = |[a, b, c]: &[usize; 3]| Triangle {
         corners: [a, b, c].map(|i| transform.transform_point(positions[*i].into())),
         places: [a, b, c].map(|i| places[*i].into()),
         look: look.clone(),
     };
-    indices.as_chunks::<3>().0.iter().map(of).collect()
+    indices.as_chunks::<3>().0.iter().map(triangle).collect()
 }

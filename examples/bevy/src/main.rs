@@ -242,11 +242,12 @@ fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
     let diagnostics = app.world().resource::<DiagnosticsStore>();
     let mut times: Vec<f64> = diagnostics.get(&path).map_or_else(Vec::new, |d| d.values().skip(3).copied().collect());
     times.sort_by(f64::total_cmp);
-    Ok([times.len() / 2, 0].map(|at| times.get(at).copied().unwrap_or_default()))
+    Ok([times.len() / 2, 0].map(|index| times.get(index).copied().unwrap_or_default()))
 }
 
 fn colors(halves: &[u8]) -> Vec<Vec3> {
-    let channel = |bytes: &[u8], at: usize| half::f16::from_ne_bytes([bytes[2 * at], bytes[2 * at + 1]]).to_f32();
+    let channel =
+        |bytes: &[u8], index: usize| half::f16::from_ne_bytes([bytes[2 * index], bytes[2 * index + 1]]).to_f32();
     halves.chunks_exact(8).map(|texel| Vec3::new(channel(texel, 0), channel(texel, 1), channel(texel, 2))).collect()
 }
 
@@ -286,8 +287,8 @@ struct Figures {
 
 impl Figures {
     fn of(shown: &[Vec3], truth: &[(Vec3, Seen)]) -> Self {
-        let errors = |of: fn(Seen) -> bool| -> Vec<Vec3> {
-            let pixels = shown.iter().zip(truth).filter(|(_, (_, seen))| of(*seen));
+        let errors = |condition: fn(Seen) -> bool| -> Vec<Vec3> {
+            let pixels = shown.iter().zip(truth).filter(|(_, (_, seen))| condition(*seen));
             pixels.map(|(shown, (truth, _))| (*shown - *truth).abs()).collect()
         };
         let rmse = |errors: &[Vec3]| {

@@ -73,8 +73,8 @@ struct Inputs {
 
 // What the reflections read of the G-buffer.
 @fragment
-fn inputs(@builtin(position) at: vec4f) -> Inputs {
-    let surface = surface_at(vec2i(at.xy));
+fn inputs(@builtin(position) position: vec4f) -> Inputs {
+    let surface = surface_at(vec2i(position.xy));
     let normal = (view.view_from_world * vec4f(surface.normal, 0.0)).xyz;
     let reflectivity = dot(surface.f0, vec3f(0.2126, 0.7152, 0.0722));
     let is_seen = shown(surface.perceptual_roughness) > 0.0;
@@ -113,14 +113,14 @@ fn face(corner: Corner) -> @location(0) vec4f {
 
 // The lit colour, and what is reflected: what the rays found, and where they found nothing, the environment map.
 @fragment
-fn add(@builtin(position) at: vec4f) -> @location(0) vec4f {
-    let pixel = vec2i(at.xy);
+fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2i(position.xy);
     let lit = textureLoad(lit_buffer, pixel, 0);
     let surface = surface_at(pixel);
     if all(surface.f0 == vec3f(0.0)) {
         return lit;
     }
-    let ndc = at.xy / vec2f(textureDimensions(depth_buffer)) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let ndc = position.xy / vec2f(textureDimensions(depth_buffer)) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let world = view.world_from_clip * vec4f(ndc, surface.depth, 1.0);
     let to_eye = normalize(select(view.eye.xyz - world.xyz / world.w, view.eye.xyz, view.eye.w > 0.5));
     let facing = max(dot(surface.normal, to_eye), 1e-4);
@@ -141,6 +141,6 @@ fn reflected_share(surface: Surface, facing: f32) -> vec3f {
 
 // Depth as a colour, for whoever keeps images.
 @fragment
-fn depth(@builtin(position) at: vec4f) -> @location(0) vec4f {
-    return vec4f(textureLoad(depth_buffer, vec2i(at.xy), 0), 0.0, 0.0, 0.0);
+fn depth(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return vec4f(textureLoad(depth_buffer, vec2i(position.xy), 0), 0.0, 0.0, 0.0);
 }

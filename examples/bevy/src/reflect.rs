@@ -275,7 +275,7 @@ impl Frame<'_> {
         let bound_sampler = (6, wgpu::BindingResource::Sampler(&passes.sampler));
         let bindings = [bound_view.clone(), bound_map.clone(), bound_sampler.clone()];
         viewed.sky = match (viewed.sky.take(), environment) {
-            (Some((of, sky)), Some((is, _))) if of == is => Some((of, sky)),
+            (Some((source, sky)), Some((is, _))) if source == is => Some((source, sky)),
             (_, Some((is, image))) => Some((is, passes.sky(device, encoder, &bindings, image.texture.width()))),
             (_, None) => None,
         };
@@ -337,15 +337,15 @@ impl Frame<'_> {
         (lit, lit_view): (&wgpu::Texture, &wgpu::TextureView),
         [view_to_clip, world_to_view]: &[[f32; 16]; 2],
     ) -> Result<ssct::FrameInput<'t>> {
-        let of = |picture: &Picture| input(self.adapter, &picture.texture, &picture.view);
+        let picture_input = |picture: &Picture| input(self.adapter, &picture.texture, &picture.view);
         let (world_to_view, view_to_clip) = (*world_to_view, *view_to_clip);
-        let material = of(&viewed.material)?;
+        let material = picture_input(&viewed.material)?;
         Ok(ssct::FrameInput {
             slot: 0,
             camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Up },
             depth: input(self.adapter, depth, depth_view)?,
             normal: ssct::NormalInput {
-                image: of(&viewed.normal)?,
+                image: picture_input(&viewed.normal)?,
                 space: ssct::NormalSpace::View,
                 encoding: ssct::NormalEncoding::Float,
             },
@@ -353,7 +353,7 @@ impl Frame<'_> {
             roughness: ssct::FactorInput::Channel(material, 1),
             reflectors: ssct::Reflectors::UNKNOWN,
             color: input(self.adapter, lit, lit_view)?,
-            sky: viewed.sky.as_ref().map(|(_, sky)| of(sky)).transpose()?,
+            sky: viewed.sky.as_ref().map(|(_, sky)| picture_input(sky)).transpose()?,
             captures: None,
             triangles: None,
             triangle_numbers: None,

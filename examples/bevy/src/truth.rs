@@ -30,7 +30,7 @@ pub struct Triangle {
 
 /// Where a ray ends.
 struct Met<'a> {
-    at: f32,
+    distance: f32,
     weights: Vec3,
     triangle: &'a Triangle,
 }
@@ -55,9 +55,9 @@ pub fn picture(
     world_from_view: Mat4,
 ) -> Vec<(Vec3, Seen)> {
     let scale = Vec2::new(1.0 / clip_from_view.x_axis.x, 1.0 / clip_from_view.y_axis.y);
-    let pixel = |at: usize| {
-        let ndc =
-            Vec2::new((at % width) as f32 + 0.5, (at / width) as f32 + 0.5) / Vec2::new(width as f32, height as f32);
+    let pixel = |index: usize| {
+        let ndc = Vec2::new((index % width) as f32 + 0.5, (index / width) as f32 + 0.5)
+            / Vec2::new(width as f32, height as f32);
         let ndc = ndc * Vec2::new(2.0, -2.0) + Vec2::new(-1.0, 1.0);
         let direction = world_from_view.transform_vector3((ndc * scale).extend(-1.0)).normalize();
         let eye = world_from_view.w_axis.truncate();
@@ -66,7 +66,7 @@ pub fn picture(
             return (first.color(), Seen::Directly);
         }
         let normal = first.triangle.normal();
-        let start = eye + first.at * direction;
+        let start = eye + first.distance * direction;
         let mirrored = direction - 2.0 * direction.dot(normal) * normal;
         let start = start + 1e-4 * normal * mirrored.dot(normal).signum();
         let met = nearest(triangles, start, mirrored);
@@ -96,10 +96,10 @@ fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<
         let u = from.dot(normal) / determinant;
         let turned = from.cross(along);
         let v = direction.dot(turned) / determinant;
-        let at = across.dot(turned) / determinant;
-        let is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && at > 0.0;
-        if is_met && best.as_ref().is_none_or(|best| at < best.at) {
-            best = Some(Met { at, weights: Vec3::new(1.0 - u - v, u, v), triangle });
+        let distance = across.dot(turned) / determinant;
+        let is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+        if is_met && best.as_ref().is_none_or(|best| distance < best.distance) {
+            best = Some(Met { distance, weights: Vec3::new(1.0 - u - v, u, v), triangle });
         }
     }
     best
@@ -129,8 +129,8 @@ impl Met<'_> {
 impl Texture {
     fn at(&self, place: Vec2) -> Vec3 {
         let size = Vec2::new(self.width as f32, self.height as f32);
-        let at = (place - place.floor()) * size - 0.5;
-        let (low, part) = (at.floor(), at - at.floor());
+        let position = (place - place.floor()) * size - 0.5;
+        let (low, part) = (position.floor(), position - position.floor());
         let texel = |x: f32, y: f32| {
             let wrapped = Vec2::new(x, y).rem_euclid(size);
             self.texels[wrapped.y as usize * self.width + wrapped.x as usize]

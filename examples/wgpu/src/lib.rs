@@ -140,12 +140,12 @@ pub fn input(adapter: &wgpu::Adapter, texture: &wgpu::Texture, view: &wgpu::Text
     let view = unsafe { view.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
     // SAFETY: as above.
     let raw_format = unsafe { adapter.as_hal::<Vulkan>() }.ok_or(NO_VULKAN)?.texture_format_as_raw(format);
-    let of = match (format.is_depth_stencil_format(), texture.depth_or_array_layers()) {
+    let constructor = match (format.is_depth_stencil_format(), texture.depth_or_array_layers()) {
         (true, _) => ssct::ImageInput::depth,
         (false, 6) => ssct::ImageInput::cube,
         (false, _) => ssct::ImageInput::color,
     };
-    Ok(of(image, view, raw_format, extent).used(resource(format), resource(format)))
+    Ok(constructor(image, view, raw_format, extent).used(resource(format), resource(format)))
 }
 
 /// An image of the library's that is in the state `RESOURCE`, as a texture of wgpu's. wgpu does not destroy it.

@@ -31,20 +31,20 @@ fn scene(@builtin(position) pixel: vec4f) -> Drawn {
     var material = vec2f(0.0);
     if ray.y < 0.0 {
         t = -eye.y / ray.y;
-        let at = eye + t * ray;
-        let square = floor(at.x) + floor(at.z);
+        let point = eye + t * ray;
+        let square = floor(point.x) + floor(point.z);
         let checker = square - 2.0 * floor(0.5 * square);
         normal = vec3f(0.0, 1.0, 0.0);
         color = mix(vec3f(0.05), vec3f(0.3, 0.28, 0.25), checker);
-        material = vec2f(0.6, select(0.15, 0.0, at.x < 0.0));
+        material = vec2f(0.6, select(0.15, 0.0, point.x < 0.0));
     }
     let wall = (-8.0 - eye.z) / ray.z;
     if wall > 0.0 && wall < t {
-        let at = eye + wall * ray;
+        let point = eye + wall * ray;
         t = wall;
         normal = vec3f(0.0, 0.0, 1.0);
         material = vec2f(0.0);
-        color = 0.5 + 0.4 * cos(vec3f(0.0, 2.0, 4.0) + 0.9 * at.x + 0.4 * at.y);
+        color = 0.5 + 0.4 * cos(vec3f(0.0, 2.0, 4.0) + 0.9 * point.x + 0.4 * point.y);
     }
     for (var i = 0; i < 2; i++) {
         let is_mirror = i == 0;

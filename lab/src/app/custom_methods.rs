@@ -34,13 +34,13 @@ pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>>
             flag = None;
             continue;
         };
-        if let Some(of) = flag.take() {
-            replaced.push(names(of, text, &mut known)?.into());
+        if let Some(option) = flag.take() {
+            replaced.push(names(option, text, &mut known)?.into());
             continue;
         }
         match text.split_once('=') {
-            Some((of, value)) if flags().any(|flag| flag == of) => {
-                replaced.push(format!("{of}={}", names(of, value, &mut known)?).into());
+            Some((option, value)) if flags().any(|flag| flag == option) => {
+                replaced.push(format!("{option}={}", names(option, value, &mut known)?).into());
             }
             _ => {
                 flag = flags().find(|flag| *flag == text);

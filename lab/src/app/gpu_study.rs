@@ -134,11 +134,11 @@ impl Plan {
 
     /// `traced` by a walk through the tree, and by ray queries; nothing on a device that has none.
     fn tracers<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Option<TimeSpec<'a>> {
-        let of = |tracer| {
+        let variant = |tracer| {
             let setup = Setup::new(self.size).with(|p: &mut EffectParams| p.tracer = tracer);
             Variant { method: &traced::INFO, setup }
         };
-        let variants = [Tracer::Tree, Tracer::Query].map(of).to_vec();
+        let variants = [Tracer::Tree, Tracer::Query].map(variant).to_vec();
         let globals = FIRST_ROUGHNESS.map(of_roughness).to_vec();
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }

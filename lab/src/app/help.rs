@@ -178,8 +178,8 @@ fn arranged(is_short: bool) -> Command {
     // What hands its arguments on to another program leaves the help to it, too.
     let has_help = |c: &&Command| !c.is_disable_help_flag_set();
     let names: Vec<String> = command.get_subcommands().filter(has_help).map(|c| c.get_name().to_owned()).collect();
-    let of = |name: &String| format!("ssct {name}");
-    let paths = names.iter().map(of).collect::<Vec<_>>();
+    let command_path = |name: &String| format!("ssct {name}");
+    let paths = names.iter().map(command_path).collect::<Vec<_>>();
     let overview = overview(&command);
     let [help, version] = help_options();
     let help = help.help("Print this");
@@ -194,11 +194,11 @@ fn arranged(is_short: bool) -> Command {
 fn groups() -> Vec<(&'static str, Vec<String>)> {
     let studies = StudyCommand::augment_subcommands(Command::new(""));
     let studies: Vec<String> = studies.get_subcommands().map(|c| c.get_name().to_owned()).collect();
-    let of = |(title, names): (&'static str, &[&str])| {
+    let group = |(title, names): (&'static str, &[&str])| {
         let own = names.iter().map(|name| (*name).to_owned());
         (title, studies.iter().filter(|_| title == MEASURE).cloned().chain(own).collect())
     };
-    GROUPS.into_iter().map(of).collect()
+    GROUPS.into_iter().map(group).collect()
 }
 
 /// The help of the program: its commands in groups.
@@ -246,7 +246,7 @@ fn short(command: Command, path: &str) -> Command {
     let has_few = options().count() <= FEW;
     let all = options().count();
     let order = |a: &Arg| match place(&SHORT_LAST, a) {
-        at if at < SHORT_LAST.len() => SHORT.len() + 1 + at,
+        position if position < SHORT_LAST.len() => SHORT.len() + 1 + position,
         _ => place(&SHORT, a),
     };
     let is_shown = |a: &Arg| has_few || a.is_required_set() || order(a) != SHORT.len();
@@ -293,9 +293,9 @@ fn long(command: Command) -> Command {
     }
     let rank = |argument: &Arg| {
         let heading = argument.get_help_heading()?;
-        let of = HEADINGS.iter().position(|(known, _)| *known == heading).unwrap_or(HEADINGS.len());
-        let in_it = HEADINGS.get(of).map_or(0, |(_, ids)| place(ids, argument));
-        Some((of, in_it))
+        let heading_index = HEADINGS.iter().position(|(known, _)| *known == heading).unwrap_or(HEADINGS.len());
+        let in_it = HEADINGS.get(heading_index).map_or(0, |(_, ids)| place(ids, argument));
+        Some((heading_index, in_it))
     };
     // Positional arguments have no heading, come first and keep their order; so do the parameters of methods at the end.
     sorted.sort_by_key(rank);

@@ -76,8 +76,8 @@ fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     if cells.version == version && cells.commit == commit {
         return Ok(());
     }
-    let of = format!("version {}, commit {}", cells.version, cells.commit);
-    let message = format!("was measured by {of}; this program is version {version}, commit {commit}");
+    let other_program = format!("version {}, commit {}", cells.version, cells.commit);
+    let message = format!("was measured by {other_program}; this program is version {version}, commit {commit}");
     Err(Error::malformed(folder, None, message))
 }
 
@@ -103,7 +103,7 @@ fn same_folder(a: &Path, b: &Path) -> bool {
 
 /// The merger of figures, which are no study.
 fn of_figures() -> Merger {
-    let results = ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |_| false };
+    let results = ResultKind { read: |_, listed, journal| journal.value(&listed.key).cloned(), is_time: |_| false };
     Merger { kind: "figures", results, check: check_figures, write: write_figures }
 }
 
@@ -139,9 +139,9 @@ fn unreadable(e: serde_json::Error) -> Error {
 
 /// Writes the figures of each device, and their pages.
 fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result<()> {
-    let drawn = |of: &MergedResult| {
-        let entry = Entry::deserialize(&of.value).map_err(unreadable)?;
-        Ok(Drawn { device: merged.cells.devices[of.device].clone(), entry })
+    let drawn = |result: &MergedResult| {
+        let entry = Entry::deserialize(&result.value).map_err(unreadable)?;
+        Ok(Drawn { device: merged.cells.devices[result.device].clone(), entry })
     };
     let all = merged.results.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     let CellList { command, definitions, devices, .. } = &merged.cells;

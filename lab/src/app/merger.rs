@@ -36,10 +36,10 @@ impl Merger {
     /// The merger of a study.
     pub fn of<S: Study>() -> Self {
         let results = ResultKind {
-            read: |list, of, journal| {
-                let is_whole = S::Row::is_whole(list, of, journal);
+            read: |list, listed, journal| {
+                let is_whole = S::Row::is_whole(list, listed, journal);
                 // No two runs must have the same samples.
-                is_whole.then(|| journal.value(&of.key).cloned().unwrap_or_default())
+                is_whole.then(|| journal.value(&listed.key).cloned().unwrap_or_default())
             },
             is_time: |name| S::Row::columns().times.contains(name),
         };

@@ -59,7 +59,7 @@ pub struct ReferencePart {
 impl ReferencePart {
     /// A share of a reference's rays.
     pub fn new(reference: &WorldReference, (scene, view): (&Scene, &View), shard: Shard, rays: u32) -> Self {
-        let samples = samples_of(shard.index, shard.of, rays);
+        let samples = samples_of(shard.index, shard.count, rays);
         Self {
             definitions: DEFINITIONS,
             version: Provenance::VERSION.to_owned(),
@@ -108,7 +108,10 @@ pub fn sample(
     let [first, end] = part.samples;
     let kept = part.sums_in(folder);
     if first == end {
-        eprintln!("ssct: warning: shard {} has no rays: {} are too few for {}", part.shard, part.rays, part.shard.of);
+        eprintln!(
+            "ssct: warning: shard {} has no rays: {} are too few for {}",
+            part.shard, part.rays, part.shard.count
+        );
         return Ok(reference.start_at(first));
     }
     files::write(&kept.with_extension(PART), format!("{}\n", json!(part)).as_bytes())?;
@@ -202,8 +205,8 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
 fn report(options: &MergeOptions, merged: &[(ReferencePart, WorldPart)], missing: &[String]) -> anyhow::Result<()> {
     let mut out = printed::out();
     if options.json {
-        let of = |(part, whole): &(ReferencePart, WorldPart)| json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": whole.samples().end});
-        let references: Vec<_> = merged.iter().map(of).collect();
+        let entry = |(part, whole): &(ReferencePart, WorldPart)| json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": whole.samples().end});
+        let references: Vec<_> = merged.iter().map(entry).collect();
         let (folders, output) = (&options.folders, &options.output);
         let summary = json!({"kind": "reference", "folders": folders, "output": output, "references": references, "missing": missing});
         return Ok(printed::json(&summary)?);

@@ -201,11 +201,11 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     };
     let reflectivity = in_unit("--reflectivity", options.reflectivity)?;
     let normal_deviation = options.normal_deviation.map(|d| in_unit("--normal-deviation", d)).transpose()?;
-    let of = |roughness| Globals { roughness, reflectivity, normal_deviation };
+    let factors = |roughness| Globals { roughness, reflectivity, normal_deviation };
     if options.roughness.is_empty() {
-        return Ok(vec![of(None)]);
+        return Ok(vec![factors(None)]);
     }
-    listed(&options.roughness).into_iter().map(|r| Ok(of(Some(in_unit("--roughness", r)?)))).collect()
+    listed(&options.roughness).into_iter().map(|r| Ok(factors(Some(in_unit("--roughness", r)?)))).collect()
 }
 
 /// The global factors where only one roughness makes sense; `why` says so.
@@ -313,11 +313,11 @@ pub fn variants(
     let methods = methods(&options.method, base, scenes, lenses)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
     Ok(if options.captures_sweep {
-        let of = |method: &&'static MethodInfo| match method.takes_captures {
+        let method_variants = |method: &&'static MethodInfo| match method.takes_captures {
             true => sweep::captures(method, base),
             false => vec![plain(method)],
         };
-        methods.iter().flat_map(of).collect()
+        methods.iter().flat_map(method_variants).collect()
     } else if options.fallback_sweep {
         methods.iter().flat_map(|method| sweep::fallbacks(method, base)).collect()
     } else if options.bounces_sweep {

@@ -137,12 +137,12 @@ mod tests {
 
     #[test]
     fn shards_of_a_study_have_one_command() {
-        let of = |text: &str| of_the_study(text.split_whitespace().map(str::to_owned));
+        let study_command = |text: &str| of_the_study(text.split_whitespace().map(str::to_owned));
         let study = "ssct error --quick --rays 4";
         for more in
             ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", "--references a b c", ""]
         {
-            assert_eq!(of(&format!("error --quick {more} --rays 4")), study);
+            assert_eq!(study_command(&format!("error --quick {more} --rays 4")), study);
         }
         let quoted = of_the_study(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
         assert_eq!(quoted, "ssct error --variant \"stochastic --history on\"");

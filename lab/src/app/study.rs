@@ -321,8 +321,8 @@ impl<'a> Study<'a> {
             match part {
                 Part::Table(spec) => tabled.extend(timing::records(spec, journal)),
                 Part::Times(spec) => viewed.extend(timing::records(spec, journal)),
-                Part::Errors(of) => {
-                    let list = &of.1;
+                Part::Errors(error_part) => {
+                    let list = &error_part.1;
                     errors.extend(engine::rows(list, journal));
                     Results { rows: &errors, list, missing: &[] }.write(&folder.join(ERROR_FOLDER))?;
                 }
@@ -377,12 +377,12 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
 
 /// What lies beside the page.
 fn records(folder: &Inside) -> Vec<(String, String)> {
-    let of = |file: &str, what: &str| (file.to_owned(), what.to_owned());
+    let record = |file: &str, what: &str| (file.to_owned(), what.to_owned());
     let mut all = vec![
-        of("time.json", "every time, one record a method, view, size and roughness"),
-        of("time-samples.csv", "every sample of every pass"),
-        of("journal.jsonl", "every sample and cell as it was measured, for --resume"),
-        of("images/", "the pictures, lossless"),
+        record("time.json", "every time, one record a method, view, size and roughness"),
+        record("time-samples.csv", "every sample of every pass"),
+        record("journal.jsonl", "every sample and cell as it was measured, for --resume"),
+        record("images/", "the pictures, lossless"),
         (format!("{TRUTH_FOLDER}/"), "the truth's samples, with which the next run goes on".into()),
         (format!("{ERROR_FOLDER}/error.json"), "every error, one record a method, cell and reference".into()),
         (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),

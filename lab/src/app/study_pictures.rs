@@ -44,11 +44,11 @@ pub struct Shown<'a> {
 /// them.
 pub fn of_view(
     stage: &mut Stage,
-    of: &Shown,
+    subject: &Shown,
     folder: &Inside,
     step: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Gallery> {
-    let Shown { scene, view, size, methods } = *of;
+    let Shown { scene, view, size, methods } = *subject;
     let plain = Setup::new(size);
     let on_screen = Setup::on_screen(size);
     let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));

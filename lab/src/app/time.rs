@@ -211,11 +211,11 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
 /// The captions whose view a scene has, and that the flags ask for.
 fn wanted<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
     let asked = options.common.place.view.as_deref();
-    let of = |c: &Caption| {
+    let caption_and_scene = |c: &Caption| {
         let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;
         asked.is_none_or(|view| view == c.view).then_some((*c, scene))
     };
-    let wanted: Vec<_> = CAPTIONS.iter().filter_map(of).collect();
+    let wanted: Vec<_> = CAPTIONS.iter().filter_map(caption_and_scene).collect();
     if wanted.is_empty() {
         let views: Vec<&str> = CAPTIONS.iter().map(|c| c.view).collect();
         let views = views.join(", ");

@@ -38,7 +38,7 @@ fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Resul
     let clauses: Vec<String> = unfed.iter().map(clause).collect();
     let them = if unfed.iter().map(|(_, missing)| missing.len()).sum::<usize>() == 1 { "it" } else { "them" };
     let message = format!("{}; name {them} under [inputs] or [values]", clauses.join("; "));
-    Err(manifest.error(&first.at, message))
+    Err(manifest.error(&first.span, message))
 }
 
 /// The name by which messages call the shader of a pass.
@@ -95,7 +95,7 @@ impl PassBindings {
     fn read(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<(Self, Vec<String>)> {
         let shader = PassShader { manifest, pass, compiled, file: file_name(pass), missing: RefCell::default() };
         kinds::check_stage(manifest, pass, &compiled.interface, &shader.file)
-            .map_err(|m| shader.wrong(&pass.at, &m))?;
+            .map_err(|m| shader.wrong(&pass.span, &m))?;
         let mut inputs = Vec::new();
         for variable in &compiled.interface.variables {
             inputs.extend(shader.bound(variable)?);
@@ -120,8 +120,8 @@ struct PassShader<'a> {
 }
 
 impl PassShader<'_> {
-    fn wrong(&self, at: &Range<usize>, message: &str) -> Error {
-        self.manifest.error(at, format!("pass {:?}: {message}", self.pass.name))
+    fn wrong(&self, span: &Range<usize>, message: &str) -> Error {
+        self.manifest.error(span, format!("pass {:?}: {message}", self.pass.name))
     }
 
     /// The error about a variable that has neither a name nor a source.
@@ -131,7 +131,7 @@ impl PassShader<'_> {
             "nothing feeds {name:?} of {file}: {}; say what it is under [inputs], as in {name:?} = \"depth:reversed\"",
             reflect::nameless(name)
         );
-        self.wrong(&self.pass.at, &message)
+        self.wrong(&self.pass.span, &message)
     }
 
     fn is_unfed(&self, what: String) {
@@ -146,16 +146,16 @@ impl PassShader<'_> {
             let full = format!("{block}.{}", field.name);
             let given = [full.as_str(), field.name.as_str()].into_iter().find_map(|name| self.pass.values.get(name));
             let own = self.compiled.own.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
-            let (feed, at) = match (given, own) {
-                (Some((feed, at)), _) => (feed.clone(), at),
-                (None, Some((_, Some(numbers)))) => (Feed::Numbers(numbers.clone()), &self.pass.at),
+            let (feed, span) = match (given, own) {
+                (Some((feed, span)), _) => (feed.clone(), span),
+                (None, Some((_, Some(numbers)))) => (Feed::Numbers(numbers.clone()), &self.pass.span),
                 (None, _) if !field.is_read => continue,
                 (None, Some((name, None))) => {
                     let message = format!(
                         "the value that {name} of {} has of its own is more than numbers; give it under [values]",
                         self.file
                     );
-                    return Err(self.wrong(&self.pass.at, &message));
+                    return Err(self.wrong(&self.pass.span, &message));
                 }
                 (None, None) => {
                     let hint = published::hint(block, &field.name).map_or(String::new(), |hint| format!(" ({hint})"));
@@ -164,7 +164,7 @@ impl PassShader<'_> {
                 }
             };
             let filled = Filled::new(field, feed);
-            fields.push(filled.map_err(|m| self.wrong(at, &format!("{full} of {}: {m}", self.file)))?);
+            fields.push(filled.map_err(|m| self.wrong(span, &format!("{full} of {}: {m}", self.file)))?);
         }
         Ok(fields)
     }
@@ -173,7 +173,7 @@ impl PassShader<'_> {
     fn bound(&self, v: &Variable) -> Result<Option<BoundInput>> {
         if v.count > 1 {
             let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
-            return Err(self.wrong(&self.pass.at, &message));
+            return Err(self.wrong(&self.pass.span, &message));
         }
         if let VariableKind::Uniform(layout) = &v.kind {
             return Ok(Some(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize)));
@@ -248,15 +248,16 @@ pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let all = 0..manifest.passes.len();
     let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {
         let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.at().clone()));
-        inputs.chain(pass.values.iter().map(|(name, (_, at))| (name.clone(), at.clone()))).collect()
+        inputs.chain(pass.values.iter().map(|(name, (_, span))| (name.clone(), span.clone()))).collect()
     };
     for pass in &manifest.passes {
-        for (name, at) in names(pass) {
+        for (name, span) in names(pass) {
             // What stands at the top holds for every pass, and is read if one of them reads it.
-            let of =
-                all.clone().filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == at));
-            if !of.clone().any(|k| reads(k, &name)) {
-                return Err(manifest.error(&at, format!("no shader reads {name}")));
+            let passes = all
+                .clone()
+                .filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == span));
+            if !passes.clone().any(|k| reads(k, &name)) {
+                return Err(manifest.error(&span, format!("no shader reads {name}")));
             }
         }
     }

@@ -55,12 +55,12 @@ enum Made {
         copy: ComputePipeline<Reduce<'static>>,
         reduce: ComputePipeline<Reduce<'static>>,
         chain: Image,
-        of: ImageSource,
+        original: ImageSource,
     },
     Noise(Image),
     /// What a source was in the frame before, and what it is now, in turn.
     Kept {
-        of: ImageSource,
+        original: ImageSource,
         images: Vec<Image>,
     },
 }
@@ -134,8 +134,8 @@ impl Inputs {
             ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
-                let of = ImageSource::Depth(*depth);
-                self.add(gpu, extent, &of, conventions)?;
+                let original = ImageSource::Depth(*depth);
+                self.add(gpu, extent, &original, conventions)?;
                 let size = if *padded { extent.map(u32::next_power_of_two) } else { extent };
                 use vk::ImageUsageFlags as U;
                 let name = source.to_string();
@@ -146,27 +146,27 @@ impl Inputs {
                     copy: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: true })?,
                     reduce: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: false })?,
                     chain: Image::new(gpu, &desc)?,
-                    of,
+                    original,
                 }
             }
-            ImageSource::Previous(of) => {
-                if let ImageSource::Own(_) = **of {
+            ImageSource::Previous(original) => {
+                if let ImageSource::Own(_) = **original {
                     // The method keeps its own images.
                     Made::There
                 } else {
-                    if **of == ImageSource::Depth(Depth::Reversed) {
+                    if **original == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour image, which the shader then reads instead.
-                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
+                        let as_color = ((**original).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
                         // Takes the place of the entry that is there, since later entries are made of it.
-                        match self.made.iter_mut().find(|(known, _)| known == &**of) {
+                        match self.made.iter_mut().find(|(known, _)| known == &**original) {
                             Some(known) => *known = as_color,
                             None => self.made.push(as_color),
                         }
                     }
-                    self.add(gpu, extent, of, conventions)?;
-                    let (name, format) = (source.to_string(), self.kept_format(of));
+                    self.add(gpu, extent, original, conventions)?;
+                    let (name, format) = (source.to_string(), self.kept_format(original));
                     let image = || Image::target(gpu, &name, format, extent);
-                    Made::Kept { of: (**of).clone(), images: vec![image()?, image()?] }
+                    Made::Kept { original: (**original).clone(), images: vec![image()?, image()?] }
                 }
             }
         };
@@ -175,11 +175,11 @@ impl Inputs {
     }
 
     /// The format of what is kept of a source.
-    fn kept_format(&self, of: &ImageSource) -> vk::Format {
-        match self.made.iter().find(|(known, _)| known == of) {
+    fn kept_format(&self, source: &ImageSource) -> vk::Format {
+        match self.made.iter().find(|(known, _)| known == source) {
             Some((_, Made::Converted { image, .. })) => image.format(),
             Some((_, Made::Thesis(_))) => vk::Format::R32G32_SFLOAT,
-            _ => match of {
+            _ => match source {
                 ImageSource::Depth(_) => vk::Format::R32_SFLOAT,
                 ImageSource::Material => vk::Format::R16G16_SFLOAT,
                 _ => LIT_COLOR,
@@ -217,8 +217,8 @@ impl Inputs {
                     };
                     frame.fullscreen(&name, pipeline, [Target::overwrite(image.all())], &program)?;
                 }
-                Made::Reduced { copy, reduce, chain, of } => {
-                    let depth = self.slice(of, input, 0)?;
+                Made::Reduced { copy, reduce, chain, original } => {
+                    let depth = self.slice(original, input, 0)?;
                     for level in 0..chain.levels() {
                         let below = if level == 0 { depth } else { chain.level(level - 1) };
                         let program = Reduce { below: Sampled::nearest(below), level: chain.level(level) };
@@ -242,7 +242,7 @@ impl Inputs {
                 Made::Visibility(pass) => (Content::Share, pass.made().0),
                 Made::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
                 Made::Converted { image, .. } => (content(source), image),
-                Made::Reduced { chain, of: reduced, .. } => (content(reduced), chain),
+                Made::Reduced { chain, original: reduced, .. } => (content(reduced), chain),
             };
             Some(Intermediate { name, content, image })
         })
@@ -251,8 +251,8 @@ impl Inputs {
     /// Keeps what the next frame reads of this one.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
         for (source, made) in &self.made {
-            if let Made::Kept { of, images } = made {
-                frame.blit(&format!("keep {source}"), self.slice(of, input, turn)?, images[turn].all())?;
+            if let Made::Kept { original, images } = made {
+                frame.blit(&format!("keep {source}"), self.slice(original, input, turn)?, images[turn].all())?;
             }
         }
         Ok(())

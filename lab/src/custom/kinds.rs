@@ -92,7 +92,7 @@ fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKi
     match source {
         ImageSource::Sky => ImageKind { dim: Dim::Cube, ..plane },
         ImageSource::Captures(_) => ImageKind { dim: Dim::Cube, arrayed: true, ..plane },
-        ImageSource::Previous(of) => fed(of, images),
+        ImageSource::Previous(original) => fed(original, images),
         ImageSource::Own(name) => {
             let format = images.get(name).and_then(|section| format_of(&section.format));
             ImageKind { component: format.map_or(Component::Float, component), ..plane }

@@ -84,7 +84,7 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
     let (mut depth, mut is_block, mut is_function) = (0_usize, false, false);
     let mut at_line_start = true;
     let mut bytes = text.bytes().enumerate();
-    while let Some((at, byte)) = bytes.next() {
+    while let Some((offset, byte)) = bytes.next() {
         if byte == b'#' && at_line_start {
             // A directive takes its whole line.
             bytes.by_ref().find(|(_, b)| *b == b'\n');
@@ -92,11 +92,11 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
         }
         at_line_start = byte == b'\n' || (at_line_start && byte.is_ascii_whitespace());
         if !byte.is_ascii_whitespace() {
-            start.get_or_insert(at);
+            start.get_or_insert(offset);
         }
         match byte {
             b'{' => {
-                let before = start.map_or("", |start| text[start..at].trim_end());
+                let before = start.map_or("", |start| text[start..offset].trim_end());
                 if depth == 0 {
                     is_function = before.ends_with(')');
                     // A list of values stands behind an equals sign.
@@ -111,7 +111,7 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
                 }
             }
             b';' if depth == 0 => {
-                found.extend(start.filter(|_| !is_block).map(|from| (from, at + 1)));
+                found.extend(start.filter(|_| !is_block).map(|from| (from, offset + 1)));
                 (start, is_block, is_function) = (None, false, false);
             }
             _ => {}
@@ -182,13 +182,13 @@ fn word(text: &str) -> &str {
 /// The parts of a text between separators that stand outside of brackets.
 fn parts(text: &str, separator: char) -> Vec<&str> {
     let (mut found, mut depth, mut start) = (Vec::new(), 0_i32, 0);
-    for (at, c) in text.char_indices() {
+    for (offset, c) in text.char_indices() {
         match c {
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' => depth -= 1,
             c if c == separator && depth == 0 => {
-                found.push(&text[start..at]);
-                start = at + c.len_utf8();
+                found.push(&text[start..offset]);
+                start = offset + c.len_utf8();
             }
             _ => {}
         }
@@ -209,10 +209,10 @@ fn is_opaque(kind: &str) -> bool {
 /// Whether GLSL defines a type.
 fn is_built_in(kind: &str) -> bool {
     let size = |rest: &str| rest.len() == 1 && rest.starts_with(['2', '3', '4']);
-    let of = |prefix: &str| kind.strip_prefix(prefix).is_some_and(size);
+    let is_vector = |prefix: &str| kind.strip_prefix(prefix).is_some_and(size);
     let matrix = |rest: &str| size(rest) || rest.split_once('x').is_some_and(|(c, r)| size(c) && size(r));
     ["float", "int", "uint", "bool"].contains(&kind)
-        || ["vec", "ivec", "uvec", "bvec"].into_iter().any(of)
+        || ["vec", "ivec", "uvec", "bvec"].into_iter().any(is_vector)
         || kind.strip_prefix("mat").is_some_and(matrix)
 }
 

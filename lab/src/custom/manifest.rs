@@ -69,7 +69,7 @@ impl Manifest {
     fn checked(folder: &Path, text: String, sections: Sections) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let source = SourceText { path: &path, text: &text };
-        let wrong = |at: Range<usize>, message: String| source.error(at, message);
+        let wrong = |span: Range<usize>, message: String| source.error(span, message);
         let name = sections.name.get_ref();
         if !is_word(name) {
             let message = format!("the name {name:?} must consist of small letters, digits and hyphens");
@@ -81,16 +81,19 @@ impl Manifest {
             Some(s) => return Err(wrong(s.span(), "patience-s must be above 0 and at most 100000 seconds".into())),
         };
         for (name, image) in &sections.image {
-            let of = image.get_ref();
-            if format_of(&of.format).is_none() {
+            let section = image.get_ref();
+            if format_of(&section.format).is_none() {
                 let known = FORMATS.map(|(name, _)| name).join(", ");
-                return Err(wrong(image.span(), format!("image {name}: no format {:?}; there is: {known}", of.format)));
+                return Err(wrong(
+                    image.span(),
+                    format!("image {name}: no format {:?}; there is: {known}", section.format),
+                ));
             }
-            if of.format.ends_with('i') && of.clear.number().is_some_and(|number| number != 0.0) {
-                let whole = format!("{} has whole numbers, which are cleared to 0 alone (true)", of.format);
+            if section.format.ends_with('i') && section.clear.number().is_some_and(|number| number != 0.0) {
+                let whole = format!("{} has whole numbers, which are cleared to 0 alone (true)", section.format);
                 return Err(wrong(image.span(), format!("image {name}: {whole}")));
             }
-            if !(of.scale > 0.0 && of.scale <= MOST_SCALE) {
+            if !(section.scale > 0.0 && section.scale <= MOST_SCALE) {
                 return Err(wrong(
                     image.span(),
                     format!("image {name}: the scale must be above 0 and at most {MOST_SCALE}"),
@@ -102,8 +105,10 @@ impl Manifest {
         let buffers: BTreeMap<String, BufferSection> =
             sections.buffer.iter().map(|(name, b)| (name.clone(), b.get_ref().clone())).collect();
         for (name, buffer) in &sections.buffer {
-            let of = buffer.get_ref();
-            if !(0.0..=1024.0).contains(&of.bytes_per_pixel) || (of.bytes == 0 && of.bytes_per_pixel == 0.0) {
+            let section = buffer.get_ref();
+            if !(0.0..=1024.0).contains(&section.bytes_per_pixel)
+                || (section.bytes == 0 && section.bytes_per_pixel == 0.0)
+            {
                 let message = format!("buffer {name} needs bytes, or bytes-per-pixel up to 1024, or both");
                 return Err(wrong(buffer.span(), message));
             }
@@ -179,8 +184,8 @@ impl Manifest {
     }
 
     /// An error at a place of the manifest.
-    pub fn error(&self, at: &Range<usize>, message: impl Into<String>) -> Error {
-        SourceText { path: &self.folder.join(MANIFEST), text: &self.text }.error(at.clone(), message)
+    pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> Error {
+        SourceText { path: &self.folder.join(MANIFEST), text: &self.text }.error(span.clone(), message)
     }
 
     /// Whether a value of this name feeds a shader.

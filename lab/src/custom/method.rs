@@ -207,7 +207,7 @@ impl Running {
                         pass.name,
                         buffer.size()
                     );
-                    return Err(manifest.error(&pass.at, message));
+                    return Err(manifest.error(&pass.span, message));
                 }
             }
             let constants = bindings::constants(pass, &made, &still);
@@ -338,9 +338,9 @@ impl Running {
         (level, turn): (u32, usize),
         state: &impl Fn([u32; 2], u32) -> FrameState<'s>,
     ) -> Result<bool> {
-        let slice = |name: &str, of: LevelOf, turn: usize| -> Option<ImageSlice<'a>> {
+        let slice = |name: &str, wanted_level: LevelOf, turn: usize| -> Option<ImageSlice<'a>> {
             let image = self.own(name, turn);
-            let number = match of {
+            let number = match wanted_level {
                 LevelOf::All => return Some(image.all()),
                 LevelOf::Number(n) => n,
                 LevelOf::Current(less) => level.checked_sub(less)?,
@@ -348,14 +348,14 @@ impl Running {
             (number < image.levels()).then(|| image.level(number))
         };
         let mut targets = Vec::new();
-        for (name, of) in &pass.targets {
-            let Some(slice) = slice(name, *of, turn) else { return self.has_no_level(pass, name) };
+        for (name, wanted_level) in &pass.targets {
+            let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
             targets.push(slice);
         }
         let (pass_extent, reach) = match &pass.reach {
             PassReach::Targets => (targets[0].extent(), None),
-            PassReach::Threads(name, of) => {
-                let Some(slice) = slice(name, *of, turn) else { return self.has_no_level(pass, name) };
+            PassReach::Threads(name, wanted_level) => {
+                let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
                 let [width, height] = slice.extent();
                 ([width, height], Some(Reach::Threads([width, height, 1])))
             }
@@ -365,7 +365,7 @@ impl Running {
         if let Some(other) = targets.iter().find(|t| t.extent() != pass_extent) {
             let message =
                 format!("pass {:?}: its targets are {pass_extent:?} and {:?} pixels large", pass.name, other.extent());
-            return Err(self.manifest.error(&pass.at, message));
+            return Err(self.manifest.error(&pass.span, message));
         }
         let state = state(pass_extent, level);
         let block = |fields: &[Filled], size: usize| {
@@ -384,13 +384,13 @@ impl Running {
                 BoundInput::Uniform(..) => Resource::Uniform(bytes),
                 BoundInput::Buffer(name, true, _) => Resource::ReadBuffer(&self.buffers[name].0),
                 BoundInput::Buffer(name, false, _) => Resource::Buffer(&self.buffers[name].0),
-                BoundInput::Stored(name, of, read_only) => {
-                    let Some(slice) = slice(name, *of, turn) else { return self.has_no_level(pass, name) };
+                BoundInput::Stored(name, wanted_level, read_only) => {
+                    let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
                     if *read_only { Resource::Loaded(slice) } else { Resource::Storage(slice) }
                 }
-                BoundInput::Sampled(source, sampler, of) => {
+                BoundInput::Sampled(source, sampler, wanted_level) => {
                     let slice = match source {
-                        ImageSource::Own(name) => match slice(name, *of, turn) {
+                        ImageSource::Own(name) => match slice(name, *wanted_level, turn) {
                             Some(slice) => slice,
                             None => return self.has_no_level(pass, name),
                         },
@@ -434,7 +434,7 @@ impl Running {
         if pass.levels.is_some() {
             return Ok(false);
         }
-        Err(self.manifest.error(&pass.at, format!("pass {:?}: the image {image} has no such level", pass.name)))
+        Err(self.manifest.error(&pass.span, format!("pass {:?}: the image {image} has no such level", pass.name)))
     }
 }
 
@@ -442,7 +442,7 @@ impl Running {
 fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     let reads = |source: &ImageSource| match source {
         ImageSource::Own(name) => name == image,
-        ImageSource::Previous(of) => **of == ImageSource::Own(image.to_owned()),
+        ImageSource::Previous(original) => **original == ImageSource::Own(image.to_owned()),
         _ => false,
     };
     let is_read = manifest.passes.iter().flat_map(|p| p.inputs.values()).any(|i| match &i.what {

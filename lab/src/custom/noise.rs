@@ -62,15 +62,15 @@ impl Pattern {
         self.set.iter().filter(|set| **set).count()
     }
 
-    fn change(&mut self, at: usize, set: bool) {
-        if self.set[at] == set {
+    fn change(&mut self, texel: usize, set: bool) {
+        if self.set[texel] == set {
             return;
         }
-        self.set[at] = set;
+        self.set[texel] = set;
         let sign = if set { 1.0 } else { -1.0 };
         for (k, energy) in self.energy.iter_mut().enumerate() {
-            let dx = (k % RANKS_ACROSS + RANKS_ACROSS - at % RANKS_ACROSS) % RANKS_ACROSS;
-            let dy = (k / RANKS_ACROSS + RANKS_ACROSS - at / RANKS_ACROSS) % RANKS_ACROSS;
+            let dx = (k % RANKS_ACROSS + RANKS_ACROSS - texel % RANKS_ACROSS) % RANKS_ACROSS;
+            let dy = (k / RANKS_ACROSS + RANKS_ACROSS - texel / RANKS_ACROSS) % RANKS_ACROSS;
             *energy += sign * self.kernel[dy * RANKS_ACROSS + dx];
         }
     }
@@ -96,10 +96,10 @@ mod tests {
         // The mean of 4 × 4 neighbours of white noise has a sixteenth of its variance, that of blue noise a quarter of that.
         let variance = |side: usize| {
             let mean = |x: usize, y: usize| {
-                let of = (0..side * side).map(|k| {
+                let values = (0..side * side).map(|k| {
                     f64::from(tile[(y + k / side) % RANKS_ACROSS * RANKS_ACROSS + (x + k % side) % RANKS_ACROSS])
                 });
-                of.sum::<f64>() / (side * side) as f64
+                values.sum::<f64>() / (side * side) as f64
             };
             let all: Vec<f64> =
                 (0..RANKS_ACROSS * RANKS_ACROSS).map(|k| mean(k % RANKS_ACROSS, k / RANKS_ACROSS)).collect();

@@ -13,7 +13,7 @@ pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
 
 /// What a constructor of a type makes of numbers: one number fills a vector, and the diagonal of a matrix.
 fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
-    let digit = |at: usize| kind.chars().nth(at).and_then(|c| c.to_digit(10)).map(|d| d as usize);
+    let digit = |index: usize| kind.chars().nth(index).and_then(|c| c.to_digit(10)).map(|d| d as usize);
     let [number] = numbers[..] else { return numbers };
     let vector = kind.strip_suffix(['2', '3', '4']).filter(|bare| bare.ends_with("vec"));
     match (vector, kind.strip_prefix("mat")) {
@@ -145,11 +145,11 @@ impl Parser<'_> {
 }
 
 /// Number by number; one number goes with each of the others.
-fn joined(left: &[f64], right: &[f64], of: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
+fn joined(left: &[f64], right: &[f64], operation: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
     match (left, right) {
-        ([a], all) => Some(all.iter().map(|b| of(*a, *b)).collect()),
-        (all, [b]) => Some(all.iter().map(|a| of(*a, *b)).collect()),
-        _ if left.len() == right.len() => Some(left.iter().zip(right).map(|(a, b)| of(*a, *b)).collect()),
+        ([a], all) => Some(all.iter().map(|b| operation(*a, *b)).collect()),
+        (all, [b]) => Some(all.iter().map(|a| operation(*a, *b)).collect()),
+        _ if left.len() == right.len() => Some(left.iter().zip(right).map(|(a, b)| operation(*a, *b)).collect()),
         _ => None,
     }
 }

@@ -243,8 +243,10 @@ fn resource(
         format!("binds {name} as a separate image or sampler{why}; use sampler2D and the like, which are both")
     };
     let kind = match code.definition(element).map(|d| (d.opcode, d)) {
-        Some((op::TYPE_SAMPLED_IMAGE, of)) => VariableKind::Sampled(image(code, of.word(1)).ok_or_else(separate)?),
-        Some((op::TYPE_IMAGE, of)) => match (image(code, element), of.word(6)) {
+        Some((op::TYPE_SAMPLED_IMAGE, definition)) => {
+            VariableKind::Sampled(image(code, definition.word(1)).ok_or_else(separate)?)
+        }
+        Some((op::TYPE_IMAGE, definition)) => match (image(code, element), definition.word(6)) {
             (Some(kind), 2) => VariableKind::Stored(kind),
             // A buffer of texels has no sampler.
             (Some(kind), _) if kind.dim == Dim::Buffer => VariableKind::Sampled(kind),
@@ -262,8 +264,8 @@ fn resource(
 }
 
 fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
-    let of = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
-    let dim = match of.word(2) {
+    let definition = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
+    let dim = match definition.word(2) {
         0 => Dim::One,
         1 => Dim::Two,
         2 => Dim::Three,
@@ -272,9 +274,9 @@ fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
         5 => Dim::Buffer,
         _ => return None,
     };
-    let (component, _) = code.numbers(of.word(1))?;
-    let [shadow, arrayed, multisampled] = [3, 4, 5].map(|k| of.word(k) == 1);
-    Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: of.word(7) })
+    let (component, _) = code.numbers(definition.word(1))?;
+    let [shadow, arrayed, multisampled] = [3, 4, 5].map(|k| definition.word(k) == 1);
+    Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: definition.word(7) })
 }
 
 /// A variable between stages; `None` for one that the stage has built in.

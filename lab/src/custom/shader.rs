@@ -56,8 +56,8 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
 }
 
 /// What a pipeline needs to know of an interface.
-fn bound(of: &ShaderInterface) -> Interface {
-    let bindings = of.variables.iter().map(|v| Bound {
+fn bound(interface: &ShaderInterface) -> Interface {
+    let bindings = interface.variables.iter().map(|v| Bound {
         binding: v.binding,
         name: v.name.clone(),
         kind: match v.kind {
@@ -72,14 +72,14 @@ fn bound(of: &ShaderInterface) -> Interface {
     });
     Interface {
         bindings: bindings.collect(),
-        push: of.push.as_ref().map(|(block, layout)| Push {
+        push: interface.push.as_ref().map(|(block, layout)| Push {
             name: block.clone(),
             block: block.clone(),
             size: layout.size,
         }),
         outputs: Vec::new(),
-        constants: of.constants.clone(),
-        local_size: of.local_size,
+        constants: interface.constants.clone(),
+        local_size: interface.local_size,
         blocks: BTreeMap::new(),
         formats: BTreeMap::new(),
     }

@@ -121,11 +121,11 @@ impl ImageSource {
         };
         Ok(match words[..] {
             ["previous", ref rest @ ..] if !rest.is_empty() => {
-                let of = Self::parse(&rest.join(":"), own)?;
-                if !of.can_be_kept() {
-                    return Err(format!("what {of} was in the frame before is not kept"));
+                let original = Self::parse(&rest.join(":"), own)?;
+                if !original.can_be_kept() {
+                    return Err(format!("what {original} was in the frame before is not kept"));
                 }
-                Self::Previous(Box::new(of))
+                Self::Previous(Box::new(original))
             }
             [name] if own(name) => Self::Own(name.to_owned()),
             ["lit-colour"] => Self::LitColour,
@@ -169,7 +169,7 @@ impl ImageSource {
         match self {
             Self::LitColour | Self::LitColourChain { .. } | Self::Sky | Self::Visibility => true,
             Self::Captures(part) => *part == CapturePart::Colour,
-            Self::Previous(of) => of.is_smooth(),
+            Self::Previous(original) => original.is_smooth(),
             _ => false,
         }
     }
@@ -209,7 +209,7 @@ impl fmt::Display for ImageSource {
             Self::Captures(CapturePart::Pyramid) => write!(f, "captures:pyramid"),
             Self::Captures(CapturePart::Normal) => write!(f, "captures:normal"),
             Self::Own(name) => write!(f, "{name}"),
-            Self::Previous(of) => write!(f, "previous:{of}"),
+            Self::Previous(original) => write!(f, "previous:{original}"),
         }
     }
 }

@@ -77,8 +77,10 @@ impl Feed {
         };
         match value {
             toml::Value::String(name) => match name.strip_prefix("parameter:") {
-                Some(of) if parameters.iter().any(|p| p == of) => Ok(Self::Parameter(of.replace('-', "_"))),
-                Some(of) => Err(format!("there is no [parameter.{of}]")),
+                Some(parameter) if parameters.iter().any(|p| p == parameter) => {
+                    Ok(Self::Parameter(parameter.replace('-', "_")))
+                }
+                Some(parameter) => Err(format!("there is no [parameter.{parameter}]")),
                 None => {
                     NAMES.iter().find(|(known, _)| known == name).map(|(name, _)| Self::Named(name)).ok_or_else(|| {
                         let names = NAMES.map(|(name, _)| name).join(", ");
@@ -421,8 +423,8 @@ mod tests {
         filled.write(&mut bytes, &state);
         let whole = matrix(&state, "world-to-view");
         for (k, place) in places.iter().enumerate() {
-            let at = *place as usize;
-            let number = f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+            let offset = *place as usize;
+            let number = f32::from_le_bytes(bytes[offset..offset + 4].try_into().unwrap());
             assert_eq!(number, whole.col(k / 3)[k % 3] as f32);
         }
     }

@@ -73,15 +73,15 @@ pub fn map(placement: &Placement) -> String {
     let extent = (max - min).max(Vec3::splat(1e-3));
     let [side, border] = MAP;
     let scale = side / extent.xz().max_element();
-    let at = |p: Vec3| Vec2::new(border + scale * (p.x - min.x), border + scale * (max.z - p.z));
+    let point = |p: Vec3| Vec2::new(border + scale * (p.x - min.x), border + scale * (max.z - p.z));
     let mut svg = Svg::new(scale * extent.xz() + 2.0 * border);
     for stand in stands() {
         // Floors half a metre apart have different colours.
         let color = COLORS[(2.0 * (stand.y - min.y)).round() as usize % COLORS.len()];
-        svg.circle(at(stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
+        svg.circle(point(stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
     }
     for (k, capture) in placement.captures.iter().enumerate() {
-        let centre = at(capture.position);
+        let centre = point(capture.position);
         svg.circle(centre, Vec2::splat(11.0), "fill=\"#fff\" stroke=\"#000\" stroke-width=\"2\"");
         svg.text(centre + Vec2::new(0.0, 5.0), 14.0, "text-anchor=\"middle\"", &(k + 1).to_string());
         let height = format!("y {:.1} m", capture.position.y);
@@ -141,8 +141,8 @@ impl CubePictures {
             for (face, pictures) in &self.faces {
                 let [left, top] = FACES_IN_CROSS[*face].map(|n| n * side);
                 for (y, row) in pictures[kind].bytes.chunks_exact(3 * side as usize).enumerate() {
-                    let at = 3 * ((top as usize + y) * width as usize + left as usize);
-                    made.bytes[at..at + row.len()].copy_from_slice(row);
+                    let start = 3 * ((top as usize + y) * width as usize + left as usize);
+                    made.bytes[start..start + row.len()].copy_from_slice(row);
                 }
             }
             made
@@ -184,26 +184,26 @@ mod tests {
         }
         let [color, depth] = pictures.crosses();
         assert_eq!([color.width, color.height, depth.width, depth.height], [256, 192, 256, 192]);
-        let at = |x: u32, y: u32| {
+        let texel = |x: u32, y: u32| {
             let i = 3 * (y * color.width + x) as usize;
             [0, 1, 2].map(|c| i32::from(color.bytes[i + c]))
         };
         let near = |a: [i32; 3], b: [i32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 8);
         for n in 0..side {
             for x in [64, 128, 192] {
-                assert!(near(at(x - 1, 64 + n), at(x, 64 + n)), "column {x}, row {n}");
+                assert!(near(texel(x - 1, 64 + n), texel(x, 64 + n)), "column {x}, row {n}");
             }
             for y in [64, 128] {
-                assert!(near(at(64 + n, y - 1), at(64 + n, y)), "row {y}, column {n}");
+                assert!(near(texel(64 + n, y - 1), texel(64 + n, y)), "row {y}, column {n}");
             }
         }
-        assert_eq!(at(0, 0), [i32::from(EMPTY); 3]);
+        assert_eq!(texel(0, 0), [i32::from(EMPTY); 3]);
     }
 
     fn placement() -> Placement {
-        let at = |x: f32| Capture::at(Vec3::new(x, 1.5, 2.0));
+        let capture = |x: f32| Capture::at(Vec3::new(x, 1.5, 2.0));
         Placement {
-            captures: vec![at(1.0), at(-3.0)],
+            captures: vec![capture(1.0), capture(-3.0)],
             own: 1,
             seen: vec![0.5, 0.75],
             stands: vec![Vec3::new(0.0, 1.5, 0.0), Vec3::new(4.0, 5.5, 1.0)],

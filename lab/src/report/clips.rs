@@ -15,10 +15,10 @@ pub fn animated(film: &Film, frames_per_second: f32) -> Result<Vec<u8>, String> 
     let config = EncodingConfig::new_lossy(QUALITY);
     let options = EncoderOptions { encoding_config: Some(config), ..EncoderOptions::default() };
     let mut encoder = Encoder::new_with_options((film.width, film.height), options).map_err(said)?;
-    let at = |n: usize| (1000.0 * n as f32 / frames_per_second).round() as i32;
+    let time_ms = |n: usize| (1000.0 * n as f32 / frames_per_second).round() as i32;
     for (n, frame) in film.frames.iter().enumerate() {
         let rgba: Vec<u8> = frame.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-        encoder.add_frame(&rgba, at(n)).map_err(said)?;
+        encoder.add_frame(&rgba, time_ms(n)).map_err(said)?;
     }
-    Ok(encoder.finalize(at(film.frames.len())).map_err(said)?.to_vec())
+    Ok(encoder.finalize(time_ms(film.frames.len())).map_err(said)?.to_vec())
 }

@@ -8,7 +8,7 @@ use crate::study::names::one_line;
 pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) -> Vec<(DeviceInfo, Vec<T>)> {
     let mut apart: Vec<(DeviceInfo, Vec<T>)> = Vec::new();
     for record in records {
-        match apart.iter_mut().find(|(of, _)| of == device(record)) {
+        match apart.iter_mut().find(|(known, _)| known == device(record)) {
             Some((_, records)) => records.push(record.clone()),
             None => apart.push((device(record).clone(), vec![record.clone()])),
         }

@@ -45,14 +45,14 @@ impl Figure {
 
     /// How the method is set up for it.
     pub fn setup(self, setup: &Setup) -> Setup {
-        let of = |filter, fade| {
+        let poster_setup = |filter, fade| {
             let setup = setup.with(|p: &mut PosterParams| p.poster_filter = filter);
             setup.with(|p: &mut EffectParams| p.fade = fade)
         };
         match self {
-            Self::PosterMip => of(PosterFilter::Mip, false),
-            Self::PosterGaussian => of(PosterFilter::Volume, false),
-            Self::PosterFade => of(PosterFilter::Volume, true),
+            Self::PosterMip => poster_setup(PosterFilter::Mip, false),
+            Self::PosterGaussian => poster_setup(PosterFilter::Volume, false),
+            Self::PosterFade => poster_setup(PosterFilter::Volume, true),
             _ => setup.clone(),
         }
     }

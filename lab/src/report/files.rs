@@ -59,11 +59,11 @@ pub fn read_samples(file: &Inside) -> Result<Vec<TimeSample>> {
         let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
-        let of = subject(&headers, &record, &parameters);
+        let row_subject = subject(&headers, &record, &parameters);
         // The rows of a run are of few subjects, which follow each other.
-        let known = rows.last().map(|row: &TimeSample| &row.subject).filter(|known| ***known == of);
+        let known = rows.last().map(|row: &TimeSample| &row.subject).filter(|known| ***known == row_subject);
         let row = TimeSample {
-            subject: known.cloned().unwrap_or_else(|| Arc::new(of)),
+            subject: known.cloned().unwrap_or_else(|| Arc::new(row_subject)),
             sample: parsed(&headers, &record, "sample").map_err(wrong)?,
             pass: parsed(&headers, &record, "pass").map_err(wrong)?,
             counted: parsed(&headers, &record, "counted").map_err(wrong)?,
@@ -90,8 +90,9 @@ fn parsed<T: FromStr>(
     record: &csv::StringRecord,
     column: &str,
 ) -> std::result::Result<T, String> {
-    let at = headers.iter().position(|h| h == column);
-    let text = at.and_then(|at| record.get(at)).ok_or_else(|| format!("no sample of a time: no column {column}"))?;
+    let index = headers.iter().position(|h| h == column);
+    let text =
+        index.and_then(|index| record.get(index)).ok_or_else(|| format!("no sample of a time: no column {column}"))?;
     text.parse().map_err(|_| format!("no sample of a time: {text:?} in the column {column}"))
 }
 
@@ -104,9 +105,9 @@ fn subject(
     let method = headers.iter().zip(record).find(|(name, _)| *name == "method").map_or("", |(_, method)| method);
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |name: &str| {
-        let mut of = parameters.iter().filter(|(p, _)| p.name == name).peekable();
-        let is_parameter = of.peek().is_some();
-        around.contains(&name) || !is_parameter || of.any(|(_, methods)| methods.iter().any(|m| m.name == method))
+        let mut entries = parameters.iter().filter(|(p, _)| p.name == name).peekable();
+        let is_parameter = entries.peek().is_some();
+        around.contains(&name) || !is_parameter || entries.any(|(_, methods)| methods.iter().any(|m| m.name == method))
     };
     let known = methods::find(method).is_ok();
     let columns = headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!known || has(name)));

@@ -223,8 +223,8 @@ fn missing_cells(missing: &[String]) -> Markup {
 /// A page of a study with the cells that it lacks, which are named below its header.
 pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     const END: &str = "</header>";
-    let at = page.find(END).map_or(0, |at| at + END.len());
-    format!("{}{}{}", &page[..at], missing_cells(missing).into_string(), &page[at..])
+    let header_end = page.find(END).map_or(0, |offset| offset + END.len());
+    format!("{}{}{}", &page[..header_end], missing_cells(missing).into_string(), &page[header_end..])
 }
 
 /// What a device made, as text.

@@ -178,8 +178,8 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
         .optional(fourth.unwrap_or_default(), 0.0)
         .collect_pixels(
             |size, _| (size.0, vec![0.0; 4 * size.0 * size.1]),
-            |(width, values), at, (r, g, b, a): (f32, f32, f32, f32)| {
-                let first = 4 * (at.1 * *width + at.0);
+            |(width, values), position, (r, g, b, a): (f32, f32, f32, f32)| {
+                let first = 4 * (position.1 * *width + position.0);
                 values[first..first + 4].copy_from_slice(&[r, g, b, a]);
             },
         )

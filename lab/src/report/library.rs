@@ -240,7 +240,7 @@ impl Gathered {
             let m = Measurement { device, ..m };
             let key = (device, m.setting.clone(), m.view.clone(), m.method.clone(), m.quantity);
             match self.known.get(&key) {
-                Some(at) => again += usize::from(self.measurements[*at].value != m.value),
+                Some(index) => again += usize::from(self.measurements[*index].value != m.value),
                 None => {
                     self.known.insert(key, self.measurements.len());
                     self.measurements.push(m);

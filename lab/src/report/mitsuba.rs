@@ -76,9 +76,10 @@ pub fn export(folder: &Inside, what: &Export) -> Result<Exported> {
     let reflecting: Vec<usize> =
         (0..first_hits.receivers.len()).filter(|i| first_hits.receivers[*i].is_some()).collect();
     arrays.receivers(&world, &first_hits)?;
-    let of = |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
-    arrays.f64s("reflection_mean", 3, of(state.means().collect()))?;
-    arrays.f64s("reflection_error", 3, of(state.standard_errors().collect()))?;
+    let reflecting_values =
+        |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
+    arrays.f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
+    arrays.f64s("reflection_error", 3, reflecting_values(state.standard_errors().collect()))?;
     arrays.i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
     arrays.tangents(&what.scene.meshes)?;
     let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
@@ -222,7 +223,7 @@ impl Arrays<'_> {
     /// What reflects, in the order of its pixels, and where its mirror ray ends.
     fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
         let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
-        let vectors = |of: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| of(i).to_array()).collect();
+        let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
         self.f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
         self.f64s("receiver_normal", 3, vectors(&|i| all[i].normal))?;
         self.f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;

@@ -89,8 +89,9 @@ fn stage_bars(records: &[StageBar]) -> Result<String, String> {
             .map_err(failed)?;
         for (row, record) in records.iter().enumerate() {
             let (y, mut x) = (row as f64, 0.0);
-            let at = chart.backend_coord(&(0.0, y));
-            root.draw(&Text::new(record.label.clone(), (at.0 + 2, at.1 + 4), ("sans-serif", TEXT))).map_err(failed)?;
+            let pixel = chart.backend_coord(&(0.0, y));
+            root.draw(&Text::new(record.label.clone(), (pixel.0 + 2, pixel.1 + 4), ("sans-serif", TEXT)))
+                .map_err(failed)?;
             for (name, ms) in &record.stages {
                 let bar = Rectangle::new([(x, y + 0.5), (x + ms, y + 0.95)], stage_color(&stages, name).filled());
                 chart.draw_series([bar]).map_err(failed)?;
@@ -140,9 +141,9 @@ fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
         if least <= most { (least / 1.3, most * 1.3) } else { (0.1, 1.0) }
     };
-    let (x, mut y) = (bounds(&|p| p.at[0]), bounds(&|p| p.at[1]));
+    let (x, mut y) = (bounds(&|p| p.position[0]), bounds(&|p| p.position[1]));
     let least_tick = y.0;
-    let zeros = points.iter().any(|p| p.at[1] <= 0.0);
+    let zeros = points.iter().any(|p| p.position[1] <= 0.0);
     if zeros {
         y.0 /= (y.1 / y.0).powf(0.12);
     }
@@ -191,7 +192,7 @@ fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Right, VPos::Center));
             root.draw(&Text::new(label, (low.0 - 8, low.1), style)).map_err(failed)?;
         }
-        let place = |p: &NamedPoint| (p.at[0].log10(), p.at[1].max(y.0).log10());
+        let place = |p: &NamedPoint| (p.position[0].log10(), p.position[1].max(y.0).log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
@@ -200,11 +201,11 @@ fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
 
         // In the order of the errors, each name led to its point.
         let mut order: Vec<&NamedPoint> = points.iter().collect();
-        order.sort_by(|a, b| b.at[1].total_cmp(&a.at[1]));
+        order.sort_by(|a, b| b.position[1].total_cmp(&a.position[1]));
         for (row, p) in order.into_iter().enumerate() {
-            let at = chart.backend_coord(&place(p));
+            let pixel = chart.backend_coord(&place(p));
             let name = (plot_width + 24, 30 + row as i32 * 17);
-            let line = [at, (name.0 - 4, name.1 + 6)];
+            let line = [pixel, (name.0 - 4, name.1 + 6)];
             root.draw(&PathElement::new(line, STAGE_COLORS[7].mix(0.6))).map_err(failed)?;
             let style = ("sans-serif", TEXT).into_font().color(&color(p));
             root.draw(&Text::new(p.name.clone(), name, style)).map_err(failed)?;
@@ -303,9 +304,9 @@ pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String
         // Where there are many runs, only every `step`th number has room.
         let step = runs.len().div_ceil(16).max(1);
         for (n, run) in runs.iter().enumerate().filter(|(n, _)| n % step == 0) {
-            let at = chart.backend_coord(&(n as f64, 0.0));
+            let pixel = chart.backend_coord(&(n as f64, 0.0));
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
-            root.draw(&Text::new(run.to_string(), (at.0, at.1 + 5), style)).map_err(failed)?;
+            root.draw(&Text::new(run.to_string(), (pixel.0, pixel.1 + 5), style)).map_err(failed)?;
         }
         for (n, line) in lines.iter().enumerate() {
             let color = series_color(n);
@@ -367,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_point_without_an_error_stands_at_the_foot() {
-        let point = |name: &str, at, on_front| NamedPoint { name: name.into(), at, on_front };
+        let point = |name: &str, position, on_front| NamedPoint { name: name.into(), position, on_front };
         let points = [point("exact", [5.0, 0.0], true), point("wrong", [9.0, 0.2], false)];
         let svg = against(&points, ["ms", "error"]).unwrap_or_default();
         let circles: Vec<_> =

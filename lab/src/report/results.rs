@@ -42,8 +42,9 @@ impl<R: Row> Results<'_, R> {
 
     /// The tables for a terminal, device by device.
     pub fn text(&self) -> String {
-        let of = |(device, rows): &(DeviceInfo, Vec<R>)| format!("{}\n{}", device_name(device), self.tables_text(rows));
-        let own: String = by_device(self.rows, |r| &r.program().device).iter().map(of).collect();
+        let device_text =
+            |(device, rows): &(DeviceInfo, Vec<R>)| format!("{}\n{}", device_name(device), self.tables_text(rows));
+        let own: String = by_device(self.rows, |r| &r.program().device).iter().map(device_text).collect();
         let common = tables::text(&R::common_tables(self.rows));
         if common.is_empty() { own } else { format!("{own}\n{common}") }
     }
@@ -131,8 +132,8 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let all = R::columns();
     let named: Vec<_> = all.columns.iter().filter(|c| !c.name.is_empty()).collect();
     let header = || named.iter().map(|c| c.name.clone());
-    let of = |row: &R| named.iter().map(|c| c.written(row)).collect::<Vec<_>>();
-    let cells = std::iter::once(header().collect()).chain(rows.iter().map(of)).collect();
+    let row_cells = |row: &R| named.iter().map(|c| c.written(row)).collect::<Vec<_>>();
+    let cells = std::iter::once(header().collect()).chain(rows.iter().map(row_cells)).collect();
     let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
     if let Some(series) = &all.series {
         let number = series.name.trim_end_matches('s').to_owned();
@@ -143,7 +144,8 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
         let mut cells = vec![[of_row, vec![number], of_item].concat()];
         for row in rows {
             let items = (series.items)(row).into_iter().enumerate();
-            cells.extend(items.map(|(n, item)| of(row).into_iter().chain([n.to_string()]).chain(item).collect()));
+            cells
+                .extend(items.map(|(n, item)| row_cells(row).into_iter().chain([n.to_string()]).chain(item).collect()));
         }
         sheets.push(Sheet { file: format!("{}-{}.csv", R::KIND, series.name), cells });
     }

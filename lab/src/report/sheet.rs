@@ -56,8 +56,8 @@ pub fn enlarged(picture: &Rgb, part: Part, times: u32) -> Rgb {
     let mut bytes = Vec::with_capacity(3 * (width * height * times * times) as usize);
     for y in 0..height * times {
         for x in 0..width * times {
-            let at = 3 * ((top + y / times) * picture.width + left + x / times) as usize;
-            bytes.extend_from_slice(&picture.bytes[at..at + 3]);
+            let start = 3 * ((top + y / times) * picture.width + left + x / times) as usize;
+            bytes.extend_from_slice(&picture.bytes[start..start + 3]);
         }
     }
     Rgb { width: width * times, height: height * times, bytes }
@@ -71,8 +71,8 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
         for x in left..left + width {
             let edge = [x - left, y - top, left + width - 1 - x, top + height - 1 - y].into_iter().min();
             if edge.is_some_and(|e| e < 2) {
-                let at = 3 * (y * picture.width + x) as usize;
-                framed.bytes[at..at + 3].copy_from_slice(&[230, 30, 30]);
+                let start = 3 * (y * picture.width + x) as usize;
+                framed.bytes[start..start + 3].copy_from_slice(&[230, 30, 30]);
             }
         }
     }
@@ -101,7 +101,7 @@ mod tests {
         Rgb { width, height, bytes }
     }
 
-    fn at(p: &Rgb, x: u32, y: u32) -> [u8; 3] {
+    fn pixel(p: &Rgb, x: u32, y: u32) -> [u8; 3] {
         let i = 3 * (y * p.width + x) as usize;
         [p.bytes[i], p.bytes[i + 1], p.bytes[i + 2]]
     }
@@ -110,10 +110,10 @@ mod tests {
     fn pictures_stand_where_they_should() {
         let s = sheet(&[vec![ramp(4, 2), ramp(3, 5)], vec![ramp(2, 2)]]);
         assert_eq!((s.width, s.height), (4 + GAP + 3, 5 + GAP + 2));
-        assert_eq!(at(&s, 3, 1), [3, 1, 7]);
-        assert_eq!(at(&s, 3, 2), [255; 3], "below the lower picture");
-        assert_eq!(at(&s, 4 + GAP + 2, 4), [2, 4, 7]);
-        assert_eq!(at(&s, 1, 5 + GAP + 1), [1, 1, 7]);
+        assert_eq!(pixel(&s, 3, 1), [3, 1, 7]);
+        assert_eq!(pixel(&s, 3, 2), [255; 3], "below the lower picture");
+        assert_eq!(pixel(&s, 4 + GAP + 2, 4), [2, 4, 7]);
+        assert_eq!(pixel(&s, 1, 5 + GAP + 1), [1, 1, 7]);
         assert_eq!((sheet(&[]).width, sheet(&[]).height), (0, 0));
     }
 
@@ -121,10 +121,10 @@ mod tests {
     fn parts_are_enlarged_and_framed() {
         let e = enlarged(&ramp(8, 8), [0.5, 0.25, 0.25, 0.5], 3);
         assert_eq!((e.width, e.height), (6, 12));
-        assert_eq!((at(&e, 2, 0), at(&e, 3, 11)), ([4, 2, 7], [5, 5, 7]));
+        assert_eq!((pixel(&e, 2, 0), pixel(&e, 3, 11)), ([4, 2, 7], [5, 5, 7]));
         let f = framed(&ramp(16, 16), [0.25, 0.25, 0.5, 0.5]);
-        assert_eq!((at(&f, 4, 8), at(&f, 11, 11), at(&f, 8, 8)), ([230, 30, 30], [230, 30, 30], [8, 8, 7]));
-        assert_eq!(at(&f, 3, 8), [3, 8, 7]);
+        assert_eq!((pixel(&f, 4, 8), pixel(&f, 11, 11), pixel(&f, 8, 8)), ([230, 30, 30], [230, 30, 30], [8, 8, 7]));
+        assert_eq!(pixel(&f, 3, 8), [3, 8, 7]);
         // Beyond the edge, what there is.
         assert_eq!(enlarged(&ramp(4, 4), [1.0, 0.9, 0.5, 0.5], 1).bytes, [3, 3, 7]);
     }

@@ -80,14 +80,14 @@ pub fn markdown(tables: &[Table]) -> String {
         let cells: Vec<String> = cells.iter().map(|cell| markdown_cell(cell)).collect();
         format!("| {} |\n", cells.join(" | "))
     };
-    let of = |table: &Table| {
+    let table_text = |table: &Table| {
         let Some((header, rows)) = table.cells.split_first() else { return String::new() };
         let title =
             if table.title.is_empty() { String::new() } else { format!("**{}**\n\n", markdown_cell(&table.title)) };
         let rule = format!("|---|{}\n", "--:|".repeat(header.len().saturating_sub(1)));
         title + &row(header) + &rule + &rows.iter().map(row).collect::<String>()
     };
-    for_terminal(tables).map(of).collect::<Vec<_>>().join("\n")
+    for_terminal(tables).map(table_text).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

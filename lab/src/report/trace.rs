@@ -74,11 +74,11 @@ mod tests {
         let events = trace["traceEvents"].as_array().unwrap();
         let timed: Vec<_> = events.iter().filter(|e| e["ph"] == "X").collect();
         assert_eq!(timed.len(), 2 * (2 + 1 + 2));
-        let of = |name: &str| {
+        let starts = |name: &str| {
             timed.iter().filter(|e| e["name"] == name).map(|e| e["ts"].as_f64().unwrap()).collect::<Vec<_>>()
         };
         // Submitted after 1 ms, done after 7: the device's 5 ms begin at 2.
-        assert_eq!(of("a"), [2500.0, 12500.0]);
-        assert_eq!(of("record"), [0.0, 10000.0]);
+        assert_eq!(starts("a"), [2500.0, 12500.0]);
+        assert_eq!(starts("record"), [0.0, 10000.0]);
     }
 }

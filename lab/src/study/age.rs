@@ -110,8 +110,9 @@ impl Row for AgeRecord {
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let first = |r: &Self| r.frames.first().map(|f| f.rmse);
         let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
-        let median =
-            |r: &Self, of: fn(&AgeFrame) -> f64| Stats::of(&r.frames.iter().map(of).collect::<Vec<_>>()).median_ms;
+        let median = |r: &Self, value: fn(&AgeFrame) -> f64| {
+            Stats::of(&r.frames.iter().map(value).collect::<Vec<_>>()).median_ms
+        };
         let more = [
             Column::derived("rmse first", 4, first),
             Column::derived("last", 4, |r: &Self| r.frames.last().map(|f| f.rmse)),

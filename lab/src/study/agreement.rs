@@ -117,11 +117,11 @@ const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table
     and of one between two levels.";
 
 /// The columns of a row's device and of the device beside it, by the shortest names that tell all devices of a table apart.
-fn devices<R: 'static>(rows: &[R], of: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
-    let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(of).cloned().collect());
+fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
+    let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(device_pair).cloned().collect());
     [("device", 0), ("beside", 1)].map(|(title, n)| {
         let all = Rc::clone(&all);
-        Column::derived(title, 0, move |row| name_among(of(row)[n], &all.iter().collect::<Vec<_>>()))
+        Column::derived(title, 0, move |row| name_among(device_pair(row)[n], &all.iter().collect::<Vec<_>>()))
     })
 }
 
@@ -228,8 +228,8 @@ fn ties_of(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 
     let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();
     let hierarchy = Hierarchy::new(data);
     let tied = |i: &&usize| {
-        let at = [**i as u32 % data.width, **i as u32 / data.width];
-        [base, other].iter().all(|ends| is_tie(&hierarchy, at, ends[**i]))
+        let pixel = [**i as u32 % data.width, **i as u32 / data.width];
+        [base, other].iter().all(|ends| is_tie(&hierarchy, pixel, ends[**i]))
     };
     (apart.len(), apart.iter().filter(tied).count())
 }
@@ -249,7 +249,7 @@ pub fn compare_drawn(
     };
     let all = base.depth.len();
     let same: Vec<usize> = (0..all).filter(is_same).collect();
-    let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
+    let share = |n: usize, total: usize| n as f64 / total.max(1) as f64;
     let turned = |i: &&usize| base.normal[**i].angle_between(drawn.normal[**i]) > 2.0_f32.to_radians();
     let recolored = |i: &&usize| (base.color[**i] - drawn.color[**i]).abs().max_element() > 0.02;
     let squares: f64 = same.iter().map(|i| f64::from((base.color[*i] - drawn.color[*i]).length_squared()) / 3.0).sum();

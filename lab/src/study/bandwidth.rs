@@ -106,16 +106,16 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
 /// The rates of the passes of a record that build a pyramid of depth, beside that of a copy.
 pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
     let extent = [record.head.width, record.head.height];
-    let of = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
+    let pass_rate = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
         method: Some(record.head.variant()),
         view: Some(format!("{} {}", record.head.scene, record.head.view)),
         ..BandwidthRecord::new(record.head.program.clone(), pass, extent, bytes, median_ms, copy.gb_per_s)
     };
     let pyramid = record.passes.iter().find(|p| p.name == PYRAMID);
-    let pyramid = pyramid.map(|p| of(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
+    let pyramid = pyramid.map(|p| pass_rate(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
     let levels = record.passes.iter().filter(|p| p.name.starts_with(HI_Z)).map(|p| p.stats.median_ms);
     let hi_z: f64 = levels.sum();
-    pyramid.into_iter().chain((hi_z > 0.0).then(|| of("hi-z", hi_z_bytes(extent), hi_z))).collect()
+    pyramid.into_iter().chain((hi_z > 0.0).then(|| pass_rate("hi-z", hi_z_bytes(extent), hi_z))).collect()
 }
 
 /// Every depth read once, and every cell of every level written once.

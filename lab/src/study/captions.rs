@@ -91,9 +91,9 @@ pub fn time_reference(
     let reference = WorldReference::new(&world, &first_hits, &camera, 1);
     let mut state = reference.start();
     reference.add(&mut state, rays);
-    let of = Of::Other { name: REFERENCE, method: None };
+    let subject = Of::Other { name: REFERENCE, method: None };
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-    let head = Head::new("reference", gpu, (scene, view), of, &setup, globals);
+    let head = Head::new("reference", gpu, (scene, view), subject, &setup, globals);
     ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
 }
 
@@ -130,13 +130,14 @@ pub struct Compared {
 /// Sets measurements beside their captions, one row for each caption and roughness that SSCT was
 /// measured at.
 pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Compared> {
-    let of = |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
+    let is_match =
+        |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
     let rows = CAPTIONS.iter().flat_map(|caption| {
-        let here = records.iter().filter(move |r| of(&r.head, caption));
+        let here = records.iter().filter(move |r| is_match(&r.head, caption));
         here.clone().filter(|r| r.head.method == "ssct").map(move |ssct| {
             let same = |head: &Head| head.method == caption.other && head.roughness == ssct.head.roughness;
             let method = here.clone().find(|r| same(&r.head)).map(|r| r.total.median_ms);
-            let reference = references.iter().find(|r| of(&r.head, caption) && same(&r.head)).map(|r| r.wall_ms);
+            let reference = references.iter().find(|r| is_match(&r.head, caption) && same(&r.head)).map(|r| r.wall_ms);
             let Stats { median_ms, .. } = ssct.total;
             Compared {
                 caption: *caption,
@@ -151,14 +152,14 @@ pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Comp
 
 /// The captions beside times here, with what stands in the place of Mitsuba.
 pub fn table(records: &[TimeRecord], references: &[ReferenceTime]) -> Table {
-    let of = |r: &ReferenceTime| {
+    let note = |r: &ReferenceTime| {
         format!(
             "In the place of Mitsuba: this program's world reference on the CPU ({} threads), first hits and {} rays a \
              pixel of the lobe, one bounce, {} x {}. It grows with the rays; the thesis does not say its number.",
             r.threads, r.rays, r.head.width, r.head.height
         )
     };
-    let about = references.iter().map(of).collect::<Vec<_>>().join(" ");
+    let about = references.iter().map(note).collect::<Vec<_>>().join(" ");
     let title = "Times in the captions of the thesis, and the same here".to_owned();
     Table { id: "captions", title, about, cells: cells(&compare(records, references)), ..Table::default() }
 }
@@ -182,7 +183,7 @@ fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
     for row in rows {
         let c = row.caption;
         let other = if c.other == REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
-        let of = |pair: Option<Pair>, value: fn(&Pair) -> f64| {
+        let number = |pair: Option<Pair>, value: fn(&Pair) -> f64| {
             pair.map_or_else(|| "-".into(), |p| format!("{:.2}", value(&p)))
         };
         cells.push(vec![
@@ -191,12 +192,12 @@ fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
             format!("{} x {}", c.size[0], c.size[1]),
             roughness(row.roughness),
             other,
-            of(Some(row.published), |p| p.ssct_ms),
-            of(Some(row.published), |p| p.other_ms),
-            of(row.measured, |p| p.ssct_ms),
-            of(row.measured, |p| p.other_ms),
-            of(Some(row.published), |p| p.ratio),
-            of(row.measured, |p| p.ratio),
+            number(Some(row.published), |p| p.ssct_ms),
+            number(Some(row.published), |p| p.other_ms),
+            number(row.measured, |p| p.ssct_ms),
+            number(row.measured, |p| p.other_ms),
+            number(Some(row.published), |p| p.ratio),
+            number(row.measured, |p| p.ratio),
         ]);
     }
     cells

@@ -54,8 +54,8 @@ pub struct ListedResult {
     /// The key of the result in the journal, or what the keys of its samples begin with.
     pub key: String,
     /// The fields of the result's record that the journal does not have.
-    #[serde(default, skip_serializing_if = "Value::is_null")]
-    pub of: Value,
+    #[serde(rename = "of", default, skip_serializing_if = "Value::is_null")]
+    pub record_head: Value,
 }
 
 /// A cell before the study is divided.
@@ -64,7 +64,7 @@ pub struct PlannedCell {
     pub name: String,
     /// Everything that the cell depends on but the device and the program.
     pub setup: Value,
-    /// Where the journal will keep the results: `key` and `of` of each [`ListedResult`].
+    /// Where the journal will keep the results: `key` and `record_head` of each [`ListedResult`].
     pub results: Vec<(String, Value)>,
 }
 
@@ -96,10 +96,10 @@ impl CellList {
     pub fn new(head: CellListHead, device: &DeviceInfo, cells: Vec<PlannedCell>) -> Self {
         let CellListHead { kind, definitions, command, shard, settings, scenes } = head;
         let setups: Vec<String> = cells.iter().map(|cell| setup_digest(&cell.setup)).collect();
-        let owner = shard.map(|shard| owners(&setups, shard.of));
+        let owner = shard.map(|shard| owners(&setups, shard.count));
         let is_own = |n: usize| shard.zip(owner.as_ref()).is_none_or(|(shard, owner)| owner[n] == shard.index);
         let listed = cells.into_iter().zip(setups).enumerate().map(|(n, (cell, setup))| {
-            let result = |(key, of)| ListedResult { device: 0, key, of };
+            let result = |(key, record_head)| ListedResult { device: 0, key, record_head };
             let results = if is_own(n) { cell.results.into_iter().map(result).collect() } else { Vec::new() };
             ListedCell { name: cell.name, setup, own: is_own(n), results }
         });

@@ -320,8 +320,8 @@ impl List {
         let names = own.columns.iter().map(|c| c.name.clone()).collect();
         let columns = own.columns;
         let items = move |row: &R| {
-            let of = |item: &T| columns.iter().map(|c| c.written(item)).collect();
-            get(row).iter().map(of).collect()
+            let cells = |item: &T| columns.iter().map(|c| c.written(item)).collect();
+            get(row).iter().map(cells).collect()
         };
         to.series = Some(Series { name, names, items: Rc::new(items) });
     }
@@ -359,7 +359,7 @@ macro_rules! columns {
 macro_rules! measured_columns {
     (
         $(#[$about:meta])*
-        $vis:vis struct $Row:ident by $find:ident($of:ident: $Of:ty) {
+        $vis:vis struct $Row:ident by $find:ident($source:ident: $Source:ty) {
             $(
                 $(#[$($attribute:tt)+])*
                 pub $name:ident: $type:ty = $column:expr => $value:expr
@@ -374,7 +374,7 @@ macro_rules! measured_columns {
         }
 
         impl $Row {
-            fn $find($of: $Of) -> Self {
+            fn $find($source: $Source) -> Self {
                 Self { $( $name: $value, )* }
             }
         }

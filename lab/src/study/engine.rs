@@ -121,13 +121,13 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
     }
 
     /// Whether a journal has all of a result, in a form that can be read.
-    fn is_whole(_list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
-        kept::<Self>(journal, &of.key).is_some()
+    fn is_whole(_list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
+        kept::<Self>(journal, &result.key).is_some()
     }
 
     /// The rows of a result, as far as a journal has it.
-    fn read(_list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
-        kept(journal, &of.key).unwrap_or_default()
+    fn read(_list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
+        kept(journal, &result.key).unwrap_or_default()
     }
 }
 
@@ -172,7 +172,7 @@ impl<K: PartialEq, T> Last<K, T> {
     /// # Errors
     /// Errors of `make`.
     pub fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
-        let kept = self.0.take().filter(|(of, _)| *of == key);
+        let kept = self.0.take().filter(|(known, _)| *known == key);
         let (key, made) = match kept {
             Some(same) => same,
             None => (key, make()?),
@@ -210,13 +210,13 @@ pub fn steps<S: Study>(study: &S, list: &CellList) -> usize {
 pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> Result<()> {
     for (planned, listed) in study.cells().iter().zip(&list.cells).filter(|(_, listed)| listed.own) {
         let steps = study.steps(&planned.cell);
-        if listed.results.iter().all(|of| S::Row::is_whole(list, of, bench.journal)) {
+        if listed.results.iter().all(|result| S::Row::is_whole(list, result, bench.journal)) {
             (bench.advance)(steps);
             continue;
         }
         let rows = study.measure(&planned.cell, bench)?;
-        if let Some(of) = listed.results.first().filter(|_| !(S::Row::IS_SAMPLED && rows.is_empty())) {
-            bench.journal.put(of.key.clone(), &rows)?;
+        if let Some(result) = listed.results.first().filter(|_| !(S::Row::IS_SAMPLED && rows.is_empty())) {
+            bench.journal.put(result.key.clone(), &rows)?;
         }
         if steps == 1 {
             bench.step()?;
@@ -288,12 +288,12 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
 /// The rows of everything that a journal has of a run, in the order of the list.
 pub fn rows<R: Row>(list: &CellList, journal: &Journal) -> Vec<R> {
     let results = list.cells.iter().filter(|cell| cell.own).flat_map(|cell| &cell.results);
-    results.flat_map(|of| R::read(list, of, journal)).collect()
+    results.flat_map(|result| R::read(list, result, journal)).collect()
 }
 
 /// The names of the cells that a run owns and has not measured.
 pub fn missing<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     let own = list.cells.iter().filter(|cell| cell.own);
-    let lacks = own.filter(|cell| !cell.results.iter().all(|of| R::is_whole(list, of, journal)));
+    let lacks = own.filter(|cell| !cell.results.iter().all(|result| R::is_whole(list, result, journal)));
     lacks.map(|cell| cell.name.clone()).collect()
 }

@@ -204,8 +204,8 @@ fn measure(
         // What is left of the error when every hit is right, and what screen space itself costs.
         let setup = alone(&variant.setup);
         let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
-        let of = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
-        let head = Record::new(gpu, spec, of, &setup, None);
+        let subject = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
+        let head = Record::new(gpu, spec, subject, &setup, None);
         cell.records.extend(head.against_all(&truth, true, &color, None));
         let exact = Variant { setup: setup.clone(), ..variant.clone() };
         cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
@@ -230,9 +230,9 @@ fn strip_name(name: &str, version: OracleVersion) -> String {
     if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
 }
 
-fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [width, height]: [u32; 2]) -> Strip {
-    let version = of.setup.effect().oracle;
-    let reference = if of.is_on_screen() { &truth.screen(version).image } else { &truth.world };
+fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant, [width, height]: [u32; 2]) -> Strip {
+    let version = variant.setup.effect().oracle;
+    let reference = if variant.is_on_screen() { &truth.screen(version).image } else { &truth.world };
     let error = ErrorMaps {
         rmse: error_map(&reference.color, color, &truth.mask),
         flip: FlipMap::new(&reference.display, &display(color), width, height),

@@ -42,8 +42,8 @@ impl Table {
         let own = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
         let columns: Vec<_> = own.chain(more).collect();
         let header = columns.iter().map(|c| c.title.clone()).collect();
-        let of = |row: &R| columns.iter().map(|c| c.shown(row)).collect();
-        let cells = std::iter::once(header).chain(rows.iter().map(of));
+        let row_cells = |row: &R| columns.iter().map(|c| c.shown(row)).collect();
+        let cells = std::iter::once(header).chain(rows.iter().map(row_cells));
         let cells = if rows.is_empty() { Vec::new() } else { cells.collect() };
         Self { id, cells, ..Self::default() }
     }
@@ -72,11 +72,11 @@ pub fn pivot<R>(
     let header = std::iter::once(corner.to_owned()).chain(acrosses.iter().cloned()).collect();
     let line = |name: String| {
         let here: Vec<&R> = rows.iter().filter(|r| down(r) == name).collect();
-        let at = |title: &String| {
+        let cell = |title: &String| {
             let there: Vec<&R> = here.iter().copied().filter(|r| across(r) == *title).collect();
             (!there.is_empty()).then(|| meet(&there)).flatten().unwrap_or_else(|| "-".to_owned())
         };
-        std::iter::once(name.clone()).chain(acrosses.iter().map(at)).collect()
+        std::iter::once(name.clone()).chain(acrosses.iter().map(cell)).collect()
     };
     std::iter::once(header).chain(downs.into_iter().map(line)).collect()
 }
@@ -127,7 +127,7 @@ pub struct NamedPoint {
     /// What it is called.
     pub name: String,
     /// Cost, above 0, and error, at least 0.
-    pub at: [f64; 2],
+    pub position: [f64; 2],
     /// Whether nothing beats it in both.
     pub on_front: bool,
 }

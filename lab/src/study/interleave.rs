@@ -56,9 +56,9 @@ pub struct Round {
 impl Round {
     /// Some frames that warm up, and some that are timed, which are called by their numbers.
     pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
-        let of = |label| Self { label, mode: Mode::Timed, camera: None };
-        let warm = (0..warmup).map(|_| of(None));
-        warm.chain((0..samples).map(|n| of(Some(n.to_string())))).collect()
+        let round = |label| Self { label, mode: Mode::Timed, camera: None };
+        let warm = (0..warmup).map(|_| round(None));
+        warm.chain((0..samples).map(|n| round(Some(n.to_string())))).collect()
     }
 }
 

@@ -101,10 +101,10 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let journal = Journal::resume(lines.iter().map(String::as_str), None);
     let (mut results, mut missing) = (Vec::new(), Vec::new());
     for cell in &mut cells.cells {
-        cell.results.retain(|of| {
-            let value = (kind.read)(&first.cells, of, &journal);
+        cell.results.retain(|result| {
+            let value = (kind.read)(&first.cells, result, &journal);
             let is_there = value.is_some();
-            results.extend(value.map(|value| MergedResult { device: of.device, value }));
+            results.extend(value.map(|value| MergedResult { device: result.device, value }));
             is_there
         });
         cell.own = !cell.results.is_empty();
@@ -133,7 +133,7 @@ fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
         return Some(format!("the setup of its cell {} has the digest {} and not {}", a.name, b.setup, a.setup));
     }
     let lacks =
-        |of: &CellList, cell: &ListedCell| !of.cells.iter().any(|c| c.name == cell.name && c.setup == cell.setup);
+        |list: &CellList, cell: &ListedCell| !list.cells.iter().any(|c| c.name == cell.name && c.setup == cell.setup);
     if let Some(cell) = a.cells.iter().find(|cell| lacks(b, cell)) {
         return Some(format!("it has no cell {}", cell.name));
     }
@@ -148,18 +148,18 @@ fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
 fn check_overlaps(inputs: &[MergeInput], kind: ResultKind) -> Result<()> {
     let values = |input: &MergeInput, n: usize| -> Vec<Value> {
         let results = &input.cells.cells[n].results;
-        results.iter().filter_map(|of| (kind.read)(&input.cells, of, &input.journal)).collect()
+        results.iter().filter_map(|result| (kind.read)(&input.cells, result, &input.journal)).collect()
     };
     for n in 0..inputs[0].cells.cells.len() {
         let mut known: Option<(&MergeInput, Value)> = None;
         for input in inputs {
             for value in values(input, n) {
-                let Some((of, before)) = &known else {
+                let Some((earlier_input, before)) = &known else {
                     known = Some((input, value));
                     continue;
                 };
                 if let Some(difference) = difference_of_figures(before, &value, kind.is_time) {
-                    let (name, other) = (&input.cells.cells[n].name, of.folder.display());
+                    let (name, other) = (&input.cells.cells[n].name, earlier_input.folder.display());
                     let difference = format!("{} {}", difference.place.join("."), difference.values);
                     let message = format!("its cell {name} is not as in {other}: {}", difference.trim_start());
                     return Err(Error::malformed(&input.folder, None, message));
@@ -193,7 +193,7 @@ fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Opt
             let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
             let mut figures = names.filter(|name| *name != DEVICE && !is_time(name));
             figures.find_map(|name| {
-                let [a, b] = [a, b].map(|of| of.get(name).unwrap_or(&Value::Null));
+                let [a, b] = [a, b].map(|object| object.get(name).unwrap_or(&Value::Null));
                 within(name.clone(), a, b)
             })
         }
@@ -217,7 +217,7 @@ mod tests {
     fn list(own: &[&str], device: &str) -> CellList {
         let device = DeviceInfo { name: device.into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
         let cell = |name: &&str| {
-            let result = ListedResult { device: 0, key: format!("{} {name}", device.name), of: Value::Null };
+            let result = ListedResult { device: 0, key: format!("{} {name}", device.name), record_head: Value::Null };
             let is_own = own.contains(name);
             let results = is_own.then_some(result).into_iter().collect();
             ListedCell { name: (*name).into(), setup: format!("digest of {name}"), own: is_own, results }
@@ -252,8 +252,10 @@ mod tests {
         lines.into_iter().enumerate().map(|(n, text)| Line { number: n + 1, text }).collect()
     }
 
-    const KIND: ResultKind =
-        ResultKind { read: |_, of, journal| journal.value(&of.key).cloned(), is_time: |name| name == "time_ms" };
+    const KIND: ResultKind = ResultKind {
+        read: |_, result, journal| journal.value(&result.key).cloned(),
+        is_time: |name| name == "time_ms",
+    };
 
     fn refused(inputs: &[MergeInput]) -> String {
         merge(inputs, KIND).err().expect("refused").to_string()

@@ -102,19 +102,19 @@ impl Row for PathRecord {
         vec![Chart::new("path", "Frames per second, frame by frame", lines)]
     }
 
-    fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
-        (0..frames_of(list)).all(|n| kept(journal, &key(&of.key, n)).is_some())
+    fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
+        (0..frames_of(list)).all(|n| kept(journal, &key(&result.key, n)).is_some())
     }
 
     /// The record of what the journal has: a way that was not walked to its end has fewer frames.
-    fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
+    fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let frame = |n: usize| {
-            let sample = kept(journal, &key(&of.key, n))?;
+            let sample = kept(journal, &key(&result.key, n))?;
             let frame_ms = sample.report.frame_ms;
             Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
         };
         let frames: Vec<PathFrame> = (0..frames_of(list)).filter_map(frame).collect();
-        let head = Head::deserialize(&of.of).ok().filter(|_| !frames.is_empty());
+        let head = Head::deserialize(&result.record_head).ok().filter(|_| !frames.is_empty());
         let record = |head| {
             let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
             let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
@@ -131,8 +131,8 @@ fn frames_of(list: &CellList) -> usize {
 }
 
 /// Where the journal keeps a frame of a method, whose keys begin alike.
-fn key(of: &str, frame: usize) -> String {
-    format!("{of} {frame}")
+fn key(prefix: &str, frame: usize) -> String {
+    format!("{prefix} {frame}")
 }
 
 impl Fps {

@@ -161,14 +161,14 @@ impl Truth {
     fn record(
         &self,
         spec: &PrecisionSpec,
-        of: Of,
+        subject: Of,
         (storage, stored): (Storage, &GBufferData),
         color: &[[f32; 3]],
         hits: Option<&Hits>,
     ) -> PrecisionRecord {
         let compared = self.hits.as_ref().zip(hits);
         PrecisionRecord {
-            head: Head::new("precision", spec.gpu, (spec.scene, spec.view), of, &spec.setup, &spec.globals),
+            head: Head::new("precision", spec.gpu, (spec.scene, spec.view), subject, &spec.setup, &spec.globals),
             storage,
             bytes_per_pixel: storage.bytes_per_pixel(),
             lost: self.mask.iter().zip(&stored.depth).filter(|(m, d)| **m && **d <= 0.0).count(),

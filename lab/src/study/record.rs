@@ -170,9 +170,9 @@ pub struct Head {
 impl Head {
     /// The head of a measurement by this program. What is of no method, such as a reference, is called by a name of its
     /// own.
-    pub fn new(kind: &str, gpu: &Gpu, place: (&Scene, &View), of: Of, setup: &Setup, globals: &Globals) -> Self {
+    pub fn new(kind: &str, gpu: &Gpu, place: (&Scene, &View), subject: Of, setup: &Setup, globals: &Globals) -> Self {
         let (scene, view) = place;
-        let (name, method) = match of {
+        let (name, method) = match subject {
             Of::Method(method) => (method.name, Some(method)),
             Of::Other { name, method } => (name, method),
         };
@@ -210,7 +210,10 @@ impl Head {
         let rough = |h: &Self| format!("r {}", roughness(h.roughness));
         let size = |h: &Self| format!("{} × {}", h.width, h.height);
         let tell: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &rough, &size];
-        let differs = tell.iter().filter(|of| all.iter().any(|other| of(other) != of(self))).map(|of| of(self));
+        let differs = tell
+            .iter()
+            .filter(|property| all.iter().any(|other| property(other) != property(self)))
+            .map(|property| property(self));
         let words = std::iter::once(first.to_owned()).chain(differs.filter(|word| !first.starts_with(word.as_str())));
         words.collect::<Vec<_>>().join(", ")
     }

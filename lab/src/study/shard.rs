@@ -10,10 +10,11 @@ use std::str::FromStr;
 /// One of several shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// The number of this shard, from 1 to `of`.
+    /// The number of this shard, from 1 to `count`.
     pub index: u32,
     /// How many shards there are.
-    pub of: u32,
+    #[serde(rename = "of")]
+    pub count: u32,
 }
 
 /// The greatest number of shards that a study can be divided into.
@@ -25,12 +26,12 @@ impl FromStr for Shard {
     /// Reads `3/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("{text:?} is no shard; write it as 3/8, the third of eight");
-        let (index, of) = text.split_once('/').ok_or_else(wrong)?;
-        match (index.trim().parse(), of.trim().parse()) {
-            (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= MOST => Ok(Self { index, of }),
-            (Ok(index), Ok(of)) if of <= MOST => {
+        let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+        match (index.trim().parse(), count.trim().parse()) {
+            (Ok(index), Ok(count)) if (1..=count).contains(&index) && count <= MOST => Ok(Self { index, count }),
+            (Ok(index), Ok(count)) if count <= MOST => {
                 let index: u32 = index;
-                Err(format!("there is no shard {index} of {of}: shards are counted from 1 to their number"))
+                Err(format!("there is no shard {index} of {count}: shards are counted from 1 to their number"))
             }
             (Ok(_), Ok(_)) => Err(format!("{text:?} has more than {MOST} shards")),
             _ => Err(wrong()),
@@ -40,15 +41,15 @@ impl FromStr for Shard {
 
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.index, self.of)
+        write!(f, "{}/{}", self.index, self.count)
     }
 }
 
 /// The shard that runs each cell, counted from 1, in the order of the cells. `setups` are digests of the cells' setups, as
 /// [`super::journal::setup_digest`] makes them, in whose order the cells are dealt in turn. Cells of one setup are one cell.
-pub fn owners(setups: &[String], of: u32) -> Vec<u32> {
+pub fn owners(setups: &[String], count: u32) -> Vec<u32> {
     let unique: BTreeSet<&str> = setups.iter().map(String::as_str).collect();
-    let owner: BTreeMap<&str, u32> = unique.into_iter().zip((1..=of.max(1)).cycle()).collect();
+    let owner: BTreeMap<&str, u32> = unique.into_iter().zip((1..=count.max(1)).cycle()).collect();
     setups.iter().map(|setup| owner[setup.as_str()]).collect()
 }
 
@@ -65,8 +66,8 @@ mod tests {
 
     #[test]
     fn a_shard_is_written_as_it_is_read() {
-        assert_eq!("3/8".parse(), Ok(Shard { index: 3, of: 8 }));
-        assert_eq!(Shard { index: 3, of: 8 }.to_string(), "3/8");
+        assert_eq!("3/8".parse(), Ok(Shard { index: 3, count: 8 }));
+        assert_eq!(Shard { index: 3, count: 8 }.to_string(), "3/8");
         for wrong in ["0/8", "9/8", "1/0", "1", "a/b", "-1/2", "1/2/3", "1/1000001"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
         }
@@ -76,18 +77,22 @@ mod tests {
         /// Every cell has one owner, for every number of shards and every order of the cells; and no shard has more than
         /// one cell more than another.
         #[test]
-        fn every_cell_has_one_owner_whatever_their_order(cells in 1_usize..60, of in 1_u32..80, turn in 0_usize..60) {
+        fn every_cell_has_one_owner_whatever_their_order(
+            cells in 1_usize..60,
+            count in 1_u32..80,
+            turn in 0_usize..60,
+        ) {
             let cells = setups(cells);
-            let owner = owners(&cells, of);
+            let owner = owners(&cells, count);
             let mut turned = cells.clone();
             turned.rotate_left(turn % cells.len());
             turned.reverse();
-            let owner_of_turned = owners(&turned, of);
+            let owner_of_turned = owners(&turned, count);
             for (cell, own) in cells.iter().zip(&owner) {
-                let at = turned.iter().position(|c| c == cell).unwrap();
-                prop_assert_eq!(*own, owner_of_turned[at]);
+                let index = turned.iter().position(|c| c == cell).unwrap();
+                prop_assert_eq!(*own, owner_of_turned[index]);
             }
-            let counts: Vec<_> = (1..=of).map(|shard| owner.iter().filter(|o| **o == shard).count()).collect();
+            let counts: Vec<_> = (1..=count).map(|shard| owner.iter().filter(|o| **o == shard).count()).collect();
             prop_assert_eq!(counts.iter().sum::<usize>(), cells.len());
             prop_assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1);
         }

@@ -339,12 +339,12 @@ mod tests {
 
     #[test]
     fn numbers_are_told_apart_by_their_bits() {
-        let of = |v: f32| kind(v.to_bits());
+        let float_kind = |v: f32| kind(v.to_bits());
         for sound in [0.0, -0.0, 1.0, 1e-45, f32::MAX] {
-            assert_eq!(of(sound), None, "{sound}");
+            assert_eq!(float_kind(sound), None, "{sound}");
         }
-        assert_eq!([f32::NAN, -f32::NAN].map(of), [Some(0); 2]);
-        assert_eq!([f32::INFINITY, f32::NEG_INFINITY].map(of), [Some(1); 2]);
-        assert_eq!([-1.0, -1e-45, f32::MIN].map(of), [Some(2); 3]);
+        assert_eq!([f32::NAN, -f32::NAN].map(float_kind), [Some(0); 2]);
+        assert_eq!([f32::INFINITY, f32::NEG_INFINITY].map(float_kind), [Some(1); 2]);
+        assert_eq!([-1.0, -1e-45, f32::MIN].map(float_kind), [Some(2); 3]);
     }
 }

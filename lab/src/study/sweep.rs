@@ -9,11 +9,11 @@ pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
 /// Every variant of some methods: what each of them sweeps, around a base.
 pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
-    let of = |method: &&'static MethodInfo| {
+    let method_variants = |method: &&'static MethodInfo| {
         let method = *method;
         method.sweep(base).into_iter().map(move |setup| Variant { method, setup })
     };
-    methods.iter().flat_map(of).collect()
+    methods.iter().flat_map(method_variants).collect()
 }
 
 /// A method without captures, and with each of some numbers of them at each of some sizes of face, around a base.
@@ -22,14 +22,14 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
     let sides = [Side128, Side256, Side512, Side1024];
     let all = [1, 2, 4, 8].into_iter().flat_map(|count| sides.map(|side| (Number(count), side)));
-    let of = |(count, side)| Variant {
+    let variant = |(count, side)| Variant {
         method,
         setup: base.with(|p: &mut EffectParams| {
             p.beyond = if count == None { BeyondScreen::None } else { BeyondScreen::Captures };
             (p.captures, p.capture_side) = (count, side);
         }),
     };
-    std::iter::once((None, Scene)).chain(all).map(of).collect()
+    std::iter::once((None, Scene)).chain(all).map(variant).collect()
 }
 
 /// A method with nothing, with the environment and with `pccm` behind it, if it sees the screen alone; and if it takes
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn a_sweep_of_fallbacks_has_each_and_captures_once() {
         let base = Setup::new([64, 36]).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
-        let of = |name: &str| {
+        let settings = |name: &str| {
             let method = METHODS.iter().find(|m| m.name == name);
             let variants = method.map_or_else(Vec::new, |method| fallbacks(method, &base));
             let effects = variants.iter().map(|v| v.setup.effect());
@@ -87,10 +87,10 @@ mod tests {
         };
         use BeyondScreen::{Auto, Captures, None, Triangles};
         let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None, None));
-        assert_eq!(of("ssct"), behind);
+        assert_eq!(settings("ssct"), behind);
         let [captured, among] = [(CaptureCount::Number(4), Captures), (CaptureCount::None, Triangles)];
         let more = [captured, among].map(|(captures, beyond)| (Fallback::None, captures, beyond));
-        assert_eq!(of("unified"), [&behind[..], &more].concat());
-        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Number(4), Auto)]);
+        assert_eq!(settings("unified"), [&behind[..], &more].concat());
+        assert_eq!(settings("captures"), [(Fallback::None, CaptureCount::Number(4), Auto)]);
     }
 }

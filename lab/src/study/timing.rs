@@ -65,11 +65,11 @@ impl<'a> TimeSpec<'a> {
     /// The groups in the order in which they are measured.
     fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
         let scene = scene_digest(self.scene);
-        let of = move |extent| {
+        let size_groups = move |extent| {
             let scene = scene.clone();
             self.globals.iter().map(move |globals| self.group(extent, *globals, &scene))
         };
-        self.sizes.iter().copied().flat_map(of)
+        self.sizes.iter().copied().flat_map(size_groups)
     }
 
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
@@ -142,8 +142,8 @@ impl Timer {
         progress: &mut dyn FnMut() -> Result<()>,
     ) -> Result<()> {
         let spec = group.spec;
-        let of = (number, group.extent);
-        let same = self.shots.take().filter(|(known, _)| *known == of);
+        let shots_key = (number, group.extent);
+        let same = self.shots.take().filter(|(known, _)| *known == shots_key);
         if self.stage.as_ref().is_none_or(|(name, _)| *name != spec.scene.name) {
             self.stage = Some((spec.scene.name.clone(), Stage::new(spec.gpu, spec.scene)?));
         }
@@ -166,7 +166,7 @@ impl Timer {
                 variants.map(shot).collect::<Result<_>>()?
             }
         };
-        let (_, shots) = self.shots.insert((of, shots));
+        let (_, shots) = self.shots.insert((shots_key, shots));
         group.measure(stage, shots, journal, progress)
     }
 }
@@ -179,8 +179,8 @@ fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) 
 
 /// The names of the methods of some variants, and everything that is set for them at a size.
 fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
-    let of = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
-    json!(variants.iter().map(of).collect::<Vec<_>>())
+    let entry = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+    json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
 
 /// Where the journal keeps a sample whose key begins with `prefix`.
@@ -261,8 +261,8 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
 /// The records of what the journal has, in the order of sizes, factors and variants.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
-    let of = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
-    spec.groups().flat_map(of).collect()
+    let group_records = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
+    spec.groups().flat_map(group_records).collect()
 }
 
 #[cfg(test)]

@@ -213,9 +213,15 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     Ok((records.collect::<Result<_>>()?, films))
 }
 
-fn filmed(spec: &VideoSpec, stage: &mut Stage, of: &Variant, camera: Camera, materials: &[Material]) -> Result<Filmed> {
-    let setup = of.setup.at(spec.extent);
-    let mut shot = |wants| Shot::new(stage, of.method, &setup, wants, camera, materials.to_vec());
+fn filmed(
+    spec: &VideoSpec,
+    stage: &mut Stage,
+    variant: &Variant,
+    camera: Camera,
+    materials: &[Material],
+) -> Result<Filmed> {
+    let setup = variant.setup.at(spec.extent);
+    let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
     // Timed without a reflection of its own, as the time study does.
     let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
     let makes = stage.output(&timed)?.2.traced.reflection.is_some();
@@ -329,17 +335,18 @@ impl Filmed {
     }
 }
 
-fn record(spec: &VideoSpec, start: &View, of: &Variant, mut filmed: Filmed, world: &Truth) -> Result<VideoRecord> {
+fn record(spec: &VideoSpec, start: &View, variant: &Variant, mut filmed: Filmed, world: &Truth) -> Result<VideoRecord> {
     let [width, height] = spec.extent;
     let pairs: Vec<_> = world.reflections.frames.iter().zip(&filmed.reflections.frames).collect();
     let flip: Vec<f64> =
         pairs.into_par_iter().map(|(truth, made)| FlipMap::new(truth, made, width, height).mean()).collect();
     filmed.frames.iter_mut().zip(&flip).for_each(|(frame, flip)| frame.flip = *flip);
-    let mean = |of: fn(&VideoFrame) -> f64| filmed.frames.iter().map(of).sum::<f64>() / filmed.frames.len() as f64;
+    let mean =
+        |value: fn(&VideoFrame) -> f64| filmed.frames.iter().map(value).sum::<f64>() / filmed.frames.len() as f64;
     let times: Vec<f64> = filmed.frames.iter().map(|f| f.effect_ms).collect();
-    let (setup, place) = (of.setup.at(spec.extent), (&spec.study.scene, start));
+    let (setup, place) = (variant.setup.at(spec.extent), (&spec.study.scene, start));
     Ok(VideoRecord {
-        head: Head::new("video", spec.gpu, place, Of::Method(of.method), &setup, &spec.globals),
+        head: Head::new("video", spec.gpu, place, Of::Method(variant.method), &setup, &spec.globals),
         way: spec.study.way.name().to_owned(),
         play: spec.study.play.as_ref().map(|motion| motion.name.clone()),
         moving: spec.study.moving.clone(),

@@ -126,21 +126,21 @@ impl Cross {
 
     /// The face (0…5) at a point in pixels, and its texture coordinates there.
     fn face_at(&self, point: Vec2) -> Option<(usize, Vec2)> {
-        let at = (point - self.corner) / self.side;
-        let face = FACES_IN_CROSS.iter().position(|place| place.map(|n| n as f32) == at.floor().to_array())?;
-        Some((face, at.fract()))
+        let position = (point - self.corner) / self.side;
+        let face = FACES_IN_CROSS.iter().position(|place| place.map(|n| n as f32) == position.floor().to_array())?;
+        Some((face, position.fract()))
     }
 
     /// The face in which a direction in world axes is seen, and the point where, in pixels.
     pub fn at(&self, direction: Vec3) -> (usize, Vec2) {
         let a = direction.abs();
-        let of = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
+        let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
         let (face, greatest) = if a.x >= a.y && a.x >= a.z {
-            (of(direction.x, 0), a.x)
+            (face_by_sign(direction.x, 0), a.x)
         } else if a.y >= a.z {
-            (of(direction.y, 2), a.y)
+            (face_by_sign(direction.y, 2), a.y)
         } else {
-            (of(direction.z, 4), a.z)
+            (face_by_sign(direction.z, 4), a.z)
         };
         // The texture coordinates of a face are linear in the direction, whose greatest component is 1.
         let on_face = direction / greatest.max(f32::MIN_POSITIVE);
@@ -155,10 +155,10 @@ impl Cross {
     pub fn way(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
         let mut lines: Vec<(usize, Vec<Vec2>)> = Vec::new();
         for point in points.iter().filter(|p| **p != capture.position) {
-            let (face, at) = self.at(*point - capture.position);
+            let (face, position) = self.at(*point - capture.position);
             match lines.last_mut().filter(|(last, _)| *last == face) {
-                Some((_, line)) => line.push(at),
-                None => lines.push((face, vec![at])),
+                Some((_, line)) => line.push(position),
+                None => lines.push((face, vec![position])),
             }
         }
         lines.into_iter().map(|(_, line)| line).collect()
@@ -184,8 +184,8 @@ mod tests {
         let cross = Cross::new([403, 290]);
         for face in 0..6 {
             for uv in [Vec2::new(0.5, 0.5), Vec2::new(0.1, 0.8), Vec2::new(0.9, 0.3)] {
-                let (found, at) = cross.at(7.0 * sky::face_direction(face, uv.x, uv.y));
-                let (there, back) = cross.face_at(at).unwrap();
+                let (found, position) = cross.at(7.0 * sky::face_direction(face, uv.x, uv.y));
+                let (there, back) = cross.face_at(position).unwrap();
                 assert!(found == face && there == face && back.distance(uv) < 1e-4, "{face}: {found}, {there}, {back}");
             }
         }

@@ -107,7 +107,7 @@ impl FlyCamera {
 mod tests {
     use super::*;
 
-    fn at(eye: Vec3, look_at: Vec3) -> FlyCamera {
+    fn camera_at(eye: Vec3, look_at: Vec3) -> FlyCamera {
         FlyCamera::new(&View { eye, look_at, ..View::default() }, 2.0)
     }
 
@@ -118,14 +118,14 @@ mod tests {
     #[test]
     fn a_camera_that_has_not_moved_equals_the_views_camera() {
         let (eye, look_at, lens) = (Vec3::new(0.1, 1.7, -3.3), Vec3::new(5.1, 0.3, 7.9), Lens::default());
-        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        let mut camera = camera_at(Vec3::ZERO, Vec3::Z);
         camera.jump(&View { eye, look_at, ..View::default() });
         assert_eq!(camera.camera(lens, 1.5), Camera::new(eye, look_at, lens, 1.5));
     }
 
     #[test]
     fn keys_move_along_the_axes_of_the_view() {
-        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        let mut camera = camera_at(Vec3::ZERO, Vec3::Z);
         assert!(camera.fly(towards(1.0, 0.0, 0.0), 0.5));
         assert!(camera.eye.distance(Vec3::X) < 1e-6, "right is +x when +z is ahead: {}", camera.eye);
         camera.fly(towards(0.0, 1.0, 1.0), 1.0);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn what_the_camera_calls_right_is_right_in_the_image() {
-        let mut camera = at(Vec3::new(3.0, 1.0, 2.0), Vec3::new(-1.0, 2.0, 5.0));
+        let mut camera = camera_at(Vec3::new(3.0, 1.0, 2.0), Vec3::new(-1.0, 2.0, 5.0));
         let before = camera.camera(Lens::default(), 1.0).world_to_view;
         let eye = camera.eye;
         camera.fly(towards(1.0, 0.0, 0.0), 1.0);
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn the_mouse_to_the_right_turns_right_and_down_looks_down() {
-        let mut camera = at(Vec3::ONE, Vec3::ONE + Vec3::Z);
+        let mut camera = camera_at(Vec3::ONE, Vec3::ONE + Vec3::Z);
         camera.turn(Vec2::new(FRAC_PI_2 / RADIANS_PER_PIXEL, 0.0));
         assert!(camera.forward().distance(Vec3::X) < 1e-5, "{}", camera.forward());
         camera.turn(Vec2::new(0.0, 100.0));
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn looking_up_stops_short_of_the_pole_and_comes_back() {
-        let mut camera = at(Vec3::ZERO, Vec3::new(3.0, 0.0, 4.0));
+        let mut camera = camera_at(Vec3::ZERO, Vec3::new(3.0, 0.0, 4.0));
         camera.turn(Vec2::new(0.0, -1e6));
         assert!(camera.forward().y > 0.999 && camera.forward().is_finite());
         camera.turn(Vec2::new(0.0, MAX_PITCH_RADIANS / RADIANS_PER_PIXEL));
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_view_straight_down_can_be_turned_from() {
-        let mut camera = at(Vec3::new(0.0, 9.0, 0.0), Vec3::ZERO);
+        let mut camera = camera_at(Vec3::new(0.0, 9.0, 0.0), Vec3::ZERO);
         camera.turn(Vec2::new(10.0, -10.0));
         assert!(camera.forward().is_finite() && camera.forward().y < -0.99);
         camera.fly(towards(1.0, 0.0, 0.0), 1.0);
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn notches_undo_each_other_and_speed_stays_finite() {
-        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        let mut camera = camera_at(Vec3::ZERO, Vec3::Z);
         camera.change_speed(3.0);
         assert!(camera.speed_m_per_s > 2.0);
         camera.change_speed(-3.0);

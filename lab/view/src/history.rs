@@ -49,7 +49,7 @@ impl History {
             self.frames.clear();
         }
         self.frames.push_back((now, stages));
-        let is_old = |f: Option<&(Instant, _)>| f.is_some_and(|(at, _)| now.duration_since(*at) > KEPT);
+        let is_old = |f: Option<&(Instant, _)>| f.is_some_and(|(time, _)| now.duration_since(*time) > KEPT);
         while self.frames.len() > FRAMES || is_old(self.frames.front()) {
             self.frames.pop_front();
         }
@@ -70,8 +70,8 @@ impl History {
     /// For each stage: its name, whether it counts, and statistics of its times.
     pub fn stages(&self) -> Vec<(String, bool, Stats)> {
         let Some((_, last)) = self.frames.back() else { return Vec::new() };
-        let of = |i: usize| self.frames.iter().map(|(_, stages)| stages[i].ms).collect::<Vec<_>>();
-        last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::of(&of(i)))).collect()
+        let times = |i: usize| self.frames.iter().map(|(_, stages)| stages[i].ms).collect::<Vec<_>>();
+        last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::of(&times(i)))).collect()
     }
 
     /// Statistics of the method's time, the sum of the stages that count.

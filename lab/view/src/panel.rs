@@ -72,8 +72,8 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
         if handle.hovered() || handle.dragged() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
         }
-        if let (true, Some(at)) = (handle.dragged(), handle.interact_pointer_pos()) {
-            state.split = ((at.x - area.left()) / area.width()).clamp(0.0, 1.0);
+        if let (true, Some(pointer)) = (handle.dragged(), handle.interact_pointer_pos()) {
+            state.split = ((pointer.x - area.left()) / area.width()).clamp(0.0, 1.0);
         }
     }
     if response.dragged() {
@@ -88,8 +88,8 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
             });
         }
     }
-    if let (true, Tab::Ray, Some(at)) = (response.clicked(), state.tab, response.interact_pointer_pos()) {
-        state.picked = Some(pixel_at(area, data.extent, at));
+    if let (true, Tab::Ray, Some(pointer)) = (response.clicked(), state.tab, response.interact_pointer_pos()) {
+        state.picked = Some(pixel_at(area, data.extent, pointer));
     }
     if response.hovered() {
         let notches: f32 = ui.input(|i| i.events.iter().filter_map(notches).sum());
@@ -120,9 +120,9 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
 /// Writes the names of the methods over their parts of the picture.
 fn names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
     let painter = ui.painter_at(area);
-    let text = |at: egui::Pos2, align: egui::Align2, text: &str| {
+    let text = |anchor: egui::Pos2, align: egui::Align2, text: &str| {
         let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(14.0), Color32::WHITE);
-        let rect = align.anchor_size(at, galley.size());
+        let rect = align.anchor_size(anchor, galley.size());
         painter.rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(180));
         painter.galley(rect.min, galley, Color32::WHITE);
     };
@@ -146,8 +146,8 @@ fn notches(event: &egui::Event) -> Option<f32> {
 }
 
 /// The pixel of the picture at a position in the window.
-fn pixel_at(area: Rect, extent: [u32; 2], at: egui::Pos2) -> [u32; 2] {
-    let share = (at - area.min) / area.size();
+fn pixel_at(area: Rect, extent: [u32; 2], point: egui::Pos2) -> [u32; 2] {
+    let share = (point - area.min) / area.size();
     [0, 1].map(|i| ((share[i] * extent[i] as f32).max(0.0) as u32).min(extent[i].saturating_sub(1)))
 }
 

@@ -59,11 +59,12 @@ impl DescriptorSets {
 
     fn pool(&self) -> Result<vk::DescriptorPool> {
         use BindingKind as K;
-        let of = |kind: K| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS };
-        let mut sizes =
-            [K::SampledImage, K::StorageImage, K::StorageTexels, K::UniformBuffer, K::StorageBuffer].map(of).to_vec();
+        let pool_size = |kind: K| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS };
+        let mut sizes = [K::SampledImage, K::StorageImage, K::StorageTexels, K::UniformBuffer, K::StorageBuffer]
+            .map(pool_size)
+            .to_vec();
         // A set binds one structure at most.
-        let rays = vk::DescriptorPoolSize { descriptor_count: SETS as u32, ..of(K::RayStructure) };
+        let rays = vk::DescriptorPoolSize { descriptor_count: SETS as u32, ..pool_size(K::RayStructure) };
         sizes.extend(self.gpu.has_ray_queries().then_some(rays));
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS as u32).pool_sizes(&sizes);
         // SAFETY: the create info lives through the call; destroyed in `drop`.

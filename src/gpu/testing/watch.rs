@@ -73,11 +73,11 @@ pub struct Watch {
 impl Watch {
     /// Sets the call that is to fail, if any; counts from 1 again, and a device that was lost is found.
     pub fn arm(&self, fault: Option<Fault>) {
-        let of = |f: fn(Fault) -> Option<u64>| fault.and_then(f).unwrap_or(0);
+        let call_number = |f: fn(Fault) -> Option<u64>| fault.and_then(f).unwrap_or(0);
         self.allocations.store(0, Ordering::SeqCst);
         self.submissions.store(0, Ordering::SeqCst);
-        let allocation = of(|f| if let Fault::Allocation(n) = f { Some(n) } else { None });
-        let submission = of(|f| if let Fault::Submission(n) = f { Some(n) } else { None });
+        let allocation = call_number(|f| if let Fault::Allocation(n) = f { Some(n) } else { None });
+        let submission = call_number(|f| if let Fault::Submission(n) = f { Some(n) } else { None });
         self.failing_allocation.store(allocation, Ordering::SeqCst);
         self.failing_submission.store(submission, Ordering::SeqCst);
         self.lost.store(false, Ordering::SeqCst);

@@ -69,10 +69,10 @@ fn files_of_runs_are_read_by_one_module() {
 
 /// A flag in a string: two hyphens after its beginning or a blank, and a letter.
 fn names_a_flag(code: &str) -> bool {
-    let flag = |(at, _): (usize, &str)| {
-        let before = code[..at].chars().next_back();
+    let flag = |(offset, _): (usize, &str)| {
+        let before = code[..offset].chars().next_back();
         before.is_some_and(|c| c == '"' || c == ' ' || c == '`')
-            && code[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+            && code[offset + 2..].starts_with(|c: char| c.is_ascii_lowercase())
     };
     code.match_indices("--").any(flag)
 }

@@ -191,13 +191,13 @@ fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
 
 #[test]
 fn images_of_another_kind_are_refused() {
-    let look = |sampler: &str, of: &str, image: &str| {
+    let look = |sampler: &str, expression: &str, image: &str| {
         let small = Small::fragment(&format!(
-            "#version 450\nin vec2 at;\nout vec4 shown;\nuniform {sampler} picture;\nvoid main() {{ shown = vec4({of}); }}\n"
+            "#version 450\nin vec2 at;\nout vec4 shown;\nuniform {sampler} picture;\nvoid main() {{ shown = vec4({expression}); }}\n"
         ));
         small.inputs(&format!("picture = \"{image}\"\n")).refused()
     };
-    for (sampler, of, image, says) in [
+    for (sampler, expression, image, says) in [
         (
             "samplerCube",
             "texture(picture, vec3(at, 1.0))",
@@ -230,7 +230,7 @@ fn images_of_another_kind_are_refused() {
         ("samplerBuffer", "texelFetch(picture, 0)", "lit-colour", "a samplerBuffer, and is fed lit-colour"),
         ("sampler2D", "texture(picture, at)", "captures:colour", "which is a samplerCubeArray"),
     ] {
-        let said = look(sampler, of, image);
+        let said = look(sampler, expression, image);
         assert!(said.contains("m/method.toml:10: pass \"p\": picture of a.frag is ") && said.contains(says), "{said}");
     }
     let array = Small::with("uniform sampler2D more[2];", "colour + texture(more[0], at)");

@@ -30,8 +30,8 @@ struct Measured {
 pub struct Point {
     pub name: String,
     pub beyond: Beyond,
-    /// Time and error.
-    pub at: [f64; 2],
+    /// Time and error, over those of `ssct`.
+    pub ratios: [f64; 2],
 }
 
 /// What pages call a method with its options.
@@ -99,7 +99,7 @@ fn names(all: &[Measured]) -> Result<Vec<String>> {
     Ok(order.into_iter().map(|(_, name)| name).collect())
 }
 
-fn of<'a>(all: &'a [Measured], name: &'a str, roughness: &'a str) -> impl Iterator<Item = &'a Measured> {
+fn views_of<'a>(all: &'a [Measured], name: &'a str, roughness: &'a str) -> impl Iterator<Item = &'a Measured> {
     all.iter().filter(move |m| m.name == name && m.roughness == roughness)
 }
 
@@ -107,8 +107,9 @@ fn of<'a>(all: &'a [Measured], name: &'a str, roughness: &'a str) -> impl Iterat
 pub fn points(folder: &Path, roughness: &str) -> Result<Vec<Point>> {
     let all = measured(folder)?;
     let point = |name: String| {
-        let at = |i: usize| median(&of(&all, &name, roughness).map(|m| m.over_ssct[i]).collect::<Vec<_>>());
-        Ok(Point { at: [at(0)?, at(1)?], beyond: beyond(&name), name })
+        let median_of =
+            |i: usize| median(&views_of(&all, &name, roughness).map(|m| m.over_ssct[i]).collect::<Vec<_>>());
+        Ok(Point { ratios: [median_of(0)?, median_of(1)?], beyond: beyond(&name), name })
     };
     names(&all)?.into_iter().map(point).collect()
 }
@@ -141,7 +142,7 @@ pub fn methods(folder: &Path, stage: &str) -> Result<String> {
         let mut cells = vec![name.clone()];
         for r in &roughness {
             for i in 0..2 {
-                cells.push(median_and_greatest(&of(&all, &name, r).map(|m| m.over_ssct[i]).collect::<Vec<_>>())?);
+                cells.push(median_and_greatest(&views_of(&all, &name, r).map(|m| m.over_ssct[i]).collect::<Vec<_>>())?);
             }
         }
         Ok(cells)
@@ -157,15 +158,15 @@ pub fn beaten(folder: &Path, method: &str) -> Result<String> {
     type ByMethod<'a> = BTreeMap<&'a str, [Vec<f64>; 2]>;
     let mut cases: BTreeMap<[&str; 2], ByMethod> = BTreeMap::new();
     for m in &all {
-        let of = cases.entry([&m.scene, &m.roughness]).or_default().entry(&m.name).or_default();
-        of[0].push(m.over_ssct[0]);
-        of[1].push(m.over_ssct[1]);
+        let ratios = cases.entry([&m.scene, &m.roughness]).or_default().entry(&m.name).or_default();
+        ratios[0].push(m.over_ssct[0]);
+        ratios[1].push(m.over_ssct[1]);
     }
     let mut beaten = 0;
     for methods in cases.values() {
-        let at = |[time, error]: &[Vec<f64>; 2]| Ok::<_, String>([median(time)?, median(error)?]);
-        let own = at(methods.get(method).ok_or_else(|| format!("not every scene has {method}"))?)?;
-        let others = methods.values().map(at).collect::<Result<Vec<_>>>()?;
+        let medians = |[time, error]: &[Vec<f64>; 2]| Ok::<_, String>([median(time)?, median(error)?]);
+        let own = medians(methods.get(method).ok_or_else(|| format!("not every scene has {method}"))?)?;
+        let others = methods.values().map(medians).collect::<Result<Vec<_>>>()?;
         let least = 1.0 - REPEATS_WITHIN;
         beaten += usize::from(others.iter().any(|o| o[0] < least * own[0] && o[1] < least * own[1]));
     }
@@ -195,9 +196,9 @@ pub fn time_over(folder: &Path, method: &str, roughness: &str) -> Result<String>
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
     let mut over = Vec::new();
     let times = by_cell(&csv(folder, "times.csv")?, |row| number(row, "median_ms"))?;
-    for ((scene, view, at, name), time) in &times {
-        if name == method && at.parse::<f64>().is_ok_and(|at| (at - wanted).abs() < 1e-6) {
-            let base = (scene.clone(), view.clone(), at.clone(), "ssct".to_owned());
+    for ((scene, view, cell_roughness, name), time) in &times {
+        if name == method && cell_roughness.parse::<f64>().is_ok_and(|value| (value - wanted).abs() < 1e-6) {
+            let base = (scene.clone(), view.clone(), cell_roughness.clone(), "ssct".to_owned());
             over.push(time / times.get(&base).ok_or_else(|| format!("{scene} {view} has no ssct"))?);
         }
     }

@@ -14,13 +14,13 @@ pub fn beside(folder: &Path, methods: &str, scenes: &str, roughness: &str) -> Re
     for scene in scenes.split(',') {
         let records = json(&folder.join(scene), "error.json")?;
         for roughness in roughness.split(',') {
-            let of = |method, field| median(&figures(&records, method, "world", roughness, field));
+            let median_of = |method, field| median(&figures(&records, method, "world", roughness, field));
             let mut row = vec![format!("`{scene}`"), shortest(roughness)];
             for method in &methods {
-                row.push(format!("{:.4}", of(method, "rmse")?));
+                row.push(format!("{:.4}", median_of(method, "rmse")?));
             }
             for method in &methods[..methods.len() - 1] {
-                row.push(ratio(of(method, "time_ms")? / of(last, "time_ms")?));
+                row.push(ratio(median_of(method, "time_ms")? / median_of(last, "time_ms")?));
             }
             rows.push(row);
         }
@@ -38,15 +38,15 @@ pub fn poster_filters(folder: &Path) -> Result<String> {
     for filter in ["mip", "volume", "edge-aware"] {
         let scenes = ["rooms", "museum", "street"].map(|scene| json(&folder.join(filter).join(scene), "error.json"));
         let scenes = scenes.into_iter().collect::<Result<Vec<Vec<Value>>>>()?;
-        let of = |method, against, roughness, field| {
+        let mean_of = |method, against, roughness, field| {
             let all = scenes.iter().flat_map(|records| figures(records, method, against, roughness, field));
             mean(&all.collect::<Vec<_>>())
         };
-        let time = |method| of(method, "world", "0.1", "time_ms");
+        let time = |method| mean_of(method, "world", "0.1", "time_ms");
         let mut row = vec![format!("`{filter}`"), ratio(time("poster")? / time("ssct")?)];
-        row.push(percent(of("poster", "oracle", "0", "hit_agreement")?, 1));
+        row.push(percent(mean_of("poster", "oracle", "0", "hit_agreement")?, 1));
         for roughness in ["0", "0.1", "0.3"] {
-            row.push(format!("{:.4}", of("poster", "screen", roughness, "rmse")?));
+            row.push(format!("{:.4}", mean_of("poster", "screen", roughness, "rmse")?));
         }
         rows.push(row);
     }
@@ -97,11 +97,11 @@ pub fn trace_normals(folder: &Path) -> Result<String> {
     for (run, normals, bump) in variants {
         let records = json(&folder.join(run), "error.json")?;
         for method in ["ssct", "unified"] {
-            let of = |against, roughness, field| median(&figures(&records, method, against, roughness, field));
+            let median_of = |against, roughness, field| median(&figures(&records, method, against, roughness, field));
             let mut row = vec![normals.to_owned(), bump.to_owned(), format!("`{method}`")];
-            row.push(percent(of("oracle", "0", "hit_agreement")?, 1));
+            row.push(percent(median_of("oracle", "0", "hit_agreement")?, 1));
             for (against, roughness) in [("screen", "0"), ("screen", "0.3"), ("world", "0"), ("world", "0.3")] {
-                row.push(format!("{:.4}", of(against, roughness, "rmse")?));
+                row.push(format!("{:.4}", median_of(against, roughness, "rmse")?));
             }
             rows.push(row);
         }

@@ -37,8 +37,8 @@ fn of_scene(folders: &[PathBuf], scene: &str) -> Result<Vec<Value>> {
 /// A figure against the world of a method at a roughness, by view; of the RMSE, the variance of the reference is taken off.
 fn by_view(records: &[Value], (method, behind): (&str, &str), roughness: &str, field: &str) -> BTreeMap<String, f64> {
     let wanted: f64 = roughness.parse().unwrap_or(f64::NAN);
-    let of = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
-    let here = of
+    let method_records = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
+    let here = method_records
         .filter(|r| r["setup"]["fallback"] == behind)
         .filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6));
     let mut views = BTreeMap::new();
@@ -54,7 +54,7 @@ fn by_view(records: &[Value], (method, behind): (&str, &str), roughness: &str, f
 
 /// A figure of `unified` with captures over that of another method, for each view.
 fn captured_over(records: &[Value], other: (&str, &str), roughness: &str, field: &str) -> Result<Vec<f64>> {
-    let [own, others] = [CAPTURED, other].map(|of| by_view(records, of, roughness, field));
+    let [own, others] = [CAPTURED, other].map(|variant| by_view(records, variant, roughness, field));
     if own.is_empty() || own.keys().ne(others.keys()) {
         return Err(format!("at roughness {roughness}, not every view has unified and {other:?}"));
     }
@@ -93,8 +93,8 @@ pub fn times_beyond(folders: &[PathBuf]) -> Result<String> {
     };
     let mut rows = BEYOND.iter().map(|(scene, _)| row(scene)).collect::<Result<Vec<_>>>()?;
     let all = |roughness: &&str| {
-        let of = |(scene, _): &(&str, f64)| times_over(folders, scene, "unified", roughness);
-        median_and_greatest(&BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+        let scene_times = |(scene, _): &(&str, f64)| times_over(folders, scene, "unified", roughness);
+        median_and_greatest(&BEYOND.iter().map(scene_times).collect::<Result<Vec<_>>>()?.concat())
     };
     let cells = ROUGHNESS.iter().map(all).collect::<Result<Vec<_>>>()?;
     rows.push(["*all views*".to_owned()].into_iter().chain(cells).collect());
@@ -103,8 +103,8 @@ pub fn times_beyond(folders: &[PathBuf]) -> Result<String> {
 
 /// The error of `unified` with captures over that of another method, for all views of all scenes.
 fn captured_over_in_all(folders: &[PathBuf], other: (&str, &str), roughness: &str) -> Result<Vec<f64>> {
-    let of = |(scene, _): &(&str, f64)| captured_over(&of_scene(folders, scene)?, other, roughness, "rmse");
-    Ok(BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+    let scene_ratios = |(scene, _): &(&str, f64)| captured_over(&of_scene(folders, scene)?, other, roughness, "rmse");
+    Ok(BEYOND.iter().map(scene_ratios).collect::<Result<Vec<_>>>()?.concat())
 }
 
 /// What the captures of `unified` took before the first frame of a scene, at most: seconds and bytes on the device.
@@ -235,7 +235,7 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
 
 /// The error of a method among the triangles over that of `ssct`, for each view of a scene.
 fn errors_over_ssct(records: &[Value], scene: &str, method: &str, roughness: &str) -> Result<Vec<f64>> {
-    let [own, base] = [(method, "none"), ALONE].map(|of| by_view(records, of, roughness, "rmse"));
+    let [own, base] = [(method, "none"), ALONE].map(|variant| by_view(records, variant, roughness, "rmse"));
     if own.is_empty() || own.keys().ne(base.keys()) {
         return Err(format!("{scene} at roughness {roughness}: not every view has {method} and ssct"));
     }
@@ -273,8 +273,8 @@ pub fn triangles(folder: &Path, roughness: &str) -> Result<String> {
     };
     let mut rows = BEYOND.iter().map(row).collect::<Result<Vec<_>>>()?;
     let all = |method: &str| -> Result<String> {
-        let of = |(scene, _): &(&str, f64)| times_over(&folders, scene, method, roughness);
-        median_and_greatest(&BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+        let scene_times = |(scene, _): &(&str, f64)| times_over(&folders, scene, method, roughness);
+        median_and_greatest(&BEYOND.iter().map(scene_times).collect::<Result<Vec<_>>>()?.concat())
     };
     let blank = if roughness == "0" { 3 } else { 2 };
     let mut last = vec!["*all views*".to_owned()];
@@ -299,7 +299,7 @@ pub fn triangles_of_view(folder: &Path, scene: &str, view: &str) -> Result<[f64;
     let folders = [folder.to_owned()];
     let records = of_scene(&folders, scene)?;
     let one = |values: &BTreeMap<String, f64>| values.get(view).copied().ok_or(format!("{scene} has no {view}"));
-    let error = |of| one(&by_view(&records, of, "0", "rmse"));
+    let error = |variant| one(&by_view(&records, variant, "0", "rmse"));
     let time = |method| one(&times(&folders, scene, method, "0")?);
     let (error_of_ssct, time_of_ssct) = (error(ALONE)?, time(ALONE.0)?);
     Ok([

@@ -113,8 +113,9 @@ pub fn scaling(folder: &Path, [method, size]: [&str; 2]) -> Result<String> {
     let size = captions::size(size)?;
     let growth = ["street", "museum", "cathedral"].map(|scene| {
         let records = json(&folder.join(scene), "path.json")?;
-        let of = |size| captions::over(&records, method, size, "effect_ms")?.ok_or(format!("no {method} in {scene}"));
-        Ok(ratio(of(size)? / of([1024, 768])?))
+        let milliseconds =
+            |size| captions::over(&records, method, size, "effect_ms")?.ok_or(format!("no {method} in {scene}"));
+        Ok(ratio(milliseconds(size)? / milliseconds([1024, 768])?))
     });
     let growth = growth.into_iter().collect::<Result<Vec<_>>>()?;
     range(growth.iter().map(String::as_str))

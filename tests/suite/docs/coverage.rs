@@ -75,12 +75,12 @@ fn named(place: &str) -> BTreeSet<(String, String)> {
         if !number.starts_with(|c: char| c.is_ascii_digit()) {
             continue;
         }
-        let of = if word.starts_with('§') { "section" } else { kind };
-        let (chapter, last) = number.rfind('.').map_or(("", number), |at| number.split_at(at + 1));
+        let category = if word.starts_with('§') { "section" } else { kind };
+        let (chapter, last) = number.rfind('.').map_or(("", number), |dot| number.split_at(dot + 1));
         let Ok(last) = last.parse::<u32>() else { continue };
         let is_range = place.contains(&format!(" to {number}"));
-        let first = before.filter(|_| is_range && of != "section").map_or(last, |first| first);
-        names.extend((first..=last).map(|n| (of.to_owned(), format!("{chapter}{n}"))));
+        let first = before.filter(|_| is_range && category != "section").map_or(last, |first| first);
+        names.extend((first..=last).map(|n| (category.to_owned(), format!("{chapter}{n}"))));
         before = Some(last);
     }
     names

@@ -44,12 +44,12 @@ fn figures(records: &[&Value], against: &str, field: &str) -> Vec<f64> {
 
 /// The four columns of errors: right hits, RMSE against screen and world, right places; means over all views.
 fn errors(records: &[&Value]) -> Result<Vec<String>> {
-    let of = |against, field| mean(&figures(records, against, field));
+    let mean_of = |against, field| mean(&figures(records, against, field));
     Ok(vec![
-        percent(of("oracle", "hit_agreement")?, 1),
-        format!("{:.4}", of("screen", "rmse")?),
-        format!("{:.4}", of("world", "rmse")?),
-        percent(of("world", "place_agreement")?, 1),
+        percent(mean_of("oracle", "hit_agreement")?, 1),
+        format!("{:.4}", mean_of("screen", "rmse")?),
+        format!("{:.4}", mean_of("world", "rmse")?),
+        percent(mean_of("world", "place_agreement")?, 1),
     ])
 }
 

@@ -9,12 +9,12 @@ use std::path::Path;
 pub fn hit_colors(folder: &Path) -> Result<String> {
     let all = csv(folder, "hit-colors.csv")?;
     let row = |scene: &&str| -> Result<Vec<String>> {
-        let of = |field: &str| {
+        let column = |field: &str| {
             let here = all.iter().filter(|row| row["scene"] == *scene);
             here.map(|row| number(row, field)).collect::<Result<Vec<f64>>>()
         };
-        let [ratios, color, texture] = [of("ratio")?, of("color_ms")?, of("texture_ms")?];
-        let one = |field: &str| of(field)?.first().copied().ok_or_else(|| format!("{scene}: no {field}"));
+        let [ratios, color, texture] = [column("ratio")?, column("color_ms")?, column("texture_ms")?];
+        let one = |field: &str| column(field)?.first().copied().ok_or_else(|| format!("{scene}: no {field}"));
         Ok(vec![
             scene.to_string(),
             format!("{:.1} to {:.1}", least(&color), greatest(&color)),
@@ -49,9 +49,9 @@ fn figure(record: &Value, name: &str) -> Result<f64> {
 /// Errors, right hits and times of the mirror in Bevy, where surfaces are lit or not.
 pub fn bevy(folder: &Path, is_lit: bool) -> Result<String> {
     let records = json(folder, "figures.json")?;
-    let of = |with: &str| run(&records, &format!("{}{with}", if is_lit { "lit-" } else { "" }));
+    let record_with = |with: &str| run(&records, &format!("{}{with}", if is_lit { "lit-" } else { "" }));
     let row = |(with, name): &(&str, &str)| -> Result<Vec<String>> {
-        let record = of(with)?;
+        let record = record_with(with)?;
         Ok(vec![
             name.to_string(),
             format!("{:.3}", figure(record, "rmse")?),
@@ -59,7 +59,7 @@ pub fn bevy(folder: &Path, is_lit: bool) -> Result<String> {
             format!("{:.1}", figure(record, "least_ms")?),
         ])
     };
-    let measured = WITH.iter().filter(|(with, _)| of(with).is_ok());
+    let measured = WITH.iter().filter(|(with, _)| record_with(with).is_ok());
     table(&["reflections", "error", "right", "ms"], measured.map(row).collect::<Result<_>>()?)
 }
 

@@ -35,8 +35,8 @@ fn is_lost([method, ..]: [&str; 3]) -> bool {
 pub fn ends(folder: &Path) -> Result<String> {
     let rows = csv(folder, "ends.csv")?;
     let sum = |view: &[Row], field: &str, counts: Counts| {
-        let of = |row: &&Row| counts(["method", "end", "truth"].map(|field| row[field].as_str()));
-        view.iter().filter(of).try_fold(0.0, |sum, row| Ok::<_, String>(sum + number(row, field)?))
+        let is_counted = |row: &&Row| counts(["method", "end", "truth"].map(|field| row[field].as_str()));
+        view.iter().filter(is_counted).try_fold(0.0, |sum, row| Ok::<_, String>(sum + number(row, field)?))
     };
     // The rows of a view are together, and the views of a scene.
     let mut scenes: Vec<(&str, Vec<&[Row]>)> = Vec::new();

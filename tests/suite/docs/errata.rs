@@ -9,8 +9,8 @@ use std::path::Path;
 pub fn erratum(folder: &Path, variant: &str) -> Result<String> {
     let rows = csv(folder, "errata.csv")?;
     let own: Vec<_> = rows.iter().filter(|r| r["variant"] == variant).collect();
-    let of = |field: &str| own.iter().map(|r| number(r, field)).collect::<Result<Vec<f64>>>();
-    let (shares, errors) = (of("share")?, of("rmse")?);
+    let column = |field: &str| own.iter().map(|r| number(r, field)).collect::<Result<Vec<f64>>>();
+    let (shares, errors) = (column("share")?, column("rmse")?);
     let shares = [median(&shares)?, greatest(&shares)].map(|share| percent(share, 2));
     let errors = [median(&errors)?, greatest(&errors)].map(|error| format!("{error:.4}"));
     Ok(format!("{} of pixels; RMSE {}", shares.join(", "), errors.join(", ")))

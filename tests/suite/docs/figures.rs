@@ -59,12 +59,12 @@ fn day_of(path: &Path) -> Option<String> {
 /// Rows of a CSV file; lines that begin with # are comments.
 pub fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
     let path = folder.join(file);
-    let at = |e: csv::Error| format!("{}: {e}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(at)?;
-    let head = reader.headers().map_err(at)?.clone();
+    let message = |e: csv::Error| format!("{}: {e}", path.display());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(message)?;
+    let head = reader.headers().map_err(message)?.clone();
     let row =
         |record: csv::StringRecord| head.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
-    let rows = reader.records().map(|r| r.map(row).map_err(at)).collect::<Result<Vec<Row>>>()?;
+    let rows = reader.records().map(|r| r.map(row).map_err(message)).collect::<Result<Vec<Row>>>()?;
     let judged = rows.iter().filter_map(|r| Some((r.get("against")?.as_str(), Made::OnDayOf(&path))));
     of_todays_references(&path, judged)?;
     Ok(rows)
@@ -165,8 +165,9 @@ pub fn shortest(roughness: &str) -> String {
 /// A figure of a method against a reference at a roughness, of every view.
 pub fn figures(records: &[Value], method: &str, against: &str, roughness: &str, field: &str) -> Vec<f64> {
     let wanted: f64 = roughness.parse().unwrap_or(f64::NAN);
-    let of = records.iter().filter(|r| r["method"] == method && r["against"] == against);
-    of.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6))
+    let method_records = records.iter().filter(|r| r["method"] == method && r["against"] == against);
+    method_records
+        .filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6))
         .filter_map(|r| r[field].as_f64())
         .collect()
 }

@@ -59,8 +59,8 @@ pub fn walks(folder: &Path, is_timed: bool) -> Result<String> {
     let rows = of_walks(folder, [UNIFIED, STOCHASTIC_HISTORY], |both| {
         let [ours, theirs] = both;
         let mut cells = qualities(both, |ours, theirs| ours - theirs)?;
-        for of in both {
-            cells.push(format!("{:.3}", number(of, "flip")?));
+        for row in both {
+            cells.push(format!("{:.3}", number(row, "flip")?));
         }
         cells.extend([error_of_changes(ours)?, error_of_changes(theirs)?]);
         if is_timed {
@@ -140,8 +140,8 @@ pub fn on_screen(folder: &Path) -> Result<String> {
     let rows = of_walks(folder, ON_SCREEN, |films| {
         let mut cells = Vec::new();
         for field in ["jod", "jod_reflection"] {
-            for of in films {
-                cells.push(format!("{:.2}", number(of, field)?));
+            for row in films {
+                cells.push(format!("{:.2}", number(row, field)?));
             }
         }
         Ok(cells)
@@ -236,11 +236,11 @@ pub fn histories(folders: &[PathBuf]) -> Result<String> {
     };
     let films = |folder: &Path, name: &str| -> Result<[Row; 2]> {
         let rows = csv(&folder.join(name), "video.csv")?;
-        let of = |variant: &str| {
+        let row_of = |variant: &str| {
             let found = rows.iter().find(|r| r["variant"] == variant);
             found.cloned().ok_or_else(|| format!("{name} has no film of {variant:?}"))
         };
-        Ok([of("unified")?, of("unified history on")?])
+        Ok([row_of("unified")?, row_of("unified history on")?])
     };
     let over = |row: &Row, field: &str| Ok::<_, String>(number(row, field)? / number(row, "reference_flicker")?);
     let mut rows = Vec::new();
@@ -273,8 +273,8 @@ pub fn histories(folders: &[PathBuf]) -> Result<String> {
 fn flips(folder: &Path, variant: &str) -> Result<Vec<f64>> {
     let variant = variant.replace('_', " ");
     let rows = csv(folder, "video-frames.csv")?;
-    let of = |row: &Row| number(row, if row.contains_key("frame_flip") { "frame_flip" } else { "flip" });
-    let found: Vec<f64> = rows.iter().filter(|r| r["variant"] == variant).map(of).collect::<Result<_>>()?;
+    let flip = |row: &Row| number(row, if row.contains_key("frame_flip") { "frame_flip" } else { "flip" });
+    let found: Vec<f64> = rows.iter().filter(|r| r["variant"] == variant).map(flip).collect::<Result<_>>()?;
     if found.is_empty() { Err(format!("no film of {variant:?}")) } else { Ok(found) }
 }
 
@@ -312,10 +312,10 @@ pub fn history_times(folder: &Path) -> Result<String> {
         own.and_then(|p| p["median_ms"].as_f64()).ok_or_else(|| "no history".to_owned())
     };
     let key = |r: &Value| (size(r), r["roughness"].to_string(), r["scene"].to_string());
-    let of = |history: &'static str| records.iter().filter(move |r| r["setup"]["history"] == history);
+    let records_with = |history: &'static str| records.iter().filter(move |r| r["setup"]["history"] == history);
     let mut found = BTreeMap::<(String, String), [Vec<f64>; 3]>::new();
-    for with in of("on") {
-        let without = of("off").find(|r| key(r) == key(with)).ok_or("a time without its pair")?;
+    for with in records_with("on") {
+        let without = records_with("off").find(|r| key(r) == key(with)).ok_or("a time without its pair")?;
         let [alone, both] = [total(without)?, total(with)?];
         let all = found.entry((size(with), with["roughness"].to_string())).or_default();
         all.iter_mut().zip([alone, pass(with)?, both / alone]).for_each(|(all, one)| all.push(one));
@@ -339,8 +339,8 @@ const SETTLED: usize = 20;
 pub fn history_loops(folder: &Path, turning: bool) -> Result<String> {
     let rows = csv(folder, "samples.csv")?;
     let pass = |program: &str, run: &str| {
-        let of = rows.iter().filter(|r| r["program"] == program && r["run"] == run);
-        let all = of.map(|r| number(r, "history_ms")).collect::<Result<Vec<_>>>()?;
+        let samples = rows.iter().filter(|r| r["program"] == program && r["run"] == run);
+        let all = samples.map(|r| number(r, "history_ms")).collect::<Result<Vec<_>>>()?;
         let part = if turning { all.get(..TURNING) } else { all.get(SETTLED..) };
         median(part.ok_or("a run of too few samples")?)
     };

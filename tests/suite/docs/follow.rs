@@ -19,9 +19,9 @@ pub fn figure(record: &Value, field: &str) -> Result<f64> {
 pub fn steps(folder: &Path) -> Result<String> {
     let records: Vec<Value> = json(folder, "gpu-study.json")?.into_iter().filter(|r| r["kind"] == "steps").collect();
     let row = |views: &[Value]| -> Result<Vec<String>> {
-        let of: Vec<&Value> =
+        let ordered: Vec<&Value> =
             IMAGES.iter().filter_map(|images| views.iter().find(|r| r["images"] == *images)).collect();
-        let [alone, before, captures] = of[..] else { return Err("a view lacks images".to_owned()) };
+        let [alone, before, captures] = ordered[..] else { return Err("a view lacks images".to_owned()) };
         let cells = |r: &Value, field| Ok::<_, String>(format!("{:.1}", figure(r, field)?));
         Ok(vec![
             [&alone["scene"], &alone["view"]].map(|name| name.as_str().unwrap_or("–")).join(", "),
@@ -49,7 +49,7 @@ pub fn steps(folder: &Path) -> Result<String> {
 /// The time of the pass that follows rays, over that with faces of 512²; that of the effect over that of `ssct`; and the
 /// same without the pass. By the side of the faces, medians of the rounds.
 pub fn sides(folder: &Path) -> Result<String> {
-    let of = |side: &str| -> Result<[f64; 3]> {
+    let medians = |side: &str| -> Result<[f64; 3]> {
         let (mut follow, mut effect, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         for round in ROUNDS {
             let records = json(folder, &format!("{side}-{round}.json"))?;
@@ -65,9 +65,9 @@ pub fn sides(folder: &Path) -> Result<String> {
         }
         Ok([median(&follow)?, median(&effect)?, median(&rest)?])
     };
-    let [usual, ..] = of("512")?;
+    let [usual, ..] = medians("512")?;
     let row = |side: &&str| {
-        let [follow, effect, rest] = of(side)?;
+        let [follow, effect, rest] = medians(side)?;
         Ok(vec![format!("{side}²"), ratio(follow / usual), ratio(effect), ratio(rest)])
     };
     let rows = SIDES.iter().map(row).collect::<Result<_>>()?;

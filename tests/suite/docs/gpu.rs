@@ -24,7 +24,7 @@ fn times(folder: &Path, roughness: &str) -> Result<BTreeMap<(String, String), f6
     for (scene, method, ms) in rows(folder, roughness)? {
         all.entry((scene, method)).or_default().push(ms);
     }
-    all.into_iter().map(|(of, views)| Ok((of, median(&views)?))).collect()
+    all.into_iter().map(|(key, views)| Ok((key, median(&views)?))).collect()
 }
 
 /// `unified` on the screen alone, on the screen before the triangles, and among the triangles at once, all in compute shaders:
@@ -34,11 +34,11 @@ pub fn triangle_times(folders: &[PathBuf], roughness: &str) -> Result<String> {
     let (alone, first) = (times(alone, roughness)?, times(first, roughness)?);
     let scenes: BTreeSet<_> = first.keys().map(|(scene, _)| scene.clone()).collect();
     let row = |scene: &String| -> Result<Vec<String>> {
-        let of = |times: &BTreeMap<_, f64>, method: &str| {
+        let cell = |times: &BTreeMap<_, f64>, method: &str| {
             let time = times.get(&(scene.clone(), method.to_owned()));
             time.map(|ms| format!("{ms:.2}")).ok_or_else(|| format!("{scene} has no time of {method}"))
         };
-        let cells = [of(&alone, "unified")?, of(&first, "unified")?, of(&first, "traced")?];
+        let cells = [cell(&alone, "unified")?, cell(&first, "unified")?, cell(&first, "traced")?];
         Ok([scene.clone()].into_iter().chain(cells).collect())
     };
     let head = ["scene", "screen alone", "screen first", "triangles first"];
@@ -54,12 +54,12 @@ pub fn over_ssct(folder: &Path, method: &str, roughness: &str) -> Result<String>
     let of_table = records.iter().take_while(|r| r["scene"] == first["scene"] && r["view"] == first["view"]);
     let here: Vec<&Value> =
         of_table.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6)).collect();
-    let time = |name: &str, of: &Value| {
-        let is_it = |r: &&&Value| r["method"] == name && r["width"] == of["width"] && r["height"] == of["height"];
+    let time = |name: &str, size: &Value| {
+        let is_it = |r: &&&Value| r["method"] == name && r["width"] == size["width"] && r["height"] == size["height"];
         here.iter().find(is_it).ok_or(format!("no {name}")).and_then(|r| figure(&r["total"], "median_ms"))
     };
     let sizes = here.iter().filter(|r| r["method"] == "ssct");
-    let ratios = sizes.map(|of| Ok(time(method, of)? / time("ssct", of)?)).collect::<Result<Vec<_>>>()?;
+    let ratios = sizes.map(|size| Ok(time(method, size)? / time("ssct", size)?)).collect::<Result<Vec<_>>>()?;
     if ratios.is_empty() {
         return Err(format!("no time at roughness {roughness}"));
     }
@@ -68,8 +68,8 @@ pub fn over_ssct(folder: &Path, method: &str, roughness: &str) -> Result<String>
 
 /// The least and the greatest time of a method over all views at a roughness, in milliseconds.
 pub fn time_range(folder: &Path, method: &str, roughness: &str) -> Result<String> {
-    let of = rows(folder, roughness)?.into_iter().filter(|(_, of, _)| of == method);
-    let all: Vec<f64> = of.map(|(_, _, ms)| ms).collect();
+    let method_rows = rows(folder, roughness)?.into_iter().filter(|(_, name, _)| name == method);
+    let all: Vec<f64> = method_rows.map(|(_, _, ms)| ms).collect();
     if all.is_empty() {
         return Err(format!("no time of {method} at roughness {roughness}"));
     }
@@ -109,8 +109,8 @@ pub fn filters(folder: &Path, filter: &str, average: &str) -> Result<String> {
 /// Milliseconds of the effect in the programs of `programs-again`, with the code kept on the disk (`yes`) or not, at a width.
 pub fn programs_again(folder: &Path, [program, kept, width]: [&str; 3]) -> Result<String> {
     let rows = csv(folder, "times.csv")?;
-    let of = rows.iter().filter(|r| r["program"] == program && r["kept_on_disk"] == kept && r["width"] == width);
-    let ms = median(&of.map(|r| number(r, "effect_ms")).collect::<Result<Vec<_>>>()?)?;
+    let selected = rows.iter().filter(|r| r["program"] == program && r["kept_on_disk"] == kept && r["width"] == width);
+    let ms = median(&selected.map(|r| number(r, "effect_ms")).collect::<Result<Vec<_>>>()?)?;
     Ok(if ms < 1.0 { format!("{ms:.2}") } else { format!("{ms:.1}") })
 }
 

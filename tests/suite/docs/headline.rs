@@ -43,14 +43,14 @@ pub fn plot(timed: &Path, judged: &Path) -> Result<String, String> {
     let [left, right] = TIMES.map(x);
     let [bottom, top] = ERRORS.map(y);
     for tick in [0.2, 0.4, 0.6, 0.8, 1.0] {
-        let at = x(tick);
-        line(format!(r##"<path d="M{at:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
-        line(format!(r#"<text x="{at:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
+        let tick_x = x(tick);
+        line(format!(r##"<path d="M{tick_x:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
+        line(format!(r#"<text x="{tick_x:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
     }
     for tick in [0.001, 0.01, 0.1, 1.0] {
-        let at = y(tick);
-        line(format!(r##"<path d="M{left:.1} {at:.1}H{right:.1}" stroke="#ddd"/>"##));
-        line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, at + 4.0));
+        let tick_y = y(tick);
+        line(format!(r##"<path d="M{left:.1} {tick_y:.1}H{right:.1}" stroke="#ddd"/>"##));
+        line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, tick_y + 4.0));
     }
     line(format!(
         r#"<text x="{:.1}" y="{:.1}" text-anchor="middle">time / ssct's</text>"#,
@@ -92,12 +92,12 @@ pub fn plot(timed: &Path, judged: &Path) -> Result<String, String> {
     line(format!(r#"<text x="{:.1}" y="74">unified</text>"#, legend + 12.0));
     line(format!(r#"<text x="{:.1}" y="104">roughness</text>"#, legend - 6.0));
     for (n, (roughness, color)) in ROUGHNESS.iter().zip(COLORS).enumerate() {
-        let at = 122.0 + 20.0 * n as f64;
-        line(dot("unified", legend, at, color));
+        let row_y = 122.0 + 20.0 * n as f64;
+        line(dot("unified", legend, row_y, color));
         line(format!(
             r#"<text x="{:.1}" y="{:.1}">{}</text>"#,
             legend + 12.0,
-            at + 4.0,
+            row_y + 4.0,
             roughness.trim_end_matches(".0")
         ));
     }

@@ -114,8 +114,8 @@ pub fn camera_capture(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for (name, variant) in CAPTURES {
         let over = |value: &dyn Fn(&Run, &Run) -> Result<f64>| {
-            let of = |scene: &&str| value(&Run::of(folder, variant, scene)?, &Run::of(folder, "none", scene)?);
-            mean(&SCENES.iter().map(of).collect::<Result<Vec<_>>>()?)
+            let scene_value = |scene: &&str| value(&Run::of(folder, variant, scene)?, &Run::of(folder, "none", scene)?);
+            mean(&SCENES.iter().map(scene_value).collect::<Result<Vec<_>>>()?)
         };
         let time = |roughness: &'static str| {
             over(&move |run, none| Ok(run.time("unified", roughness)? / none.time("unified", roughness)?))

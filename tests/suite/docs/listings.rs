@@ -232,8 +232,8 @@ fn marks_name_every_printed_line() {
             );
         }
         for (item, count) in *items {
-            let of = all.iter().filter(|(name, _)| name == item);
-            let mut lines: Vec<u32> = of.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
+            let item_steps = all.iter().filter(|(name, _)| name == item);
+            let mut lines: Vec<u32> = item_steps.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
             lines.sort_unstable();
             lines.dedup();
             assert_eq!(lines.first().zip(lines.last()), Some((&1, count)), "{folder}, {item}: {lines:?}");

@@ -76,13 +76,13 @@ fn counted(folder: &Path, [claim, method, variant, height]: [&str; 4]) -> Result
 }
 
 /// A count: mean over the views.
-fn count(folder: &Path, of: [&str; 4]) -> Result<String> {
-    mean(&counted(folder, of)?).map(|n| format!("{n:.1}"))
+fn count(folder: &Path, key: [&str; 4]) -> Result<String> {
+    mean(&counted(folder, key)?).map(|n| format!("{n:.1}"))
 }
 
 /// A share: mean over the views.
-fn share(folder: &Path, of: [&str; 4]) -> Result<String> {
-    mean(&counted(folder, of)?).map(|n| percent(n, 0))
+fn share(folder: &Path, key: [&str; 4]) -> Result<String> {
+    mean(&counted(folder, key)?).map(|n| percent(n, 0))
 }
 
 /// A share on one view.
@@ -93,8 +93,8 @@ fn share_in(folder: &Path, claim: &str, view: &str) -> Result<String> {
 
 /// A count over the same one of another height: the least and the greatest of the views.
 fn growth(folder: &Path, [method, height, from]: [&str; 3]) -> Result<String> {
-    let of = |height| counted(folder, ["ray-steps", method, "1", height]);
-    let ratios: Vec<_> = of(height)?.iter().zip(of(from)?).map(|(a, b)| a / b).collect();
+    let counts = |height| counted(folder, ["ray-steps", method, "1", height]);
+    let ratios: Vec<_> = counts(height)?.iter().zip(counts(from)?).map(|(a, b)| a / b).collect();
     Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
 }
 
@@ -172,8 +172,8 @@ fn times_of(folder: &Path, file: &str, method: &str) -> Result<Value> {
     records.into_iter().find(|r| r["method"] == method).ok_or_else(|| format!("{file}.json has no {method}"))
 }
 
-fn milliseconds(of: &Value) -> Result<f64> {
-    of["median_ms"].as_f64().ok_or_else(|| "no median".to_owned())
+fn milliseconds(timing: &Value) -> Result<f64> {
+    timing["median_ms"].as_f64().ok_or_else(|| "no median".to_owned())
 }
 
 /// The time of a method over another's.

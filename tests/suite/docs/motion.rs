@@ -12,8 +12,8 @@ const MOTIONS: [&str; 2] = ["sub-pixel", "slow-pan"];
 pub fn most(folder: &Path, roughness: &str) -> Result<String> {
     let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no roughness"))?;
     let records = json(folder, "motion.json")?;
-    let of = records.iter().filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6));
-    let ratios = of.map(|r| figure(&r["world"], "ratio")).collect::<Result<Vec<_>>>()?;
+    let selected = records.iter().filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6));
+    let ratios = selected.map(|r| figure(&r["world"], "ratio")).collect::<Result<Vec<_>>>()?;
     if ratios.len() == MOTIONS.len() {
         Ok(ratio(greatest(&ratios)))
     } else {
@@ -32,8 +32,9 @@ pub fn by_rays(folders: &[PathBuf]) -> Result<String> {
     };
     let row = |name: &str, folder: &Path, cell: fn(&Value) -> Result<String>| {
         let records = json(folder, "motion.json")?;
-        let of = |motion: &&str| cell(records.iter().find(|r| r["motion"] == **motion).ok_or(format!("no {motion}"))?);
-        std::iter::once(Ok(name.to_owned())).chain(MOTIONS.iter().map(of)).collect::<Result<Vec<_>>>()
+        let motion_cell =
+            |motion: &&str| cell(records.iter().find(|r| r["motion"] == **motion).ok_or(format!("no {motion}"))?);
+        std::iter::once(Ok(name.to_owned())).chain(MOTIONS.iter().map(motion_cell)).collect::<Result<Vec<_>>>()
     };
     let world: fn(&Value) -> Result<String> = |r| thousandths(figure(&r["world"], "reference_flicker")?);
     let own: fn(&Value) -> Result<String> = |r| thousandths(figure(r, "flicker")?);

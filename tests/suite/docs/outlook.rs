@@ -16,18 +16,18 @@ pub fn bounces(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in ["rooms", "museum"] {
         let records = json(&folder.join(scene), "error.json")?;
-        let of: Vec<_> = (1..=3).map(|n| with_bounces(&records, n)).collect();
+        let by_bounces: Vec<_> = (1..=3).map(|n| with_bounces(&records, n)).collect();
         for roughness in ["0.0", "0.3"] {
             for method in ["ssct", "unified"] {
                 let mut row = vec![format!("`{scene}`"), shortest(roughness), format!("`{method}`")];
                 for against in ["screen", "world"] {
-                    for records in &of {
+                    for records in &by_bounces {
                         let rmse = median(&figures(records, method, against, roughness, "rmse"))?;
                         row.push(format!("{rmse:.4}"));
                     }
                 }
                 let times: Vec<_> =
-                    of.iter().map(|records| figures(records, method, "world", roughness, "time_ms")).collect();
+                    by_bounces.iter().map(|records| figures(records, method, "world", roughness, "time_ms")).collect();
                 for more in &times[1..] {
                     let over: Vec<f64> = more.iter().zip(&times[0]).map(|(more, one)| more / one).collect();
                     row.push(ratio(median(&over)?));
@@ -47,12 +47,12 @@ pub fn bounce_times(folder: &Path) -> Result<String> {
         for record in json(folder, file)? {
             let passes = record["passes"].as_array().ok_or("no passes")?;
             let counted: Vec<&Value> = passes.iter().filter(|p| p["counted"] == true).collect();
-            let of = |again: bool| {
+            let totals = |again: bool| {
                 let is_of = |p: &&&Value| p["name"].as_str().is_some_and(|n| n.starts_with("bounce 2/")) == again;
                 let all: Vec<f64> = counted.iter().filter(is_of).filter_map(|p| p["median_ms"].as_f64()).collect();
                 (all.len(), all.iter().sum::<f64>())
             };
-            let ((passes, ms), (passes_again, ms_again)) = (of(false), of(true));
+            let ((passes, ms), (passes_again, ms_again)) = (totals(false), totals(true));
             let split = if record["setup"]["split"] == true { ", split" } else { "" };
             let method = record["method"].as_str().ok_or("no method")?;
             rows.push(vec![
@@ -101,11 +101,11 @@ pub fn billboard_glow(folder: &Path) -> Result<String> {
     for occlusion in ["none", "depth"] {
         for (glow, says) in [("0", "none"), ("0.5", "0.5 m"), ("0.5-2m", "2 m")] {
             let records = json(folder, &format!("{occlusion}-{glow}.json"))?;
-            let of = |method: &str| {
+            let time = |method: &str| {
                 let record = records.iter().find(|r| r["method"] == method);
                 record.and_then(|r| r["total"]["median_ms"].as_f64()).ok_or_else(|| format!("no time of {method}"))
             };
-            rows.push(vec![format!("`{occlusion}`"), says.to_owned(), ratio(of("billboard")? / of("linear")?)]);
+            rows.push(vec![format!("`{occlusion}`"), says.to_owned(), ratio(time("billboard")? / time("linear")?)]);
         }
     }
     table(&["occlusion", "glow", "time / `linear`'s"], rows)

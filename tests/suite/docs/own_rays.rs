@@ -48,7 +48,7 @@ pub fn errors(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in ["rooms", "corridor", "atrium", "street", "cathedral"] {
         let records = json(folder, &format!("{scene}.json"))?;
-        let of = |roughness: f64, method: &str, own: Option<&str>| -> Result<f64> {
+        let error = |roughness: f64, method: &str, own: Option<&str>| -> Result<f64> {
             let is = |r: &&Value| {
                 r["against"] == "world"
                     && r["method"] == method
@@ -63,7 +63,7 @@ pub fn errors(folder: &Path) -> Result<String> {
         let mut row = vec![format!("{scene} `{view}`")];
         for roughness in [0.1, 0.3] {
             for own in OWN {
-                row.push(ratio(of(roughness, "traced", Some(own))? / of(roughness, "ssct", None)?));
+                row.push(ratio(error(roughness, "traced", Some(own))? / error(roughness, "ssct", None)?));
             }
         }
         rows.push(row);

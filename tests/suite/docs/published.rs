@@ -138,7 +138,8 @@ fn what_is_not_printed_says_so() {
     let mut unprinted = 0;
     for name in METHODS_OF_PRINT {
         for row in (method(name).parameters)() {
-            let printed = |of: &(&[&str], &str, &str, &str, &str)| of.0.contains(name) && of.1 == row.typed_name();
+            let printed =
+                |entry: &(&[&str], &str, &str, &str, &str)| entry.0.contains(name) && entry.1 == row.typed_name();
             let is_printed = PRINTED.iter().chain(SAID).any(printed);
             let says = UNPRINTED.iter().any(|words| row.source.contains(words));
             assert!(is_printed || says, "{name}, {}: not held to the print; its source is {:?}", row.name, row.source);

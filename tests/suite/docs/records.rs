@@ -171,21 +171,21 @@ pub fn times_over(folder: &Path, size: &str, roughness: &str, method: &str) -> R
     let times = bars_times(folder, size)?;
     let here = times.iter().filter(|((.., r), _)| r == roughness);
     here.map(|(_, t)| {
-        let of = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
-        Ok(of("unified")? / of(method)?)
+        let time = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
+        Ok(time("unified")? / time(method)?)
     })
     .collect()
 }
 
 /// Error of a method over that of another, each against a reference, at a roughness, for each view.
-pub fn errors_over(folder: &Path, roughness: &str, of: (&str, &str), over: (&str, &str)) -> Result<Vec<f64>> {
+pub fn errors_over(folder: &Path, roughness: &str, subject: (&str, &str), over: (&str, &str)) -> Result<Vec<f64>> {
     let errors = bars_errors(folder)?;
     let here = errors.iter().filter(|((.., r), _)| r == roughness);
     here.map(|(_, e)| {
         let one = |(method, against): (&str, &str)| {
             e.get(&(method.to_owned(), against.to_owned())).copied().ok_or_else(|| format!("no {method}, {against}"))
         };
-        Ok(one(of)? / one(over)?)
+        Ok(one(subject)? / one(over)?)
     })
     .collect()
 }
@@ -291,8 +291,8 @@ fn versions(folders: &[PathBuf]) -> Result<String> {
 fn range(folder: &Path, scene: &str, size: &str, method: &str, over: &str) -> Result<String> {
     let mut views: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for ((_, view, _), t) in bars_times(folder, size)?.into_iter().filter(|((s, ..), _)| s == scene) {
-        let of = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
-        views.entry(view).or_default().push(of(method)? / of(over)?);
+        let time = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
+        views.entry(view).or_default().push(time(method)? / time(over)?);
     }
     let medians = views.values().map(|v| median(v)).collect::<Result<Vec<_>>>()?;
     median(&medians)?;
@@ -357,8 +357,8 @@ fn by_roughness(folder: &Path) -> Result<String> {
     };
     let mut rows = Vec::new();
     for method in ["ssct", "hzct", "exact-hits+cone", "unified", "screen-reference"] {
-        let of = ["screen", "world"].map(|against| row(method, against));
-        rows.extend(of.into_iter().filter(|row| row.iter().any(|c| c.contains('.'))));
+        let method_rows = ["screen", "world"].map(|against| row(method, against));
+        rows.extend(method_rows.into_iter().filter(|row| row.iter().any(|c| c.contains('.'))));
     }
     table(&["what", "against the", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], rows)
 }
@@ -456,8 +456,9 @@ fn need(folder: &Path) -> Result<String> {
 fn door(folder: &Path) -> Result<String> {
     let all = csv(folder, "door.csv")?;
     let row = |method: &&str| {
-        let of: Vec<&Row> = all.iter().filter(|r| r["method"] == *method).collect();
-        let figure = |field| of.iter().map(|r| number(r, field)).collect::<Result<Vec<_>>>().and_then(|v| median(&v));
+        let method_rows: Vec<&Row> = all.iter().filter(|r| r["method"] == *method).collect();
+        let figure =
+            |field| method_rows.iter().map(|r| number(r, field)).collect::<Result<Vec<_>>>().and_then(|v| median(&v));
         let bytes = figure("bytes")? / 1e6;
         Ok(vec![
             format!("`{method}`"),
@@ -482,8 +483,8 @@ fn precision(folder: &Path, scene: &str) -> Result<String> {
         let bytes = &here.first().ok_or("no mirror")?["bytes_per_pixel"];
         let mut row = vec![storage.to_owned(), bytes.clone()];
         for method in ["oracle", "unified", "ssct"] {
-            let of = here.iter().filter(|r| r["method"] == method);
-            let wrong = of.map(|r| Ok(1.0 - number(r, "hit_agreement")?)).collect::<Result<Vec<_>>>()?;
+            let method_rows = here.iter().filter(|r| r["method"] == method);
+            let wrong = method_rows.map(|r| Ok(1.0 - number(r, "hit_agreement")?)).collect::<Result<Vec<_>>>()?;
             let wrong = mean(&wrong)?;
             let decimals = [(0.01, 1), (1e-4, 2)].iter().find(|(above, _)| wrong > *above).map_or(4, |(_, d)| *d);
             row.push(percent(wrong, decimals));

@@ -54,8 +54,8 @@ pub fn stress(folder: &Path) -> Result<String> {
 /// How many cases a method has.
 pub fn cases(folder: &Path, method: &str) -> Result<String> {
     let all = rows_of(folder)?;
-    let of = all.iter().find(|(m, _)| m == method);
-    of.map(|(_, rows)| rows.len().to_string()).ok_or_else(|| format!("no {method}"))
+    let found = all.iter().find(|(m, _)| m == method);
+    found.map(|(_, rows)| rows.len().to_string()).ok_or_else(|| format!("no {method}"))
 }
 
 /// How many hits of a method were compared with the oracle, and how many of them are not its.

@@ -12,14 +12,14 @@ pub fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
     let samples = csv(folder, "time-samples.csv")?;
     for row in &mut rows {
         for (column, method) in [(9, "hzct"), (11, "sslr")] {
-            let of = |method: &str| {
+            let times = |method: &str| {
                 let here = samples.iter().filter(|s| {
                     let roughness = s["roughness"].parse::<f64>().is_ok_and(|r| format!("{r:.1}") == row[1]);
                     s["method"] == method && format!("{}×{}", s["width"], s["height"]) == row[0] && roughness
                 });
                 here.map(|s| number(s, "effect_ms")).collect::<Result<Vec<_>>>()
             };
-            let turns: Vec<_> = of(method)?.iter().zip(of("ssct")?).map(|(other, ssct)| other / ssct).collect();
+            let turns: Vec<_> = times(method)?.iter().zip(times("ssct")?).map(|(other, ssct)| other / ssct).collect();
             row[column] = median(&turns).map(ratio)?;
         }
     }
@@ -85,12 +85,12 @@ pub fn search(folder: &Path) -> Result<String> {
     for method in ["ssct", "linear"] {
         for (run, name) in runs {
             let records = json(&folder.join(run), "error.json")?;
-            let of = |against: &str, field: &str| figures(&records, method, against, "0", field);
+            let values = |against: &str, field: &str| figures(&records, method, against, "0", field);
             let mut row = vec![format!("`{method}`"), name.to_owned()];
             for field in ["hit_agreement", "false", "missed", "displaced"] {
-                row.push(percent(mean(&of("oracle", field))?, 1));
+                row.push(percent(mean(&values("oracle", field))?, 1));
             }
-            row.push(format!("{:.3}", median(&of("screen", "rmse"))?));
+            row.push(format!("{:.3}", median(&values("screen", "rmse"))?));
             rows.push(row);
         }
     }
@@ -104,9 +104,10 @@ pub fn cone_angle(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for method in ["ssct", "hzct"] {
         for roughness in ["0.1", "0.3", "0.6"] {
-            let of = |records: &[Value], field: &str| median(&figures(records, method, "screen", roughness, field));
-            let time = of(&interpolated, "time_ms")? / of(&lobe, "time_ms")?;
-            let errors = [of(&lobe, "rmse")?, of(&interpolated, "rmse")?].map(|v| format!("{v:.4}"));
+            let median_of =
+                |records: &[Value], field: &str| median(&figures(records, method, "screen", roughness, field));
+            let time = median_of(&interpolated, "time_ms")? / median_of(&lobe, "time_ms")?;
+            let errors = [median_of(&lobe, "rmse")?, median_of(&interpolated, "rmse")?].map(|v| format!("{v:.4}"));
             let [lobe, interpolated] = errors;
             rows.push(vec![format!("`{method}`"), roughness.to_string(), lobe, interpolated, ratio(time)]);
         }

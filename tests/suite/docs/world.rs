@@ -31,15 +31,15 @@ fn along(value: f64, [least, most]: [f64; 2]) -> f64 {
     (value / least).ln() / (most / least).ln()
 }
 
-fn place(at: [f64; 2]) -> [f64; 2] {
+fn place(ratios: [f64; 2]) -> [f64; 2] {
     let (width, height) = (SIZE[0] - MARGIN[0] - MARGIN[2], SIZE[1] - MARGIN[1] - MARGIN[3]);
-    [MARGIN[0] + width * along(at[0], TIMES), MARGIN[1] + height * (1.0 - along(at[1], ERRORS))]
+    [MARGIN[0] + width * along(ratios[0], TIMES), MARGIN[1] + height * (1.0 - along(ratios[1], ERRORS))]
 }
 
 /// Points that no other beats in both, in the order of their times.
 fn front(points: &[Point]) -> Vec<[f64; 2]> {
-    let beaten = |p: &[f64; 2]| points.iter().any(|o| o.at != *p && o.at[0] <= p[0] && o.at[1] <= p[1]);
-    let mut front: Vec<_> = points.iter().map(|p| p.at).filter(|p| !beaten(p)).collect();
+    let beaten = |p: &[f64; 2]| points.iter().any(|o| o.ratios != *p && o.ratios[0] <= p[0] && o.ratios[1] <= p[1]);
+    let mut front: Vec<_> = points.iter().map(|p| p.ratios).filter(|p| !beaten(p)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     front
 }
@@ -58,14 +58,14 @@ pub fn plot(folder: &Path) -> Result<String, String> {
     line(format!(r#"<rect width="{width}" height="{height}" fill="white"/>"#));
     let ([left, bottom], [right, top]) = (place([TIMES[0], ERRORS[0]]), place([TIMES[1], ERRORS[1]]));
     for tick in TICKS.into_iter().filter(|tick| (TIMES[0]..=TIMES[1]).contains(tick)) {
-        let [at, _] = place([tick, 1.0]);
-        line(format!(r##"<path d="M{at:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
-        line(format!(r#"<text x="{at:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
+        let [tick_x, _] = place([tick, 1.0]);
+        line(format!(r##"<path d="M{tick_x:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
+        line(format!(r#"<text x="{tick_x:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
     }
     for tick in TICKS.into_iter().filter(|tick| (ERRORS[0]..=ERRORS[1]).contains(tick)) {
-        let [_, at] = place([1.0, tick]);
-        line(format!(r##"<path d="M{left:.1} {at:.1}H{right:.1}" stroke="#ddd"/>"##));
-        line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, at + 4.0));
+        let [_, tick_y] = place([1.0, tick]);
+        line(format!(r##"<path d="M{left:.1} {tick_y:.1}H{right:.1}" stroke="#ddd"/>"##));
+        line(format!(r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#, left - 6.0, tick_y + 4.0));
     }
     let (middle_x, middle_y) = ((left + right) / 2.0, (top + bottom) / 2.0);
     let axis = "time / ssct's";
@@ -80,16 +80,16 @@ pub fn plot(folder: &Path) -> Result<String, String> {
     }
     // In the order of the mirrors' errors, each name led to its dot.
     let mut order: Vec<_> = mirrors.iter().zip(&rough).collect();
-    order.sort_by(|a, b| b.0.at[1].total_cmp(&a.0.at[1]));
+    order.sort_by(|a, b| b.0.ratios[1].total_cmp(&a.0.ratios[1]));
     for (n, (mirror, rough)) in order.into_iter().enumerate() {
         for point in [mirror, rough] {
             let is_inside = |value: f64, [least, most]: [f64; 2]| (least..=most).contains(&value);
-            if !is_inside(point.at[0], TIMES) || !is_inside(point.at[1], ERRORS) {
+            if !is_inside(point.ratios[0], TIMES) || !is_inside(point.ratios[1], ERRORS) {
                 return Err(format!("{point:?} lies outside the plot"));
             }
         }
         let color = color(mirror.beyond);
-        let ([x, y], [rough_x, rough_y]) = (place(mirror.at), place(rough.at));
+        let ([x, y], [rough_x, rough_y]) = (place(mirror.ratios), place(rough.ratios));
         let (name_x, name_y) = (right + 28.0, top + 30.0 + 20.0 * n as f64);
         line(format!(
             r#"<path d="M{x:.1} {y:.1}L{:.1} {name_y:.1}" stroke="{color}" stroke-opacity="0.3"/>"#,

@@ -111,9 +111,9 @@ fn the_map_of_blender_reads_one_part_and_many() {
     let x = 2.0 * camera_numbers(&text, "focal-length-mm")[0] / camera_numbers(&text, "sensor-width-mm")[0];
     let ball = (0.9, DVec3::new(-0.4, 0.0, 0.9));
     let seen = trace(rows.inverse(), [x, x * 16.0 / 9.0], -1.0, ball.0, ball.1);
-    let each = |of: &dyn Fn(&Seen) -> f64| floats(seen.iter().map(of));
-    let halves_of = |of: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(of));
-    let rgb = |of: [f64; 3]| of.map(|v| halves_of(&|s| if s.z.is_some() { v } else { 0.0 })).to_vec();
+    let each = |value: &dyn Fn(&Seen) -> f64| floats(seen.iter().map(value));
+    let halves_of = |value: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(value));
+    let rgb = |color: [f64; 3]| color.map(|v| halves_of(&|s| if s.z.is_some() { v } else { 0.0 })).to_vec();
     let xyz = |k: usize| each(&|s| s.normal[k]);
     let sky = [0.25, 0.5, 1.0].map(|v| halves_of(&|s| if s.z.is_some() { 0.0 } else { v })).to_vec();
     let passes: Vec<(&str, &str, Vec<FlatSamples>)> = vec![
@@ -179,7 +179,7 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
     let folder = Folder::new();
     let rgba = |values: [FlatSamples; 4]| Part::new(named(&["R", "G", "B", "A"], values));
     let one = || halves(seen.iter().map(|_| 1.0));
-    let each = |of: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(of));
+    let each = |value: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(value));
     write_exr(
         &folder.path("SceneColor.exr"),
         SIZE,

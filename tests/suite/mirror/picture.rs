@@ -149,12 +149,12 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
     let gpu = gpu();
     let extent = [321, 239];
     for method in methods::METHODS.iter().filter(|m| m.is_screen_space()) {
-        let of = |reflectivity| {
+        let shown = |reflectivity| {
             let globals = Globals { reflectivity, ..Globals::default() };
             let setup = Setup::new(extent);
             show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals)
         };
-        let dull = of(0.0);
+        let dull = shown(0.0);
         for (composite, lit) in dull.get("composite").texels().zip(dull.get("color").texels()) {
             assert_eq!(
                 [0, 1, 2].map(|c| composite[c].to_bits()),
@@ -166,7 +166,7 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
         if dull.has("hits") {
             assert!(dull.get("hits").texels().all(|h| path(h) == PathCode::None));
         }
-        assert!(rmse(&of(1.0).get("composite").values, &dull.get("composite").values) > 0.01, "{}", method.name);
+        assert!(rmse(&shown(1.0).get("composite").values, &dull.get("composite").values) > 0.01, "{}", method.name);
     }
 }
 
@@ -199,9 +199,9 @@ fn sky_does_not_reflect_but_windows_are_hit() {
             }
             let uv = DVec2::new((f64::from(x) + 0.5) / 320.0, (f64::from(y) + 0.5) / 240.0);
             let (p, r) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
-            let at = p + r * ((6.0 - p.z) / r.z);
-            if at.x.abs() < 1.8 && (0.2..2.8).contains(&(at.y + EYE.y)) {
-                let expected = on_screen(&shown, at).expect("the window is on screen");
+            let point = p + r * ((6.0 - p.z) / r.z);
+            if point.x.abs() < 1.8 && (0.2..2.8).contains(&(point.y + EYE.y)) {
+                let expected = on_screen(&shown, point).expect("the window is on screen");
                 let hit = hits.at(x, y);
                 assert_eq!(path(hit), PathCode::HiZ, "{method}, ({x}, {y})");
                 let error = (DVec2::new(f64::from(hit[0]), f64::from(hit[1])) - expected) * DVec2::new(320.0, 240.0);

@@ -191,23 +191,23 @@ fn data_addresses_are_read_as_rfc_2397_says() {
 
 #[test]
 fn addresses_that_are_no_files_are_refused() {
-    let at = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
-    let network = at("https://example.org/a.bin");
+    let refusal = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
+    let network = refusal("https://example.org/a.bin");
     assert_eq!(network, "buffer 0 is at an address of the kind https:, which is not read");
-    assert!(at("file:///etc/passwd").contains("of the kind file:"));
+    assert!(refusal("file:///etc/passwd").contains("of the kind file:"));
     for folder in [".", "..", "/dev"] {
         assert!(
-            at(folder).contains("is no file; a buffer is read from a regular file alone"),
+            refusal(folder).contains("is no file; a buffer is read from a regular file alone"),
             "{folder}: {}",
-            at(folder)
+            refusal(folder)
         );
     }
     if std::path::Path::new("/dev/zero").exists() {
         for device in ["/dev/zero", "../../../../../../dev/zero", "..%2f..%2f..%2f..%2f..%2fdev/zero"] {
-            assert!(at(device).contains("is no file"), "{device}: {}", at(device));
+            assert!(refusal(device).contains("is no file"), "{device}: {}", refusal(device));
         }
     }
-    let long = at(&"x".repeat(3000));
+    let long = refusal(&"x".repeat(3000));
     assert!(long.len() < 8000, "{}", long.len());
     let image = json!({"uri": "https://example.org/a.png"});
     let remote = scene(&pictured(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}), &[image]));
@@ -326,8 +326,8 @@ fn the_scale_is_of_every_length() {
         d["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
     });
     let folder = Folder::new(&[("a.gltf", &document.to_string())]);
-    let at = |scale: f32| gltf::load(&folder.path("a.gltf"), &scaled(scale)).unwrap();
-    let (whole, small) = (at(1.0), at(0.125));
+    let loaded = |scale: f32| gltf::load(&folder.path("a.gltf"), &scaled(scale)).unwrap();
+    let (whole, small) = (loaded(1.0), loaded(0.125));
     assert_eq!(small.bounds().max, 0.125 * whole.bounds().max);
     for (a, b) in whole.views.iter().zip(&small.views) {
         let (of_a, of_b) = (a.lens.unwrap(), b.lens.unwrap());

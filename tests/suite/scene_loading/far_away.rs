@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use ssct_lab::scene::{gltf, scene_file};
 
 /// The square as a scene of its own, at places with six decimals.
-fn at(x: f64, y: f64, z: f64, size: f64) -> String {
+fn square_text(x: f64, y: f64, z: f64, size: f64) -> String {
     let corner = |u: f64, v: f64| format!("v {:.6} {:.6} {:.6}\n", x + size * u, y + size * v, z);
     [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)].concat() + "f 1 2 3 4\n"
 }
@@ -19,7 +19,7 @@ fn edges(scene: &Scene) -> Vec<f32> {
 
 #[test]
 fn an_obj_file_of_a_map_keeps_its_details() {
-    let folder = Folder::new(&[("a.obj", &at(456_789.25, 12.5, 5_432_109.75, 0.123))]);
+    let folder = Folder::new(&[("a.obj", &square_text(456_789.25, 12.5, 5_432_109.75, 0.123))]);
     let scene = folder.scene();
     assert!(edges(&scene).iter().all(|e| (e - 0.123).abs() < 1e-4 || (e - 0.123 * 2_f32.sqrt()).abs() < 1e-4));
     assert!(scene.bounds().max.abs().max_element() < 1.0, "{:?}", scene.bounds());
@@ -29,7 +29,7 @@ fn an_obj_file_of_a_map_keeps_its_details() {
     let half = folder.load("a.obj", &ObjOptions { load: scaled(0.5), ..LEFT }).unwrap();
     assert!(edges(&half).iter().any(|e| (e - 0.0615).abs() < 1e-4), "{:?}", edges(&half));
     // Files of one scene are moved together.
-    folder.write("b.obj", at(456_791.25, 12.5, 5_432_109.75, 0.123).as_bytes());
+    folder.write("b.obj", square_text(456_791.25, 12.5, 5_432_109.75, 0.123).as_bytes());
     let files = ["a.obj", "b.obj"].map(|name| ObjFile::from(folder.path(name)));
     let both = obj::load(&files, &LEFT).unwrap();
     let size = both.bounds().max - both.bounds().min;
@@ -38,7 +38,9 @@ fn an_obj_file_of_a_map_keeps_its_details() {
 
 #[test]
 fn near_scenes_stay_where_they_are() {
-    for text in [at(0.0, 0.0, 0.0, 1.0), at(500.0, 0.0, 0.0, 1.0), at(-5_000.0, 0.0, 0.0, 10_000.0)] {
+    for text in
+        [square_text(0.0, 0.0, 0.0, 1.0), square_text(500.0, 0.0, 0.0, 1.0), square_text(-5_000.0, 0.0, 0.0, 10_000.0)]
+    {
         let scene = Folder::new(&[("a.obj", &text)]).scene();
         assert_eq!(scene.warnings.len(), 0, "{:?}", scene.warnings);
     }
@@ -76,7 +78,7 @@ fn a_gltf_scene_on_the_earth_is_as_smooth_as_at_the_origin() {
 
 #[test]
 fn a_scene_file_places_other_things_and_only_warns() {
-    let folder = Folder::new(&[("a.obj", &at(456_789.25, 12.5, 5_432_109.75, 0.5))]);
+    let folder = Folder::new(&[("a.obj", &square_text(456_789.25, 12.5, 5_432_109.75, 0.5))]);
     folder.write("a.scene.toml", b"handedness = \"left\"\n[[mesh]]\nfile = \"a.obj\"\n");
     let scene = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();
     assert!(scene.bounds().min.x > 456_000.0);

@@ -252,7 +252,7 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
 
 #[test]
 fn the_default_view_sees_things_that_stand_around_an_empty_place() {
-    let at = |x: f32, y: f32, first: usize| {
+    let moved_box = |x: f32, y: f32, first: usize| {
         let corner = |line: &str| {
             let numbers: Vec<f32> = line[2..].split(' ').map(|v| v.parse().unwrap()).collect();
             format!("v {} {} {}\n", numbers[0] / 3.0 + x, numbers[1] + y, numbers[2] / 2.0)
@@ -265,7 +265,7 @@ fn the_default_view_sees_things_that_stand_around_an_empty_place() {
     };
     let ground = "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 17 20 19 18\n";
     for rest in ["", ground] {
-        let text = format!("{}{}{rest}", at(-2.0, 0.0, 0), at(2.0, 0.0, 8));
+        let text = format!("{}{}{rest}", moved_box(-2.0, 0.0, 0), moved_box(2.0, 0.0, 8));
         let scene = Folder::new(&[("a.obj", &text)]).scene();
         let bounds = scene.bounds();
         let eye = scene.views[0].eye;

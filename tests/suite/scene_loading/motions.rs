@@ -56,8 +56,8 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     for (time_s, expected) in
         [(-1.0, turned(0.0, 1.0)), (0.5, turned(45.0, 2.0)), (1.0, turned(90.0, 6.0)), (7.0, turned(90.0, 6.0))]
     {
-        let at = corner(&moved, time_s);
-        assert!(at.distance(expected) < 1e-4, "{time_s} s: {at} instead of {expected}");
+        let position = corner(&moved, time_s);
+        assert!(position.distance(expected) < 1e-4, "{time_s} s: {position} instead of {expected}");
     }
     let mut posed = moved.clone();
     posed.pose(&moved.motions[0], 1.0);
@@ -71,8 +71,8 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     // Everything is as much larger, and so is the way.
     let mut doubled = moved.clone();
     doubled.scale(2.0);
-    let at = doubled.motions[0].at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
-    assert!(at.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{at}");
+    let position = doubled.motions[0].at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
+    assert!(position.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{position}");
 }
 
 #[test]
@@ -107,11 +107,11 @@ fn scene_files_name_motions() {
         of_file(&format!("[motion.fly]\nmesh = \"flag\"\npivot = [0, 0, 0]\naxis = [0, 0, 2]\n{keys}")).unwrap();
     let Motion { name, .. } = &scene.motions[0];
     assert_eq!(name, "fly");
-    let at = |time_s: f32| scene.motions[0].at(time_s).next().unwrap().1.place(Vec3::X);
-    assert!(at(0.5).distance(Vec3::X) < 1e-6, "{}", at(0.5));
+    let position = |time_s: f32| scene.motions[0].at(time_s).next().unwrap().1.place(Vec3::X);
+    assert!(position(0.5).distance(Vec3::X) < 1e-6, "{}", position(0.5));
     let half = Quat::from_rotation_z(45f32.to_radians()) * Vec3::X + Vec3::Y;
-    assert!(at(1.5).distance(half) < 1e-5, "{}", at(1.5));
-    assert!(at(3.0).distance(3.0 * Vec3::Y) < 1e-5, "{}", at(3.0));
+    assert!(position(1.5).distance(half) < 1e-5, "{}", position(1.5));
+    assert!(position(3.0).distance(3.0 * Vec3::Y) < 1e-5, "{}", position(3.0));
     let refused = |text: &str, words: &str| {
         let said = of_file(text).unwrap_err().to_string();
         assert!(said.contains(words), "{words}: {said}");

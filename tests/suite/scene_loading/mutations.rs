@@ -29,17 +29,17 @@ pub fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
 pub fn mutate_bytes(bytes: &[u8], mutations: &[Mutation]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for (place, action, byte) in mutations {
-        let at = place.index(bytes.len());
+        let index = place.index(bytes.len());
         // Mostly bytes that numbers and statements are made of, so that much still parses.
         let byte = if action & 8 == 0 { b"0123456789-./ \n\\e#fvnt"[usize::from(*byte) % 22] } else { *byte };
         match action % 4 {
-            0 => bytes[at] = byte,
-            1 => bytes.insert(at, byte),
-            2 if bytes.len() > 1 => drop(bytes.remove(at)),
+            0 => bytes[index] = byte,
+            1 => bytes.insert(index, byte),
+            2 if bytes.len() > 1 => drop(bytes.remove(index)),
             _ => {
-                let end = (at + usize::from(byte)).min(bytes.len());
-                let copy = bytes[at..end].to_vec();
-                bytes.splice(at..at, copy);
+                let end = (index + usize::from(byte)).min(bytes.len());
+                let copy = bytes[index..end].to_vec();
+                bytes.splice(index..index, copy);
             }
         }
     }
@@ -78,8 +78,8 @@ proptest! {
         for (place, action, byte) in &damage {
             // Half of the damage goes to the header.
             let reach = if action & 1 == 0 { bytes.len() } else { bytes.len().min(32) };
-            let at = place.index(reach);
-            bytes[at] = *byte;
+            let index = place.index(reach);
+            bytes[index] = *byte;
         }
         folder.write(name, &bytes);
         assert_sound(&folder.scene());

@@ -225,13 +225,13 @@ fn captures_arrive_and_can_be_written_again() {
 #[test]
 fn views_change_materials_only_for_themselves() {
     let scene = load(&folder(FULL), 1.0).unwrap();
-    let of = |name: &str| {
+    let factors = |name: &str| {
         let materials = scene.materials_in(scene.view(name).unwrap());
         [0, 1].map(|i| (materials[i].reflectivity, materials[i].roughness))
     };
-    assert_eq!(of("zebra"), [(0.5, 0.5), (0.75, 0.0)]);
-    assert_eq!(of("ant"), [(0.5, 0.125), (1.0, 0.0)], "default speaks for those that are not named");
-    assert_eq!(of("mole"), [(0.0, 0.5), (0.75, 0.0)]);
+    assert_eq!(factors("zebra"), [(0.5, 0.5), (0.75, 0.0)]);
+    assert_eq!(factors("ant"), [(0.5, 0.125), (1.0, 0.0)], "default speaks for those that are not named");
+    assert_eq!(factors("mole"), [(0.0, 0.5), (0.75, 0.0)]);
 }
 
 #[test]

@@ -92,12 +92,12 @@ fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
 }
 
 fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
-    let of = |l: &Level<MinMax>| Level {
+    let level_minima = |l: &Level<MinMax>| Level {
         width: l.width,
         height: l.height,
         texels: l.texels.iter().map(|t| t.min).collect(),
     };
-    chain.iter().map(of).collect()
+    chain.iter().map(level_minima).collect()
 }
 
 /// Figure 4.1.

@@ -16,15 +16,15 @@ impl Manifest {
     }
 
     fn parameter(&self, name: &str, section: &Spanned<ParameterSection>) -> Result<Parameter> {
-        let at = section.span();
-        let of = section.get_ref();
-        let wrong = |message: &str| self.error(&at, format!("parameter {name}: {message}"));
+        let span = section.span();
+        let declaration = section.get_ref();
+        let wrong = |message: &str| self.error(&span, format!("parameter {name}: {message}"));
         let leak = |text: &str| -> &'static str { text.to_owned().leak() };
         if !is_word(name) {
             return Err(wrong("the name must consist of small letters, digits and hyphens"));
         }
         let choices: &'static [Choice] =
-            of.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
+            declaration.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
         let value = |value: &toml::Value| -> Option<Value> {
             Some(match value {
                 toml::Value::Boolean(on) => Value::Switch(*on),
@@ -35,8 +35,8 @@ impl Manifest {
             })
         };
         let none = "the default must be true, false, a number, or one of the choices; 1.0 is a number, 1 a whole one";
-        let published = value(&of.default).ok_or_else(|| wrong(none))?;
-        let domain = match (published, of.range) {
+        let published = value(&declaration.default).ok_or_else(|| wrong(none))?;
+        let domain = match (published, declaration.range) {
             (Value::Switch(_), None) => Domain::Switch,
             (Value::Choice(_), None) => Domain::Choices(choices),
             (Value::Count(_), Some([least, most])) => Domain::Count(least as u32, most as u32),
@@ -46,12 +46,13 @@ impl Manifest {
             (Value::Count(_) | Value::Number(_), None) => return Err(wrong("a number needs a range")),
             _ => return Err(wrong("only numbers have a range")),
         };
-        let sweep = of.sweep.iter().map(|v| value(v).ok_or_else(|| wrong("the sweep has values of another type")));
+        let sweep =
+            declaration.sweep.iter().map(|v| value(v).ok_or_else(|| wrong("the sweep has values of another type")));
         let sweep: Vec<Value> = sweep.collect::<Result<_>>()?;
         if let Some(outside) = [published].iter().chain(&sweep).find(|v| !domain.has(**v)) {
             return Err(wrong(&format!("{outside} is outside {domain}")));
         }
-        let help = of.help.trim();
+        let help = declaration.help.trim();
         let help = if help.ends_with('.') { help.to_owned() } else { format!("{help}.") };
         let name: &'static str = name.replace('-', "_").leak();
         if crate::methods::parameters().iter().any(|(p, _)| p.name == name && p.domain != domain) {
@@ -60,7 +61,7 @@ impl Manifest {
         Ok(Parameter {
             name,
             help,
-            unit: leak(&of.unit),
+            unit: leak(&declaration.unit),
             domain,
             published,
             author: published,

@@ -28,7 +28,7 @@ pub struct PassInput {
     pub what: InputKind,
     pub sampler: Option<SamplerName>,
     pub level: LevelOf,
-    at: Range<usize>,
+    span: Range<usize>,
 }
 
 /// An image or a buffer.
@@ -56,7 +56,7 @@ pub struct Pass {
     pub interleaved: bool,
     pub inputs: BTreeMap<String, PassInput>,
     pub values: BTreeMap<String, (Feed, Range<usize>)>,
-    pub at: Range<usize>,
+    pub span: Range<usize>,
 }
 
 /// How far a compute pass reaches.
@@ -88,9 +88,9 @@ impl Known<'_> {
         parameters: &[String],
         wrong: &impl Fn(Range<usize>, String) -> Error,
     ) -> Result<Pass> {
-        let of = section.get_ref();
-        let file = folder.join(of.shader.get_ref());
-        let built_in = if file.exists() { None } else { of.shader.get_ref().to_str().and_then(built_in::path) };
+        let pass = section.get_ref();
+        let file = folder.join(pass.shader.get_ref());
+        let built_in = if file.exists() { None } else { pass.shader.get_ref().to_str().and_then(built_in::path) };
         let (shader, awaited) = match built_in {
             Some(shader) => (shader, Some(file)),
             None => (file, None),
@@ -100,9 +100,9 @@ impl Known<'_> {
             Some("comp" | "cs" | "glslc") => Some(PassStage::Compute),
             _ => None,
         };
-        let Some(stage) = of.stage.or(by_name) else {
-            let message = format!("{}: say stage = \"fragment\" or \"compute\"", of.shader.get_ref().display());
-            return Err(wrong(of.shader.span(), message));
+        let Some(stage) = pass.stage.or(by_name) else {
+            let message = format!("{}: say stage = \"fragment\" or \"compute\"", pass.shader.get_ref().display());
+            return Err(wrong(pass.shader.span(), message));
         };
         let image = |text: &Spanned<String>| -> Result<(String, LevelOf)> {
             let (name, level) = level_of(text.get_ref()).map_err(|m| wrong(text.span(), m))?;
@@ -113,8 +113,8 @@ impl Known<'_> {
             let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
             Ok((name.to_owned(), level))
         };
-        let targets: Vec<_> = of.targets.iter().map(image).collect::<Result<_>>()?;
-        let reach = match (stage, &of.threads, of.workgroups, &of.indirect) {
+        let targets: Vec<_> = pass.targets.iter().map(image).collect::<Result<_>>()?;
+        let reach = match (stage, &pass.threads, pass.workgroups, &pass.indirect) {
             (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassReach::Targets,
             (PassStage::Fragment, ..) => {
                 return Err(wrong(
@@ -125,8 +125,8 @@ impl Known<'_> {
             (PassStage::Compute, ..) if !targets.is_empty() => {
                 return Err(wrong(section.span(), "a compute pass has no targets; it stores to images".into()));
             }
-            (PassStage::Compute, Some(of), None, None) => {
-                let (name, level) = image(of)?;
+            (PassStage::Compute, Some(threads), None, None) => {
+                let (name, level) = image(threads)?;
                 PassReach::Threads(name, level)
             }
             (PassStage::Compute, None, Some(groups), None) => PassReach::Workgroups(groups),
@@ -142,34 +142,34 @@ impl Known<'_> {
             }
         };
         let mut all_inputs = BTreeMap::new();
-        for (name, input) in inputs.iter().chain(&of.inputs) {
+        for (name, input) in inputs.iter().chain(&pass.inputs) {
             all_inputs.insert(name.clone(), self.input(input, wrong)?);
         }
         let mut all_values = BTreeMap::new();
-        for (name, value) in values.iter().chain(&of.values) {
+        for (name, value) in values.iter().chain(&pass.values) {
             let given =
                 Feed::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
             all_values.insert(name.clone(), (given, value.span()));
         }
-        if of.levels.is_some_and(|[first, last]| first > last || last > 31) {
+        if pass.levels.is_some_and(|[first, last]| first > last || last > 31) {
             return Err(wrong(section.span(), "levels must be the first and the last of some levels up to 31".into()));
         }
-        if of.interleaved && of.levels.is_none() {
+        if pass.interleaved && pass.levels.is_none() {
             return Err(wrong(section.span(), "an interleaved pass has levels, as the pass before it has".into()));
         }
         Ok(Pass {
-            name: of.name.get_ref().clone(),
+            name: pass.name.get_ref().clone(),
             shader,
             awaited,
             stage,
-            defines: of.defines.clone(),
+            defines: pass.defines.clone(),
             targets,
             reach,
-            levels: of.levels,
-            interleaved: of.interleaved,
+            levels: pass.levels,
+            interleaved: pass.interleaved,
             inputs: all_inputs,
             values: all_values,
-            at: section.span(),
+            span: section.span(),
         })
     }
 
@@ -182,25 +182,25 @@ impl Known<'_> {
             InputSection::Plain(text) => (text, None),
             InputSection::With { image, sampler } => (image, Some(*sampler)),
         };
-        let at = section.span();
+        let span = section.span();
         if self.buffers.contains_key(text) {
-            return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, at });
+            return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, span });
         }
         let own = |name: &str| self.images.contains_key(name);
         // A level stands behind the name of an image of the method's own.
         let (name, level) = match text.split_once(':') {
-            Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(at.clone(), m))?,
+            Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(span.clone(), m))?,
             _ => (text.as_str(), LevelOf::All),
         };
-        let source = ImageSource::parse(name, own).map_err(|m| wrong(at.clone(), m))?;
-        Ok(PassInput { what: InputKind::Image(source), sampler, level, at })
+        let source = ImageSource::parse(name, own).map_err(|m| wrong(span.clone(), m))?;
+        Ok(PassInput { what: InputKind::Image(source), sampler, level, span })
     }
 }
 
 impl PassInput {
     /// Where the manifest says it.
     pub fn at(&self) -> &Range<usize> {
-        &self.at
+        &self.span
     }
 }
 

@@ -54,8 +54,8 @@ impl BlockLayout {
     pub(super) fn least_bytes(code: &SpirvCode, id: u32) -> u32 {
         let member = |(m, ty): (u32, &u32)| {
             let offset = code.member_decoration(id, m, decoration::OFFSET).unwrap_or(0);
-            let of = code.definition(*ty);
-            let many = of.filter(|d| d.opcode == op::TYPE_ARRAY).and_then(|d| code.constant(d.word(2)));
+            let definition = code.definition(*ty);
+            let many = definition.filter(|d| d.opcode == op::TYPE_ARRAY).and_then(|d| code.constant(d.word(2)));
             match (many, code.decoration(*ty, decoration::ARRAY_STRIDE)) {
                 (Some(many), Some(stride)) => offset.saturating_add(stride.saturating_mul(many)),
                 _ => offset.saturating_add(code.plain_size(*ty).unwrap_or(0)),
@@ -72,12 +72,12 @@ impl BlockLayout {
         start: u32,
         before: &str,
     ) -> Result<(), String> {
-        let at = |what: u32| code.member_decoration(id, member, what);
+        let value = |what: u32| code.member_decoration(id, member, what);
         let own = code.member_name(id, member);
         // A module without names has numbers in their place.
         let name = if own.is_empty() { format!("{before}{member}") } else { format!("{before}{own}") };
-        let offset = start.saturating_add(at(decoration::OFFSET).unwrap_or(0));
-        let matrix = (at(decoration::MATRIX_STRIDE).unwrap_or(16), at(decoration::ROW_MAJOR).is_some());
+        let offset = start.saturating_add(value(decoration::OFFSET).unwrap_or(0));
+        let matrix = (value(decoration::MATRIX_STRIDE).unwrap_or(16), value(decoration::ROW_MAJOR).is_some());
         let ty = code.members(id)[member as usize];
         self.add(code, ty, (offset, matrix), name)
     }
@@ -91,8 +91,8 @@ impl BlockLayout {
     ) -> Result<(), String> {
         let mut elements = vec![offset];
         let mut ty = id;
-        while let Some(of) = code.definition(ty).filter(|d| d.opcode == op::TYPE_ARRAY) {
-            let many = code.constant(of.word(2)).unwrap_or(0);
+        while let Some(array) = code.definition(ty).filter(|d| d.opcode == op::TYPE_ARRAY) {
+            let many = code.constant(array.word(2)).unwrap_or(0);
             let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
             let last = elements.last().copied().unwrap_or(0);
             // Damaged code may say that elements lie at one place, so that they are counted, too.
@@ -101,7 +101,7 @@ impl BlockLayout {
                 return Err(too_large(&name));
             }
             elements = elements.iter().flat_map(|start| (0..many).map(move |k| start + k * stride)).collect();
-            ty = of.word(1);
+            ty = array.word(1);
         }
         if code.members(ty).is_empty() {
             let field =
@@ -131,9 +131,9 @@ fn too_large(name: &str) -> String {
 
 /// A field of numbers that begins at each of `elements`.
 fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): (u32, bool)) -> Option<BlockField> {
-    let of = code.definition(ty)?;
-    let (columns, vector) = match of.opcode {
-        op::TYPE_MATRIX => (of.word(2), of.word(1)),
+    let definition = code.definition(ty)?;
+    let (columns, vector) = match definition.opcode {
+        op::TYPE_MATRIX => (definition.word(2), definition.word(1)),
         _ => (1, ty),
     };
     let (component, rows) = code.numbers(vector)?;

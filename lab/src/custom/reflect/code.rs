@@ -66,18 +66,18 @@ pub(super) struct Instruction<'a> {
 
 impl<'a> Instruction<'a> {
     /// An operand; 0 if there are fewer.
-    pub fn word(&self, at: usize) -> u32 {
-        self.operands.get(at).copied().unwrap_or(0)
+    pub fn word(&self, index: usize) -> u32 {
+        self.operands.get(index).copied().unwrap_or(0)
     }
 
     /// The text that begins at an operand.
-    pub fn text(&self, at: usize) -> String {
-        let bytes = self.operands.iter().skip(at).flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0);
+    pub fn text(&self, index: usize) -> String {
+        let bytes = self.operands.iter().skip(index).flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0);
         String::from_utf8_lossy(&bytes.collect::<Vec<u8>>()).into_owned()
     }
 
-    fn from(&self, at: usize) -> &'a [u32] {
-        self.operands.get(at..).unwrap_or_default()
+    fn from(&self, index: usize) -> &'a [u32] {
+        self.operands.get(index..).unwrap_or_default()
     }
 
     /// The operands that may be pointers: those of instructions that read, write, or hand a pointer on. Others have numbers
@@ -141,12 +141,12 @@ impl<'a> SpirvCode<'a> {
             depths: HashMap::new(),
             used: HashSet::new(),
         };
-        let mut at = HEADER;
+        let mut position = HEADER;
         let mut in_function = false;
-        while at < words.len() {
-            let length = (words[at] >> 16) as usize;
-            let operands = words.get(at + 1..at + length.max(1))?;
-            let instruction = Instruction { opcode: words[at] as u16, operands };
+        while position < words.len() {
+            let length = (words[position] >> 16) as usize;
+            let operands = words.get(position + 1..position + length.max(1))?;
+            let instruction = Instruction { opcode: words[position] as u16, operands };
             if length == 0 {
                 return None;
             }
@@ -157,7 +157,7 @@ impl<'a> SpirvCode<'a> {
                 code.note(instruction);
             }
             code.instructions.push(instruction);
-            at += length;
+            position += length;
         }
         Some(code)
     }
@@ -267,18 +267,18 @@ impl<'a> SpirvCode<'a> {
 
     /// The value of a constant of 32 bits; of a specialization constant, its default.
     pub fn constant(&self, id: u32) -> Option<u32> {
-        let of = self.definition(id)?;
-        matches!(of.opcode, op::CONSTANT | op::SPEC_CONSTANT).then(|| of.word(2))
+        let definition = self.definition(id)?;
+        matches!(definition.opcode, op::CONSTANT | op::SPEC_CONSTANT).then(|| definition.word(2))
     }
 
     /// The type within an array, and how many elements that has; of what is no array, itself and 1.
     pub fn element(&self, id: u32) -> (u32, u32) {
         match self.definition(id) {
-            Some(of) if of.opcode == op::TYPE_ARRAY => {
-                let (inner, many) = self.element(of.word(1));
-                (inner, many.saturating_mul(self.constant(of.word(2)).unwrap_or(1)))
+            Some(array) if array.opcode == op::TYPE_ARRAY => {
+                let (inner, many) = self.element(array.word(1));
+                (inner, many.saturating_mul(self.constant(array.word(2)).unwrap_or(1)))
             }
-            Some(of) if of.opcode == op::TYPE_RUNTIME_ARRAY => (of.word(1), u32::MAX),
+            Some(array) if array.opcode == op::TYPE_RUNTIME_ARRAY => (array.word(1), u32::MAX),
             _ => (id, 1),
         }
     }
@@ -293,13 +293,13 @@ impl<'a> SpirvCode<'a> {
 
     /// The numbers of a scalar or a vector of 32 bits: their type, and how many.
     pub fn numbers(&self, id: u32) -> Option<(Component, u32)> {
-        let of = self.definition(id)?;
-        match of.opcode {
-            op::TYPE_FLOAT if of.word(1) == 32 => Some((Component::Float, 1)),
-            op::TYPE_INT if of.word(1) == 32 => {
-                Some((if of.word(2) == 1 { Component::Int } else { Component::Uint }, 1))
+        let definition = self.definition(id)?;
+        match definition.opcode {
+            op::TYPE_FLOAT if definition.word(1) == 32 => Some((Component::Float, 1)),
+            op::TYPE_INT if definition.word(1) == 32 => {
+                Some((if definition.word(2) == 1 { Component::Int } else { Component::Uint }, 1))
             }
-            op::TYPE_VECTOR => self.numbers(of.word(1)).map(|(component, _)| (component, of.word(2))),
+            op::TYPE_VECTOR => self.numbers(definition.word(1)).map(|(component, _)| (component, definition.word(2))),
             _ => None,
         }
     }

@@ -17,8 +17,8 @@ fn fragment(declarations: &str, shown: &str) -> ShaderInterface {
     reflect(&compiled(&text, ShaderKind::Fragment), true).expect("an interface")
 }
 
-fn block(of: &ShaderInterface) -> &BlockLayout {
-    match &of.variables[0].kind {
+fn block(interface: &ShaderInterface) -> &BlockLayout {
+    match &interface.variables[0].kind {
         VariableKind::Uniform(layout) => layout,
         other => panic!("{other:?}"),
     }
@@ -28,8 +28,8 @@ fn block(of: &ShaderInterface) -> &BlockLayout {
 fn numbers_lie_where_the_layout_says() {
     let declarations = "struct L { vec3 c; float g; };\n\
         layout(std140) uniform B { float a; vec2 b; float c[2]; mat2 d; mat3 e; layout(row_major) mat2x3 f; L g[2]; bool h; int i[2][2]; };";
-    let of = fragment(declarations, "vec4(a + g[1].c.x)");
-    let layout = block(&of);
+    let interface = fragment(declarations, "vec4(a + g[1].c.x)");
+    let layout = block(&interface);
     let field = |name: &str| layout.fields.iter().find(|f| f.name == name).expect(name);
     let is = |name: &str, component: Component, shape: [u32; 3], places: &[u32]| {
         let found = field(name);
@@ -55,14 +55,14 @@ fn numbers_lie_where_the_layout_says() {
 fn variables_have_bindings_of_their_own() {
     let declarations = "layout(binding = 3) uniform sampler2D picture;\nlayout(binding = 3) uniform samplerCube sky;\n\
         layout(std140, set = 1, binding = 0) uniform B { float a; } b;";
-    let of = fragment(declarations, "texture(picture, at) + texture(sky, at.xyx) + b.a");
-    let names: Vec<(u32, &str)> = of.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
+    let interface = fragment(declarations, "texture(picture, at) + texture(sky, at.xyx) + b.a");
+    let names: Vec<(u32, &str)> = interface.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
     assert_eq!(names, [(0, "picture"), (1, "sky"), (2, "b")]);
     // The code says the same.
-    let again = reflect(&of.words, true).expect("an interface");
+    let again = reflect(&interface.words, true).expect("an interface");
     let bindings: Vec<(u32, &str)> = again.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
     assert_eq!(bindings, names);
-    let kinds: Vec<Dim> = of
+    let kinds: Vec<Dim> = interface
         .variables
         .iter()
         .filter_map(|v| if let VariableKind::Sampled(k) = v.kind { Some(k.dim) } else { None })
@@ -72,19 +72,23 @@ fn variables_have_bindings_of_their_own() {
 
 #[test]
 fn inputs_outputs_constants_and_workgroups_are_found() {
-    let of = fragment("layout(constant_id = 4) const int many = 2;\nin vec3 unread;", "vec4(at, float(many), 1.0)");
-    assert_eq!(of.inputs.iter().map(|i| (i.name.as_str(), i.numbers)).collect::<Vec<_>>(), [("at", 2)]);
-    assert_eq!(reflect(&of.words, true).expect("an interface").inputs[0].location, 0);
-    assert_eq!(of.outputs.len(), 1);
-    assert_eq!(of.constants, [Constant { id: 4, name: "many".to_owned(), ty: "i32", default: 2 }]);
+    let interface =
+        fragment("layout(constant_id = 4) const int many = 2;\nin vec3 unread;", "vec4(at, float(many), 1.0)");
+    assert_eq!(interface.inputs.iter().map(|i| (i.name.as_str(), i.numbers)).collect::<Vec<_>>(), [("at", 2)]);
+    assert_eq!(reflect(&interface.words, true).expect("an interface").inputs[0].location, 0);
+    assert_eq!(interface.outputs.len(), 1);
+    assert_eq!(interface.constants, [Constant { id: 4, name: "many".to_owned(), ty: "i32", default: 2 }]);
     let compute = "#version 450\nlayout(local_size_x = 8, local_size_y = 4) in;\nshared vec4 kept[16];\n\
         layout(std430, binding = 0) readonly buffer K { vec4 head; uint list[]; } k;\n\
         layout(binding = 1, r32f) uniform image2D made;\nvoid main() { kept[0] = k.head; imageStore(made, ivec2(0), kept[0]); }\n";
     let words = compiled(compute, ShaderKind::Compute);
-    let of = reflect(&words, false).expect("an interface");
-    assert_eq!((of.local_size, of.shared_bytes), ([8, 4, 1], 256));
-    assert!(matches!(of.variables[0].kind, VariableKind::Storage(16)) && of.variables[0].read_only);
-    assert!(matches!(of.variables[1].kind, VariableKind::Stored(ImageKind { format: 3, .. })));
+    let compute_interface = reflect(&words, false).expect("an interface");
+    assert_eq!((compute_interface.local_size, compute_interface.shared_bytes), ([8, 4, 1], 256));
+    assert!(
+        matches!(compute_interface.variables[0].kind, VariableKind::Storage(16))
+            && compute_interface.variables[0].read_only
+    );
+    assert!(matches!(compute_interface.variables[1].kind, VariableKind::Stored(ImageKind { format: 3, .. })));
     assert_eq!(reflect(&words, true).unwrap_err(), "is a compute shader, and the pass is a fragment pass");
 }
 
@@ -110,17 +114,17 @@ fn damaged_code_is_an_interface_or_a_sentence() {
     for _ in 0..20_000 {
         let mut damaged = words.clone();
         for _ in 0..=random(3) {
-            let at = random(damaged.len());
-            damaged[at] = match random(4) {
+            let index = random(damaged.len());
+            damaged[index] = match random(4) {
                 0 => damaged[random(damaged.len())],
                 1 => random(1 << 16) as u32,
                 2 => u32::MAX,
-                _ => damaged[at] ^ (1 << random(32)),
+                _ => damaged[index] ^ (1 << random(32)),
             };
         }
         damaged.truncate(if random(8) == 0 { random(damaged.len()) } else { damaged.len() });
-        if let Ok(of) = reflect(&damaged, true) {
-            assert!(of.words.len() < 4 * words.len());
+        if let Ok(interface) = reflect(&damaged, true) {
+            assert!(interface.words.len() < 4 * words.len());
         }
     }
 }

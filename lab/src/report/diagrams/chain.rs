@@ -63,14 +63,14 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
         for y in 0..level.height {
             for x in 0..level.width {
                 let z = level.at_clamped(x, y);
-                let at = corner + CELL * Vec2::new(x as f32, y as f32);
+                let cell_corner = corner + CELL * Vec2::new(x as f32, y as f32);
                 let shade = (250.0 - 110.0 * (z - low) / (high - low).max(1e-9)) as u8;
                 let fill = format!(r##"fill="rgb({shade},{shade},{shade})" stroke="#888" stroke-width="0.5""##);
-                svg.rect(at, Vec2::splat(CELL), &fill);
-                let middle = at + Vec2::new(0.5 * CELL, 0.5 * CELL + 5.0);
+                svg.rect(cell_corner, Vec2::splat(CELL), &fill);
+                let middle = cell_corner + Vec2::new(0.5 * CELL, 0.5 * CELL + 5.0);
                 svg.text(middle, 14.0, r#"text-anchor="middle""#, &depth_text(z));
                 if n > 0 {
-                    wrong += u32::from(cell_of(&mut svg, at, level, [x, y], z, &levels[0]));
+                    wrong += u32::from(cell_of(&mut svg, cell_corner, level, [x, y], z, &levels[0]));
                 }
             }
         }
@@ -111,12 +111,12 @@ fn color([x, y]: [u32; 2]) -> &'static str {
 }
 
 /// The frame of a cell made by fetches, and its true minimum where it missed that. Whether it did.
-fn cell_of(svg: &mut Svg, at: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
+fn cell_of(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
     let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, color(cell));
-    svg.rect(at + 2.0, Vec2::splat(CELL - 4.0), &frame);
+    svg.rect(corner + 2.0, Vec2::splat(CELL - 4.0), &frame);
     let truth = least_within(level, cell, finest);
     if truth < z {
-        let below = at + Vec2::new(0.5 * CELL, CELL - 7.0);
+        let below = corner + Vec2::new(0.5 * CELL, CELL - 7.0);
         svg.text(below, 11.0, r##"text-anchor="middle" fill="#c00" font-weight="bold""##, &depth_text(truth));
     }
     truth < z
@@ -141,15 +141,19 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
                 read[(j * level.width + i) as usize] = true;
                 // Up to four cells read one texel: each has a corner of its own.
                 let place = Vec2::new((x % 2) as f32, (y % 2) as f32);
-                let at = corner + CELL * Vec2::new(i as f32, j as f32) + 3.0 + place * (CELL - MARK - 6.0);
-                svg.rect(at, Vec2::splat(MARK), &format!(r#"fill="{}""#, color([x, y])));
+                let mark_corner = corner + CELL * Vec2::new(i as f32, j as f32) + 3.0 + place * (CELL - MARK - 6.0);
+                svg.rect(mark_corner, Vec2::splat(MARK), &format!(r#"fill="{}""#, color([x, y])));
             }
         }
     }
     for (n, _) in read.iter().enumerate().filter(|(_, read)| !**read) {
-        let at = corner + CELL * Vec2::new((n as u32 % level.width) as f32, (n as u32 / level.width) as f32);
-        svg.line(at, at + CELL, r##"stroke="#c00" stroke-opacity="0.45""##);
-        svg.line(at + Vec2::new(CELL, 0.0), at + Vec2::new(0.0, CELL), r##"stroke="#c00" stroke-opacity="0.45""##);
+        let cell_corner = corner + CELL * Vec2::new((n as u32 % level.width) as f32, (n as u32 / level.width) as f32);
+        svg.line(cell_corner, cell_corner + CELL, r##"stroke="#c00" stroke-opacity="0.45""##);
+        svg.line(
+            cell_corner + Vec2::new(CELL, 0.0),
+            cell_corner + Vec2::new(0.0, CELL),
+            r##"stroke="#c00" stroke-opacity="0.45""##,
+        );
     }
     read.contains(&false)
 }

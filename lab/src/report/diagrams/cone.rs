@@ -38,9 +38,9 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
             svg.text(middle + Vec2::new(0.0, 5.0), 14.0, attributes, &(n + 1).to_string());
         }
     }
-    for (at, fill) in [(from, "#111"), (hit, "#fff")] {
+    for (point, fill) in [(from, "#111"), (hit, "#fff")] {
         let attributes = format!(r##"fill="{fill}" stroke="#fff" stroke-width="1.5""##);
-        svg.circle(at * screen, Vec2::splat(4.0), &attributes);
+        svg.circle(point * screen, Vec2::splat(4.0), &attributes);
     }
     let angle = format!("Half angle {:.4} rad; circles from the hit (white) to the pixel (dark), by Alg. 5:", theta);
     svg.text(Vec2::new(12.0, screen.y + 22.0), 13.0, "", &angle);

@@ -87,8 +87,8 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
         let ends = [n, n + 1].map(|n| n as f32 / count as f32 * p.length);
         let pixel = p.from.xy() * p.pixels + p.along * (0.5 * (ends[0] + ends[1]));
         let z = finest.at_clamped(pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32).min;
-        let at = p.place(ends[0], p.depth[1]);
-        svg.rect(at, p.place(ends[1], z) - at + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
+        let bar_corner = p.place(ends[0], p.depth[1]);
+        svg.rect(bar_corner, p.place(ends[1], z) - bar_corner + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
     }
     for step in &trace.steps {
         cell(svg, &p, step);
@@ -96,24 +96,24 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     let points = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
     svg.polyline(points.map(|r| p.place(p.way(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
     for (n, step) in trace.steps.iter().enumerate() {
-        let at = p.place(p.way(step.ray.xy()), step.ray.z);
+        let point = p.place(p.way(step.ray.xy()), step.ray.z);
         svg.circle(
-            at,
+            point,
             Vec2::splat(3.2),
             &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, color(step.level)),
         );
         // Where many points lie close, every other number would cover its neighbour.
         let crowded = n > 0 && {
             let before = trace.steps[n - 1].ray;
-            p.place(p.way(before.xy()), before.z).distance(at) < 9.0
+            p.place(p.way(before.xy()), before.z).distance(point) < 9.0
         };
         if !crowded {
-            svg.text(at + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
+            svg.text(point + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
         }
     }
     for z in p.depth {
-        let at = p.place(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
-        svg.text(at, 12.0, r#"text-anchor="end""#, &depth_text(z));
+        let position = p.place(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
+        svg.text(position, 12.0, r#"text-anchor="end""#, &depth_text(z));
     }
     let foot = TOP + PROFILE + 18.0;
     svg.text(Vec2::new(LEFT, foot), 12.0, "", "the pixel");
@@ -132,11 +132,11 @@ fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
     if span[1] <= span[0] {
         return;
     }
-    let at = p.place(span[0], p.depth[1]);
-    let size = p.place(span[1], step.minimum_plane) - at;
+    let corner = p.place(span[0], p.depth[1]);
+    let size = p.place(span[1], step.minimum_plane) - corner;
     let c = color(step.level);
     let attributes = format!(r#"fill="{c}" fill-opacity="0.12" stroke="{c}" stroke-width="1.4""#);
-    svg.rect(at, size.max(Vec2::ZERO), &attributes);
+    svg.rect(corner, size.max(Vec2::ZERO), &attributes);
 }
 
 /// The level over the iterations.
@@ -150,9 +150,9 @@ fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
         corner + Vec2::new((n as f32 + 0.5) * step, size.y * (0.94 - 0.86 * level as f32 / most as f32))
     };
     for level in 0..=most {
-        let at = Vec2::new(corner.x, place(0, level).y);
-        svg.line(at, at + Vec2::new(size.x, 0.0), r##"stroke="#ddd""##);
-        svg.text(at + Vec2::new(-8.0, 4.0), 12.0, r#"text-anchor="end""#, &level.to_string());
+        let start = Vec2::new(corner.x, place(0, level).y);
+        svg.line(start, start + Vec2::new(size.x, 0.0), r##"stroke="#ddd""##);
+        svg.text(start + Vec2::new(-8.0, 4.0), 12.0, r#"text-anchor="end""#, &level.to_string());
     }
     let points = trace.steps.iter().enumerate().map(|(n, s)| place(n, s.level));
     svg.polyline(points, r##"fill="none" stroke="#111""##);

@@ -235,7 +235,7 @@ impl LibraryPage<'_> {
     }
 
     fn trend_cells(&self, trend: &Trend) -> Vec<Vec<String>> {
-        let run = |at: &usize| format!("{}. {}", at + 1, self.library.runs[*at].date);
+        let run = |index: &usize| format!("{}. {}", index + 1, self.library.runs[*index].date);
         let mut cells =
             vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
         let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure);
@@ -284,7 +284,7 @@ impl LibraryPage<'_> {
 
 /// A device's label on the page: D and its number among the library's devices.
 fn label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
-    format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |at| at + 1))
+    format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |index| index + 1))
 }
 
 /// Whether two trends are of the same place; such trends stand under one heading.

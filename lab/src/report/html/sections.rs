@@ -119,8 +119,8 @@ pub fn passes(records: &[TimeRecord]) -> Markup {
 
 fn title(r: &TimeRecord) -> String {
     let h = &r.head;
-    let of = roughness(h.roughness);
-    format!("{}, {}, {} × {}, roughness {of}, {}", h.scene, h.view, h.width, h.height, h.method)
+    let roughness_text = roughness(h.roughness);
+    format!("{}, {}, {} × {}, roughness {roughness_text}, {}", h.scene, h.view, h.width, h.height, h.method)
 }
 
 /// Median, minimum, p95 and fragment invocations of every pass.

@@ -77,9 +77,13 @@ impl StudyPage<'_> {
 
     fn records(&self) -> Markup {
         let file = |ending: &str| format!("{}.{ending}", self.kind);
-        let of = |ending: &str, what: &'static str| (file(ending), what);
+        let entry = |ending: &str, what: &'static str| (file(ending), what);
         let apart = self.devices.len() > 1;
-        let all = [of("json", "every record"), of("csv", "a row for each record"), of("md", "the tables, as Markdown")];
+        let all = [
+            entry("json", "every record"),
+            entry("csv", "a row for each record"),
+            entry("md", "the tables, as Markdown"),
+        ];
         html! {
             ul {
                 @for (file, what) in all.iter().filter(|(file, _)| !apart || file.ends_with(".json")) {

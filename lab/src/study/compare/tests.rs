@@ -136,11 +136,11 @@ fn devices_that_differ_or_are_not_known_warn() {
         let text = |s: &str| s.to_owned();
         Some(DeviceInfo { name: text(name), driver: text("1"), api: text("1.3"), kind: text("CPU") })
     };
-    let of = |name: &str| Run { device: device(name), ..run("ssct", 1.0) };
+    let device_run = |name: &str| Run { device: device(name), ..run("ssct", 1.0) };
     let slow = Run { device: device("x"), ..run("ssct", 1.5) };
-    assert_eq!(warning(&of("x"), &slow), None);
-    assert!(warning(&of("x"), &of("y")).is_some_and(|w| w.contains("A ran on x (1), B on y (1)")));
-    assert!(warning(&of("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
+    assert_eq!(warning(&device_run("x"), &slow), None);
+    assert!(warning(&device_run("x"), &device_run("y")).is_some_and(|w| w.contains("A ran on x (1), B on y (1)")));
+    assert!(warning(&device_run("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
 }
 
 #[test]

@@ -345,9 +345,9 @@ fn blend_pane(data: &mut GBufferData, _: usize) {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let depth = f64::from(data.depth[i]);
         let shown: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
-        let at = eye + (shown - eye) * ((PANE_Z - eye.z) / (shown.z - eye.z));
+        let crossing = eye + (shown - eye) * ((PANE_Z - eye.z) / (shown.z - eye.z));
         let is_within = |range: [f64; 2], v: f64| (range[0]..range[1]).contains(&v);
-        if shown.z > PANE_Z && is_within(PANE_X, at.x) && is_within(PANE_Y, at.y) {
+        if shown.z > PANE_Z && is_within(PANE_X, crossing.x) && is_within(PANE_Y, crossing.y) {
             data.color[i] = data.color[i].lerp(scenes::RED, PANE_COVERS);
         }
     }

@@ -23,7 +23,7 @@ impl Seen {
     /// The pixels within some pixels of another one, along each axis, this one among them.
     fn all_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         let (x, y) = (pixel % self.width(), pixel / self.width());
-        let to = |at: usize, side: usize| at.saturating_sub(reach)..=(at + reach).min(side - 1);
+        let to = |position: usize, side: usize| position.saturating_sub(reach)..=(position + reach).min(side - 1);
         let columns = to(x, self.width());
         let rows = to(y, self.screen.height as usize);
         rows.flat_map(move |y| columns.clone().map(move |x| y * self.width() + x))
@@ -114,11 +114,11 @@ pub fn spread_of_wrong(all: &[Seen], variant: usize, region: Region) -> f64 {
 /// The greatest percentage of pixels of a frame whose colour is another than in the first frame, which has the same camera
 /// and size.
 pub fn differing(all: &[Seen], variant: usize, region: Region) -> f64 {
-    let of = |seen: &Seen| {
+    let percentage = |seen: &Seen| {
         let first = &all[0].made[variant];
         percent(seen.pixels(region).map(|i| is_wrong(seen.made[variant][i], first[i])))
     };
-    all.iter().skip(1).map(of).fold(0.0, f64::max)
+    all.iter().skip(1).map(percentage).fold(0.0, f64::max)
 }
 
 /// The error over a region in the last frame: root mean square, in percent of the truth's own.
@@ -228,9 +228,9 @@ const BLACK: f32 = 0.02;
 /// The percentage of pixels, in the worst frame, that are no number, or black where the truth is not.
 pub fn blackened(all: &[Seen], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
-    let of =
+    let percentage =
         |seen: &Seen| percent(seen.pixels(region).map(|i| is_black(seen.made[variant][i]) && !is_dark(seen.truth[i])));
-    all.iter().map(of).fold(0.0, f64::max)
+    all.iter().map(percentage).fold(0.0, f64::max)
 }
 
 /// Whether the truth itself is so dark that black is not wrong.
@@ -282,9 +282,9 @@ mod tests {
 
     #[test]
     fn settings_that_must_not_matter_are_held_against_the_first() {
-        let of = |made| seen(HALF, made);
-        assert_eq!(differing(&[of(HALF), of(HALF)], 0, everywhere), 0.0);
-        assert_eq!(differing(&[of(OFF), of(HALF), of(OFF)], 0, everywhere), 25.0);
+        let frame = |made| seen(HALF, made);
+        assert_eq!(differing(&[frame(HALF), frame(HALF)], 0, everywhere), 0.0);
+        assert_eq!(differing(&[frame(OFF), frame(HALF), frame(OFF)], 0, everywhere), 25.0);
     }
 
     #[test]
@@ -308,11 +308,11 @@ mod tests {
     #[test]
     fn changes_are_held_against_the_truths_and_nothing_has_none() {
         let film = |made: [[f32; 8]; 2]| [seen([0.4; 8], made[0]), seen([0.5; 8], made[1])];
-        let of = |made| off_change(&film(made), 0, of_pixels);
-        assert_eq!(of([[0.4; 8], [0.5; 8]]), Some(0.0));
-        let shaking = of([[0.4; 8], [0.7; 8]]).unwrap();
+        let change = |made| off_change(&film(made), 0, of_pixels);
+        assert_eq!(change([[0.4; 8], [0.5; 8]]), Some(0.0));
+        let shaking = change([[0.4; 8], [0.7; 8]]).unwrap();
         assert!((shaking - 200.0).abs() < 1e-3, "0.3 where 0.1 is right: {shaking}");
-        assert_eq!(of([[0.0; 8]; 2]), None, "nothing never flickers");
+        assert_eq!(change([[0.0; 8]; 2]), None, "nothing never flickers");
         let at_rest = off_change_at_rest(&film([[0.4; 8], [0.6; 8]]), 0, of_cells).unwrap();
         assert!((at_rest - 20.0).abs() < 1e-3, "0.1 of 0.5: {at_rest}");
     }

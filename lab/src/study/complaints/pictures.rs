@@ -30,9 +30,10 @@ pub fn file(complaint: &Complaint, method: &str) -> String {
 pub fn all(complaint: &Complaint, names: &[String], frames: &[Seen]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
     let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
-    let of = |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
-    let methods = names.iter().enumerate().map(|(n, name)| of(name, made(n)));
-    std::iter::once(of(TRUTH, truth)).chain(methods).collect()
+    let extra_file =
+        |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
+    let methods = names.iter().enumerate().map(|(n, name)| extra_file(name, made(n)));
+    std::iter::once(extra_file(TRUTH, truth)).chain(methods).collect()
 }
 
 /// A picture: width and height, and three bytes a pixel.
@@ -68,8 +69,8 @@ fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
 /// A picture of another size, each of whose pixels is that of the old one at its place.
 fn enlarged((extent, bytes): &Picture, [width, height]: [u32; 2]) -> Vec<u8> {
     let texel = |x: u32, y: u32| {
-        let at = (y * extent[1] / height * extent[0] + x * extent[0] / width) as usize;
-        [0, 1, 2].map(|channel| bytes[3 * at + channel])
+        let index = (y * extent[1] / height * extent[0] + x * extent[0] / width) as usize;
+        [0, 1, 2].map(|channel| bytes[3 * index + channel])
     };
     (0..height).flat_map(|y| (0..width).flat_map(move |x| texel(x, y))).collect()
 }

@@ -96,8 +96,8 @@ fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
     let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.shown()));
     for (n, line) in cells.iter_mut().enumerate() {
-        let of = |row: &ComplaintRow| row.case == line[0];
-        let at_most = rows.iter().find(|row| of(row)).map_or_else(String::new, |row| row.at_most.to_string());
+        let is_case = |row: &ComplaintRow| row.case == line[0];
+        let at_most = rows.iter().find(|row| is_case(row)).map_or_else(String::new, |row| row.at_most.to_string());
         line.insert(1, if n == 0 { "good".to_owned() } else { format!("≤ {at_most}") });
     }
     cells
@@ -106,7 +106,7 @@ fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
 /// What the cases are about.
 fn meanings(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let mut cells = vec![["complaint", "what users say", "number"].map(str::to_owned).to_vec()];
-    let of = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];
-    cells.extend(distinct(rows.iter().map(of)));
+    let meaning = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];
+    cells.extend(distinct(rows.iter().map(meaning)));
     cells
 }

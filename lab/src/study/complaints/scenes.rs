@@ -69,24 +69,27 @@ impl Parts {
 /// A horizontal rectangle at y = 0 that faces up.
 pub fn floor(x: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
-        let at = |a: f32, b: f32| Vec3::new(a, 0.0, b);
-        mesh.polygon(&[at(x[0], z[0]), at(x[1], z[0]), at(x[1], z[1]), at(x[0], z[1])], Vec3::Y);
+        let corner = |a: f32, b: f32| Vec3::new(a, 0.0, b);
+        mesh.polygon(&[corner(x[0], z[0]), corner(x[1], z[0]), corner(x[1], z[1]), corner(x[0], z[1])], Vec3::Y);
     }
 }
 
 /// An upright rectangle across the view that faces the camera.
 pub fn wall(x: [f32; 2], y: [f32; 2], z: f32) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
-        let at = |a: f32, b: f32| Vec3::new(a, b, z);
-        mesh.polygon(&[at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])], Vec3::NEG_Z);
+        let corner = |a: f32, b: f32| Vec3::new(a, b, z);
+        mesh.polygon(&[corner(x[0], y[0]), corner(x[1], y[0]), corner(x[1], y[1]), corner(x[0], y[1])], Vec3::NEG_Z);
     }
 }
 
 /// An upright rectangle along the view that faces to the left or, if it stands at the left, to the right.
 pub fn side(x: f32, y: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
-        let at = |a: f32, b: f32| Vec3::new(x, a, b);
-        mesh.polygon(&[at(y[0], z[0]), at(y[1], z[0]), at(y[1], z[1]), at(y[0], z[1])], Vec3::new(-x, 0.0, 0.0));
+        let corner = |a: f32, b: f32| Vec3::new(x, a, b);
+        mesh.polygon(
+            &[corner(y[0], z[0]), corner(y[1], z[0]), corner(y[1], z[1]), corner(y[0], z[1])],
+            Vec3::new(-x, 0.0, 0.0),
+        );
     }
 }
 

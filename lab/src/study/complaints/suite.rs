@@ -55,9 +55,9 @@ impl ComplaintStudy {
         variant: usize,
         value: Option<f64>,
     ) -> ComplaintRow {
-        let (name, of) = &self.variants[variant];
+        let (name, method_variant) = &self.variants[variant];
         let first = &take.frames[0];
-        let setup = (take.set)(of.setup.at(first.extent));
+        let setup = (take.set)(method_variant.setup.at(first.extent));
         let lens = first.view.lens.unwrap_or(take.scene.lens);
         ComplaintRow {
             kind: "complaints".to_owned(),
@@ -72,7 +72,7 @@ impl ComplaintStudy {
             width: first.extent[0],
             height: first.extent[1],
             frames: take.frames.len(),
-            setup: recorded(&setup, Some(of.method), &lens, &Globals::default()),
+            setup: recorded(&setup, Some(method_variant.method), &lens, &Globals::default()),
         }
     }
 }

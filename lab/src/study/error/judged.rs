@@ -71,9 +71,9 @@ pub(super) struct Record {
 }
 
 impl Record {
-    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time: Option<&Timed>) -> Self {
+    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, subject: Of, setup: &Setup, time: Option<&Timed>) -> Self {
         let setup = setup.at(spec.extent);
-        let head = Head::new("error", gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
+        let head = Head::new("error", gpu, (spec.scene, spec.view), subject, &setup, &spec.globals);
         Self {
             oracle: setup.effect().oracle,
             record: ErrorRecord {

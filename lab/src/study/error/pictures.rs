@@ -19,15 +19,15 @@ pub fn flip_file(cell: &str, name: &str) -> String {
 
 /// The files of a cell, by its name.
 pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
-    let of = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
+    let image_file = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
     let mut files = Vec::new();
     for strip in &cell.strips {
-        files.push(of(picture_file(name, &strip.name), Content::Picture(cell.extent, display(&strip.color))));
+        files.push(image_file(picture_file(name, &strip.name), Content::Picture(cell.extent, display(&strip.color))));
         let Some(error) = &strip.error else { continue };
         let stem = format!("{name}-{}", safe_word(&strip.name));
         for (of_what, values) in [("rmse", &error.rmse), ("flip", &error.flip.errors)] {
-            files.push(of(format!("{stem}-{of_what}.exr"), Content::Map(cell.extent, values.clone(), of_what)));
-            files.push(of(format!("{stem}-{of_what}.png"), Content::heat(cell.extent, values)));
+            files.push(image_file(format!("{stem}-{of_what}.exr"), Content::Map(cell.extent, values.clone(), of_what)));
+            files.push(image_file(format!("{stem}-{of_what}.png"), Content::heat(cell.extent, values)));
         }
     }
     files

@@ -134,8 +134,8 @@ pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
     }
     let base = || records.iter().filter(|r| bases.get(&r.head.method_and_fallback()) == Some(&r.head.variant()));
     let column = |r: &ErrorRecord| format!("r {}", roughness(r.head.roughness));
-    let of = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
-    let errors = base().filter_map(|r| Some((of(r), column(r), r.image.rmse?)));
+    let label = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
+    let errors = base().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
     let floors = base().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
     let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
     pivot("what, against", &all, [&|v| v.0.clone(), &|v| v.1.clone()], |here| {

@@ -126,7 +126,8 @@ impl Row for ErrorRecord {
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let chart = |(against, name, axis): (Against, &str, &str)| {
             let points = points::points(rows, against);
-            let named = |p: &Point| NamedPoint { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
+            let named =
+                |p: &Point| NamedPoint { name: p.name.clone(), position: [p.time_ms, p.error], on_front: p.on_front };
             let axes = [TIME_AXIS, axis].map(str::to_owned);
             let drawing = Drawing::Points(axes, points.iter().map(named).collect());
             let title = format!("Run time against {axis}");
@@ -147,7 +148,7 @@ fn bytes_against_error(points: &[Point]) -> Option<Chart> {
     let front = pareto::front(&points.iter().map(|p| (cost(p), p.error)).collect::<Vec<_>>());
     let named = |(i, p): (usize, &&Point)| NamedPoint {
         name: p.name.clone(),
-        at: [cost(p), p.error],
+        position: [cost(p), p.error],
         on_front: front.contains(&i),
     };
     let axes = ["MiB on the device, prepared", WORLD_AXIS].map(str::to_owned);
@@ -163,11 +164,11 @@ fn cell_of(r: &ErrorRecord) -> String {
 /// Keeps the first record of each figure that several devices measured: an error is the same on all devices.
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
-    let of = |r: &&ErrorRecord| {
+    let is_first = |r: &&ErrorRecord| {
         let set = serde_json::to_string(&r.head.setup).unwrap_or_default();
         seen.insert(format!("{} {} {:?} {:?} {set}", cell_of(r), r.head.method, r.head.preset, r.against))
     };
-    records.iter().filter(of).cloned().collect()
+    records.iter().filter(is_first).cloned().collect()
 }
 
 /// What is beside errors against the world.

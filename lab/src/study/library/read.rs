@@ -85,21 +85,21 @@ pub fn record(json: &Json) -> Result<ReadRecord, String> {
 
 /// The figures of a record that can be followed over runs.
 fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
-    let at = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
+    let number = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
     let found = match (kind, json["against"].as_str()) {
-        ("time", _) => vec![(Quantity::Time, at("/total/median_ms"))],
+        ("time", _) => vec![(Quantity::Time, number("/total/median_ms"))],
         // The time of a cell stands in each of its records.
         ("error", Some("oracle")) => {
-            let wrong = at("/hit_agreement").map(|right| (1.0 - right).max(0.0));
-            vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, at("/time_ms"))]
+            let wrong = number("/hit_agreement").map(|right| (1.0 - right).max(0.0));
+            vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, number("/time_ms"))]
         }
         ("error", Some("screen")) => {
-            vec![(Quantity::ScreenRmse, at("/rmse")), (Quantity::ErrorStudyTime, at("/time_ms"))]
+            vec![(Quantity::ScreenRmse, number("/rmse")), (Quantity::ErrorStudyTime, number("/time_ms"))]
         }
         ("error", Some("world")) => {
-            vec![(Quantity::WorldRmse, at("/rmse")), (Quantity::ErrorStudyTime, at("/time_ms"))]
+            vec![(Quantity::WorldRmse, number("/rmse")), (Quantity::ErrorStudyTime, number("/time_ms"))]
         }
-        ("motion", _) => vec![(Quantity::MotionDeviation, at("/deviation"))],
+        ("motion", _) => vec![(Quantity::MotionDeviation, number("/deviation"))],
         _ => Vec::new(),
     };
     let sound =

@@ -40,11 +40,11 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
     };
     for json in records {
         let read = record(json).expect("a whole record");
-        let at = run.devices.iter().position(|d| *d == read.device).unwrap_or_else(|| {
+        let index = run.devices.iter().position(|d| *d == read.device).unwrap_or_else(|| {
             run.devices.push(read.device.clone());
             run.devices.len() - 1
         });
-        run.measurements.extend(read.measurements.into_iter().map(|m| Measurement { device: at, ..m }));
+        run.measurements.extend(read.measurements.into_iter().map(|m| Measurement { device: index, ..m }));
     }
     run
 }
@@ -59,7 +59,7 @@ fn shown(library: &[LibraryRun]) -> Vec<Shown> {
 
 #[test]
 fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
-    let of = |factor: f64, unified: [f64; 3]| {
+    let library_run = |factor: f64, unified: [f64; 3]| {
         let views = ["a", "b", "c"].into_iter().zip(unified);
         let records = views.flat_map(|(view, over)| {
             [time_record("gpu", view, "ssct", 10.0 * factor), time_record("gpu", view, "unified", 10.0 * factor * over)]
@@ -67,7 +67,7 @@ fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
         run("r", &records.collect::<Vec<_>>())
     };
     // The second machine is ten times as slow, which no ratio shows.
-    let library = [of(1.0, [0.5, 0.75, 2.0]), of(10.0, [0.5, 0.25, 0.5])];
+    let library = [library_run(1.0, [0.5, 0.75, 2.0]), library_run(10.0, [0.5, 0.25, 0.5])];
     let expected = vec![("unified".to_owned(), vec![Some(0.75), Some(0.5)])];
     assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
 }
@@ -200,7 +200,7 @@ fn a_change_is_judged_as_compare_judges_the_total() {
     // The numbers are those that a comparison of all passes has for the total.
     let whole = times(&frames(Some(one.clone()), 1.0), &frames(Some(one), 2.0), 0.05);
     let total = whole.iter().find(|r| r.pass == TOTAL).expect("a total");
-    let of =
+    let figures =
         |r: &crate::study::compare::TimeComparison| (r.median_a_ms, r.ratio, r.low, r.high, r.noise_floor, r.samples_b);
-    assert_eq!(of(&found[0].totals[0]), of(total));
+    assert_eq!(figures(&found[0].totals[0]), figures(total));
 }

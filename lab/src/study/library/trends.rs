@@ -46,7 +46,7 @@ type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
     let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
-    for (at, run) in library.iter().enumerate() {
+    for (index, run) in library.iter().enumerate() {
         for ((device, setting, quantity), methods) in cells(run) {
             let Some(device) = devices.iter().position(|d| **d == run.devices[device]) else { continue };
             let base = methods.get(base).cloned();
@@ -54,7 +54,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
                 let Some(views) = relative(quantity, &views, base.as_ref()) else { continue };
                 let median = Stats::of(&views.values().copied().collect::<Vec<_>>()).median_ms;
                 let key = (device, setting.clone(), views.into_keys().collect(), quantity);
-                groups.entry(key).or_default().entry(method).or_default().insert(at, median);
+                groups.entry(key).or_default().entry(method).or_default().insert(index, median);
             }
         }
     }

@@ -105,7 +105,7 @@ fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
         .enumerate()
         .map(|(n, ((storage, _), (x, y)))| NamedPoint {
             name: storage.name(),
-            at: [*x, *y],
+            position: [*x, *y],
             on_front: on_front.contains(&n),
         })
         .collect()

@@ -244,8 +244,8 @@ mod tests {
         // Surfaces from 50 to 150 m of near 0.1 and far 1000; the greatest error there.
         let reversed = |z: f64| 0.1 * (1000.0 - z) / (z * (1000.0 - 0.1));
         let off = |format: DepthFormat| {
-            let of = |z: i32| (f64::from(format.store(reversed(f64::from(z)))) - reversed(f64::from(z))).abs();
-            (50..=150).map(of).fold(0.0, f64::max)
+            let error = |z: i32| (f64::from(format.store(reversed(f64::from(z)))) - reversed(f64::from(z))).abs();
+            (50..=150).map(error).fold(0.0, f64::max)
         };
         let [exact, standard] = [DepthFormat::F32Reversed, DepthFormat::F32Standard].map(off);
         assert!(exact <= reversed(50.0) * 2.0_f64.powi(-24), "{exact}");

@@ -84,13 +84,13 @@ impl CaptureCase {
 
     /// The scene of each frame, moved and with the captures where they stand then.
     pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
-        let at = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
-        let of = |places: &Vec<Vec3>| {
-            let mut scene = Scene { captures: places.iter().map(at).collect(), ..scene.clone() };
+        let capture = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
+        let frame_scene = |places: &Vec<Vec3>| {
+            let mut scene = Scene { captures: places.iter().map(capture).collect(), ..scene.clone() };
             scene.translate(Vec3::splat(self.offset));
             scene
         };
-        self.places.iter().map(of).collect()
+        self.places.iter().map(frame_scene).collect()
     }
 
     /// The line-up of methods with as many captures of the case's size.

@@ -49,8 +49,8 @@ struct Screen {
 impl Pixel<'_> {
     /// View-space direction through the pixel's centre, z = 1.
     fn direction(&self) -> DVec3 {
-        let at = DVec2::new(f64::from(self.x), f64::from(self.y)) + 0.5;
-        let ndc = at / DVec2::new(f64::from(self.extent[0]), f64::from(self.extent[1])) * DVec2::new(2.0, -2.0)
+        let centre = DVec2::new(f64::from(self.x), f64::from(self.y)) + 0.5;
+        let ndc = centre / DVec2::new(f64::from(self.extent[0]), f64::from(self.extent[1])) * DVec2::new(2.0, -2.0)
             + DVec2::new(-1.0, 1.0);
         let p = self.screen.clip_to_view.project_point3(ndc.extend(1.0));
         p / p.z
@@ -93,8 +93,8 @@ impl Pixel<'_> {
             let r = Stream::new(seed, k);
             let u = |n| r.uniform(n);
             let (centre, half) = ([u(0), u(1)], [0.05 + 0.3 * u(2), 0.05 + 0.3 * u(3)]);
-            let at = [f64::from(self.x) + 0.5, f64::from(self.y) + 0.5];
-            let inside = (0..2).all(|a| (at[a] / f64::from(self.extent[a]) - centre[a]).abs() < half[a]);
+            let pixel = [f64::from(self.x) + 0.5, f64::from(self.y) + 0.5];
+            let inside = (0..2).all(|a| (pixel[a] / f64::from(self.extent[a]) - centre[a]).abs() < half[a]);
             let normal = DVec3::new(2.0 * u(4) - 1.0, 2.0 * u(5) - 1.0, -0.3 - u(6)).normalize();
             let z = distance(0.05 + 0.5 * u(7));
             // The plane through a point straight ahead of the rectangle's middle.
@@ -200,7 +200,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
 fn sizes(quick: bool) -> Vec<Case> {
     let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], ODD, [641, 479]];
     let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
-    let of = |extent: &[u32; 2]| {
+    let case = |extent: &[u32; 2]| {
         let name = format!("size {}x{}", extent[0], extent[1]);
         if extent[0] * extent[1] < LARGE {
             return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
@@ -212,23 +212,23 @@ fn sizes(quick: bool) -> Vec<Case> {
             if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
         })
     };
-    small.iter().chain(large).map(of).collect()
+    small.iter().chain(large).map(case).collect()
 }
 
 fn ranges() -> Vec<Case> {
-    let of = |(near_m, far_m): (f32, f32), fov: f32| {
+    let case = |(near_m, far_m): (f32, f32), fov: f32| {
         let lens = Lens::perspective(fov.to_radians(), near_m, far_m);
         let name = format!("near {near_m} far {far_m} fov {fov}");
         Case::new(name, ODD, lens, |p: &Pixel| p.facet_texel(2))
     };
     vec![
-        of((1.0, 2.0), 74.0),
-        of((0.1, 1000.0), 74.0),
-        of((0.01, 1e4), 74.0),
-        of((1e-3, 1e4), 74.0),
-        of((100.0, 1e9), 74.0),
-        of((0.1, 1000.0), 1.0),
-        of((0.1, 1000.0), 175.0),
+        case((1.0, 2.0), 74.0),
+        case((0.1, 1000.0), 74.0),
+        case((0.01, 1e4), 74.0),
+        case((1e-3, 1e4), 74.0),
+        case((100.0, 1e9), 74.0),
+        case((0.1, 1000.0), 1.0),
+        case((0.1, 1000.0), 175.0),
     ]
 }
 
@@ -239,7 +239,7 @@ fn depths() -> Vec<Case> {
             p.mirror(depth, DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -0.6).normalize())
         })
     };
-    let of = |name: &str, depth: fn(&Pixel) -> f32| {
+    let case = |name: &str, depth: fn(&Pixel) -> f32| {
         Case::new(name, ODD, lens, move |p: &Pixel| {
             let normal = DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -p.uniform(2)).normalize_or(DVec3::Y);
             p.mirror(depth(p), normal)
@@ -251,15 +251,15 @@ fn depths() -> Vec<Case> {
         flat("depth all equal", 0.02),
         flat("depth the least above sky", f32::MIN_POSITIVE),
         flat("depth denormal", 1e-40),
-        of("depth white noise", |p| p.uniform(3) as f32),
-        of("depth white noise with sky", |p| if p.uniform(4) < 0.3 { 0.0 } else { p.uniform(3) as f32 }),
-        of("depth checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { p.depth_of(20.0) }),
-        of("depth checkerboard of sky", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { 0.0 }),
-        of("depth steps", |p| p.depth_of(1.0 + f64::from(p.x / 8))),
-        of("depth one-pixel poles", |p| if p.x % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
-        of("depth one-pixel beams", |p| if p.y % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
-        of("depth slope edge-on", |p| p.depth_of(0.2 * 1.08_f64.powi(p.x as i32))),
-        of("depth slope along the view", |p| p.depth_of(1.0 / (1e-3 + f64::from(p.y)))),
+        case("depth white noise", |p| p.uniform(3) as f32),
+        case("depth white noise with sky", |p| if p.uniform(4) < 0.3 { 0.0 } else { p.uniform(3) as f32 }),
+        case("depth checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { p.depth_of(20.0) }),
+        case("depth checkerboard of sky", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { 0.0 }),
+        case("depth steps", |p| p.depth_of(1.0 + f64::from(p.x / 8))),
+        case("depth one-pixel poles", |p| if p.x % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
+        case("depth one-pixel beams", |p| if p.y % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
+        case("depth slope edge-on", |p| p.depth_of(0.2 * 1.08_f64.powi(p.x as i32))),
+        case("depth slope along the view", |p| p.depth_of(1.0 / (1e-3 + f64::from(p.y)))),
     ]
 }
 
@@ -297,30 +297,31 @@ fn directions() -> Vec<Case> {
 
 fn normals() -> Vec<Case> {
     let lens = Lens::default();
-    let of = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
+    let case = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
         Case::new(format!("normals {name}"), ODD, lens, move |p: &Pixel| {
             let facet = p.facet_texel(4);
             Texel { normal: change(p, facet.normal), ..facet }
         })
     };
     vec![
-        of("zero", |_, _| Vec3::ZERO).without_truth(),
-        of("three times too long", |_, n| 3.0 * n),
-        of("a thousandth too short", |_, n| 1e-3 * n),
-        of("the longest there are", |_, n| 65504.0 * n / n.abs().max_element().max(1e-6)),
-        of("turned away", |_, n| -n).without_truth(),
-        of("along the view", |p, _| p.direction().normalize().as_vec3()).without_truth(),
-        of("at a right angle to the view", |p, _| p.direction().cross(DVec3::Y).normalize().as_vec3()).without_truth(),
-        of("NaN", |_, _| Vec3::NAN).without_truth(),
-        of("infinite", |_, _| Vec3::INFINITY).without_truth(),
-        of("NaN here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::NAN } else { n }).without_truth(),
-        of("zero here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::ZERO } else { n }).without_truth(),
+        case("zero", |_, _| Vec3::ZERO).without_truth(),
+        case("three times too long", |_, n| 3.0 * n),
+        case("a thousandth too short", |_, n| 1e-3 * n),
+        case("the longest there are", |_, n| 65504.0 * n / n.abs().max_element().max(1e-6)),
+        case("turned away", |_, n| -n).without_truth(),
+        case("along the view", |p, _| p.direction().normalize().as_vec3()).without_truth(),
+        case("at a right angle to the view", |p, _| p.direction().cross(DVec3::Y).normalize().as_vec3())
+            .without_truth(),
+        case("NaN", |_, _| Vec3::NAN).without_truth(),
+        case("infinite", |_, _| Vec3::INFINITY).without_truth(),
+        case("NaN here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::NAN } else { n }).without_truth(),
+        case("zero here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::ZERO } else { n }).without_truth(),
     ]
 }
 
 fn colors() -> Vec<Case> {
     let lens = Lens::default();
-    let of = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
+    let case = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
         Case::new(format!("colours {name}, roughness {roughness}"), ODD, lens, move |p: &Pixel| Texel {
             color: color(p),
             roughness,
@@ -331,12 +332,12 @@ fn colors() -> Vec<Case> {
     let mut all = Vec::new();
     for roughness in [0.0, 0.1, 0.6] {
         all.extend([
-            of("0", |_| Vec3::ZERO, roughness),
-            of("65504", |_| Vec3::splat(65504.0), roughness),
-            of("infinite here and there", |p| odd_color(p, f32::INFINITY), roughness),
-            of("NaN here and there", |p| odd_color(p, f32::NAN), roughness),
-            of("negative here and there", |p| odd_color(p, -1.0), roughness),
-            of("minus infinity here and there", |p| odd_color(p, f32::NEG_INFINITY), roughness),
+            case("0", |_| Vec3::ZERO, roughness),
+            case("65504", |_| Vec3::splat(65504.0), roughness),
+            case("infinite here and there", |p| odd_color(p, f32::INFINITY), roughness),
+            case("NaN here and there", |p| odd_color(p, f32::NAN), roughness),
+            case("negative here and there", |p| odd_color(p, -1.0), roughness),
+            case("minus infinity here and there", |p| odd_color(p, f32::NEG_INFINITY), roughness),
         ]);
     }
     all

@@ -146,14 +146,14 @@ impl Row for MotionRecord {
 
 /// Methods × motions and roughness: the median over the views of the flicker over the reference's own, and how far it is
 /// off the reference's (0 for the truth, 1 for a method that shows nothing).
-fn medians(records: &[MotionRecord], of: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
+fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
     let median = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
         percentile(&values, 0.5)
     };
     let motion = |r: &MotionRecord| format!("{} {}", r.motion.name(), r.roughness);
     pivot("method", records, [&MotionRecord::variant, &motion], |here| {
-        let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.iter().filter_map(|r| of(r)).unzip();
+        let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.iter().filter_map(|r| figures(r)).unzip();
         let both = median(ratios).zip(median(deviations));
         both.map(|(ratio, deviation)| format!("{ratio:.2} off {deviation:.2}"))
     })
@@ -162,8 +162,8 @@ fn medians(records: &[MotionRecord], of: impl Fn(&MotionRecord) -> Option<(f64, 
 impl MotionRecord {
     /// The method, with its captures where it has some.
     pub fn variant(&self) -> String {
-        let of = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
-        let named = |name: &str, words: &str| match of(name).as_str() {
+        let setting = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
+        let named = |name: &str, words: &str| match setting(name).as_str() {
             "" | "none" => String::new(),
             value => format!(" + {words}{value}"),
         };

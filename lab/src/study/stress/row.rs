@@ -109,9 +109,13 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for name in distinct(records.iter().map(|r| &r.method)) {
         let here: Vec<&StressRecord> = records.iter().filter(|r| r.method == *name).collect();
-        let counted = |of: fn(&StressRecord) -> usize| {
-            let cases = here.iter().filter(|r| of(r) > 0).count();
-            if cases == 0 { "0".into() } else { format!("{} px in {cases}", here.iter().map(|r| of(r)).sum::<usize>()) }
+        let counted = |failed_pixels: fn(&StressRecord) -> usize| {
+            let cases = here.iter().filter(|r| failed_pixels(r) > 0).count();
+            if cases == 0 {
+                "0".into()
+            } else {
+                format!("{} px in {cases}", here.iter().map(|r| failed_pixels(r)).sum::<usize>())
+            }
         };
         let exhausted =
             if here.iter().any(|r| r.exhausted.is_some()) { counted(|r| r.exhausted.unwrap_or(0)) } else { "-".into() };

@@ -155,18 +155,22 @@ impl Study for StressStudy {
         let rows = match *cell {
             StressCell::Case(_) => Vec::new(),
             StressCell::Place(n) => {
-                let (of, place) = &self.places[n];
-                let scene = &self.scenes[*of];
+                let (scene_index, place) = &self.places[n];
+                let scene = &self.scenes[*scene_index];
                 let make =
                     || SceneLineup::with_hits(gpu, moved(scene, place), &Setup::on_screen(SCENE_SIZE), &self.methods);
-                let lineup = scene_lineup.of(format!("place {of} {}", place.offset), make)?;
+                let lineup = scene_lineup.of(format!("place {scene_index} {}", place.offset), make)?;
                 of_cases(run_place(gpu, place, lineup)?)
             }
             StressCell::Captures(n) => {
-                let (of, case) = &self.captures[n];
+                let (scene_index, case) = &self.captures[n];
                 let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
-                let make = || case.lineup(gpu, &self.scenes[*of], CAPTURE_SIZE, &follow);
-                of_cases(captures::run(gpu, case, scene_lineup.of(format!("captures {of} {:?}", case.key()), make)?)?)
+                let make = || case.lineup(gpu, &self.scenes[*scene_index], CAPTURE_SIZE, &follow);
+                of_cases(captures::run(
+                    gpu,
+                    case,
+                    scene_lineup.of(format!("captures {scene_index} {:?}", case.key()), make)?,
+                )?)
             }
             StressCell::Tree(n) => {
                 let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_triangles).collect();

@@ -265,9 +265,10 @@ fn one() -> Scene {
 fn slivers(count: usize) -> Scene {
     let sliver = |n: usize| {
         let random = Stream::new(5, n as u64);
-        let at = |from: u64| Vec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(from + axis) as f32 - 1.0));
-        let middle = Vec3::new(0.0, 3.0, 2.0) + Vec3::new(6.0, 2.0, 6.0) * at(0);
-        let along = at(3).normalize_or(Vec3::X);
+        let random_vector =
+            |from: u64| Vec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(from + axis) as f32 - 1.0));
+        let middle = Vec3::new(0.0, 3.0, 2.0) + Vec3::new(6.0, 2.0, 6.0) * random_vector(0);
+        let along = random_vector(3).normalize_or(Vec3::X);
         let across = along.any_orthonormal_vector();
         ([middle - along, middle + along, middle + along + 2e-4 * across], 1)
     };
@@ -279,8 +280,8 @@ fn slivers(count: usize) -> Scene {
 fn one_plane(count: usize) -> Scene {
     let wall = |n: usize| {
         let random = Stream::new(6, n as u64);
-        let at = |i: u64| Vec3::new(16.0 * random.uniform(i) as f32 - 8.0, 6.0 * random.uniform(i + 1) as f32, 4.0);
-        ([at(0), at(2), at(4)], 1)
+        let corner = |i: u64| Vec3::new(16.0 * random.uniform(i) as f32 - 8.0, 6.0 * random.uniform(i + 1) as f32, 4.0);
+        ([corner(0), corner(2), corner(4)], 1)
     };
     let all = floor().into_iter().chain((0..count).map(wall));
     scene("one-plane", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
@@ -295,7 +296,7 @@ fn same(count: usize) -> Scene {
 
 /// A box of mirrors around the camera, with smaller boxes in it, moved along each axis.
 fn closed_box(offset: f32) -> Scene {
-    let at = |corner: Vec3, size: f32, inwards: bool, material: usize| {
+    let cube = |corner: Vec3, size: f32, inwards: bool, material: usize| {
         let axes = [[Vec3::X, Vec3::Y, Vec3::Z], [Vec3::Y, Vec3::Z, Vec3::X], [Vec3::Z, Vec3::X, Vec3::Y]];
         axes.into_iter().flat_map(move |[a, b, c]| {
             let (near, far) = (corner, corner + size * c);
@@ -306,9 +307,9 @@ fn closed_box(offset: f32) -> Scene {
     let boxes = (0..200).flat_map(|n| {
         let random = Stream::new(8, n);
         let place = Vec3::from_array([0, 1, 2].map(|axis| 16.0 * random.uniform(axis) as f32 - 9.0));
-        at(place + Vec3::splat(offset), 0.5, false, 1)
+        cube(place + Vec3::splat(offset), 0.5, false, 1)
     });
-    let walls = at(Vec3::splat(offset - 10.0), 20.0, true, 0);
+    let walls = cube(Vec3::splat(offset - 10.0), 20.0, true, 0);
     let moved = |v: Vec3| v + Vec3::splat(offset);
     scene("closed-box", walls.chain(boxes), moved(Vec3::new(0.0, 0.0, -9.5)), moved(Vec3::new(0.0, -2.0, 0.0)), 100.0)
 }

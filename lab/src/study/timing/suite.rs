@@ -141,12 +141,12 @@ impl Study for TimeStudy {
                     let variants = recorded(&job.variants, extent);
                     let TimeSettings { samples, a_a, .. } = self.settings;
                     let setup = json!([self.digests[n], view, globals, variants, self.warmup, samples, a_a]);
-                    let of = |is_reference| TimeCell { job: n, extent, globals, is_reference };
-                    cells.push(Planned { name: job.place(extent, &globals), setup, cell: of(false) });
+                    let time_cell = |is_reference| TimeCell { job: n, extent, globals, is_reference };
+                    cells.push(Planned { name: job.place(extent, &globals), setup, cell: time_cell(false) });
                     if job.has_reference {
                         let setup = json!([self.digests[n], view, globals, extent, self.reference_rays]);
                         let name = format!("{}-reference", job.place(extent, &globals));
-                        references.push(Planned { name, setup, cell: of(true) });
+                        references.push(Planned { name, setup, cell: time_cell(true) });
                     }
                 }
             }
@@ -211,8 +211,8 @@ impl TimeRow {
 
 /// The records of methods among some rows.
 fn methods(rows: &[TimeRow]) -> Vec<TimeRecord> {
-    let of = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
-    rows.iter().filter_map(of).collect()
+    let method_record = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
+    rows.iter().filter_map(method_record).collect()
 }
 
 impl Columns for TimeRow {
@@ -249,8 +249,9 @@ impl Row for TimeRow {
                 Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), about, cells, ..Table::default() })
             }
             Beside::Captions => {
-                let of = |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
-                Some(captions::table(&records, &rows.iter().filter_map(of).collect::<Vec<_>>()))
+                let reference_time =
+                    |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
+                Some(captions::table(&records, &rows.iter().filter_map(reference_time).collect::<Vec<_>>()))
             }
         };
         let every = Table { id: "table", cells: cells(&records), ..Table::default() };
@@ -270,18 +271,20 @@ impl Row for TimeRow {
         ]
     }
 
-    fn is_whole(list: &CellList, of: &ListedResult, journal: &Journal) -> bool {
+    fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
         let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
-        if of.of.is_null() {
-            kept::<Self>(journal, &of.key).is_some()
+        if result.record_head.is_null() {
+            kept::<Self>(journal, &result.key).is_some()
         } else {
-            is_whole(&of.key, samples, a_a, journal)
+            is_whole(&result.key, samples, a_a, journal)
         }
     }
 
-    fn read(list: &CellList, of: &ListedResult, journal: &Journal) -> Vec<Self> {
-        let Ok(head) = Head::deserialize(&of.of) else { return kept(journal, &of.key).unwrap_or_default() };
-        let record = record_of(head, &of.key, TimeSettings::of(list).samples, journal);
+    fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
+        let Ok(head) = Head::deserialize(&result.record_head) else {
+            return kept(journal, &result.key).unwrap_or_default();
+        };
+        let record = record_of(head, &result.key, TimeSettings::of(list).samples, journal);
         record.map(|record| Self::Method(Box::new(record))).into_iter().collect()
     }
 }
@@ -401,10 +404,10 @@ pub struct TimedFrame {
 pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
     let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
     let mut frames = Vec::new();
-    for of in list.cells.iter().flat_map(|cell| &cell.results) {
-        let Ok(head) = Head::deserialize(&of.of) else { continue };
+    for result in list.cells.iter().flat_map(|cell| &cell.results) {
+        let Ok(head) = Head::deserialize(&result.record_head) else { continue };
         let rough = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
-        let keys = keys(&of.key, samples, a_a);
+        let keys = keys(&result.key, samples, a_a);
         for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
             if let Some(Sample { report, .. }) = interleave::kept(journal, key) {
                 let label = format!("{}x{}, {rough}, sample {n}", head.width, head.height);

@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn what_is_held_stays_where_it_is_in_the_picture() {
         let cameras = [(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO), (Vec3::new(-2.0, 1.0, 0.5), Vec3::new(0.0, 4.0, 1.0))];
-        let [first, now] = cameras.map(|(eye, at)| Camera::new(eye, at, Lens::default(), 1.5));
+        let [first, now] = cameras.map(|(eye, target)| Camera::new(eye, target, Lens::default(), 1.5));
         let placed = carried(&first, &now);
         assert!(placed.is_sound());
         for point in [Vec3::new(0.5, 1.0, 1.0), Vec3::new(-3.0, 0.2, 9.0)] {

@@ -18,12 +18,12 @@ pub struct SamePlace {
 /// The reflecting pixels whose surface reflected on the screen a frame before too, in all four pixels
 /// around the place.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
-    let of = |data: &GBufferData| {
+    let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();
         (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
     };
-    let (_, to_view, view_now) = of(now);
-    let (to_clip, before_to_view, view_before) = of(before);
+    let (_, to_view, view_now) = matrices(now);
+    let (to_clip, before_to_view, view_before) = matrices(before);
     let moved: DMat4 = view_before * view_now.inverse();
     let mut pairs = Vec::new();
     for y in 0..now.height {
@@ -74,9 +74,9 @@ pub fn changes(pairs: &[SamePlace], before: &[Vec3], now: &[Vec3], width: u32) -
     pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
 }
 
-/// Mean absolute value over changes and channels of what `of` makes of a change and its index.
-pub fn mean(changes: &[Vec3], of: impl Fn(usize, Vec3) -> Vec3) -> f64 {
-    let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(of(n, *c).abs().element_sum()) / 3.0).sum();
+/// Mean absolute value over changes and channels of what `measure` makes of a change and its index.
+pub fn mean(changes: &[Vec3], measure: impl Fn(usize, Vec3) -> Vec3) -> f64 {
+    let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(measure(n, *c).abs().element_sum()) / 3.0).sum();
     if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
 }
 
@@ -84,8 +84,8 @@ pub fn mean(changes: &[Vec3], of: impl Fn(usize, Vec3) -> Vec3) -> f64 {
 fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
     let (x, y) = (x - 0.5, y - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let at = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];
-    at(0, 0).lerp(at(1, 0), fx).lerp(at(0, 1).lerp(at(1, 1), fx), fy)
+    let texel = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];
+    texel(0, 0).lerp(texel(1, 0), fx).lerp(texel(0, 1).lerp(texel(1, 1), fx), fy)
 }
 
 #[cfg(test)]
@@ -110,8 +110,8 @@ mod tests {
     #[test]
     fn what_changes_flickers_by_as_much() {
         let data = floor_and_wall(32, 24);
-        let of = |v: f32| vec![Vec3::splat(v); 32 * 24];
-        let found = changes(&pairs(&data, &data), &of(0.25), &of(0.75), 32);
+        let image = |v: f32| vec![Vec3::splat(v); 32 * 24];
+        let found = changes(&pairs(&data, &data), &image(0.25), &image(0.75), 32);
         assert!((mean(&found, |_, change| change) - 0.5).abs() < 1e-6);
         assert!(mean(&found, |_, change| change - 0.5) < 1e-6);
     }

@@ -30,11 +30,11 @@ pub struct Film {
 pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64> {
     let refused = |e: colorvideovdp::Error| Error::Usage(format!("ColorVideoVDP does not compare the films: {e}"));
     let images = |film: &Film| {
-        let of = |bytes: &Vec<u8>| {
+        let image = |bytes: &Vec<u8>| {
             let values = bytes.iter().map(|b| f32::from(*b) / 255.0).collect();
             Image::new(film.width as usize, film.height as usize, 3, values)
         };
-        film.frames.iter().map(of).collect::<colorvideovdp::Result<Vec<_>>>()
+        film.frames.iter().map(image).collect::<colorvideovdp::Result<Vec<_>>>()
     };
     let compared = || -> colorvideovdp::Result<f64> {
         let monitor = DisplayModel::from_name(DISPLAY)?;
@@ -64,11 +64,11 @@ mod tests {
         Film { width, height, frames: (0..12).map(frame).collect() }
     }
 
-    /// The film with `of` (the frame, the pixel) added to it.
-    fn with(mut film: Film, of: impl Fn(usize, usize) -> i16) -> Film {
+    /// The film with `change` (the frame, the pixel) added to it.
+    fn with(mut film: Film, change: impl Fn(usize, usize) -> i16) -> Film {
         for (n, frame) in film.frames.iter_mut().enumerate() {
             for (i, byte) in frame.iter_mut().enumerate() {
-                *byte = (i16::from(*byte) + of(n, i / 3)).clamp(0, 255) as u8;
+                *byte = (i16::from(*byte) + change(n, i / 3)).clamp(0, 255) as u8;
             }
         }
         film
@@ -77,7 +77,8 @@ mod tests {
     #[test]
     fn a_film_is_worth_most_beside_itself_and_less_the_more_it_differs() {
         let reference = film();
-        let worth = |of: &dyn Fn(usize, usize) -> i16| jod(&with(film(), of), &reference, 30.0).expect("a value");
+        let worth =
+            |change: &dyn Fn(usize, usize) -> i16| jod(&with(film(), change), &reference, 30.0).expect("a value");
         assert!((worth(&|_, _| 0) - 10.0).abs() < 1e-3);
         let [weak, strong] = [4, 16].map(|step| worth(&|_, i| if i % 7 < 3 { step } else { 0 }));
         assert!(weak < 10.0 && strong < weak - 0.2, "{weak}, {strong}");
@@ -89,7 +90,7 @@ mod tests {
     fn what_flickers_is_worth_less_than_what_stands_still() {
         let grey = with(film(), |_, _| -255);
         let reference = with(grey, |_, _| 128);
-        let worth = |of: &dyn Fn(usize) -> i16| jod(&with(reference.clone(), |n, _| of(n)), &reference, 30.0);
+        let worth = |change: &dyn Fn(usize) -> i16| jod(&with(reference.clone(), |n, _| change(n)), &reference, 30.0);
         let still = worth(&|_| 8).expect("a value");
         let flickering = worth(&|n| if n % 4 < 2 { 8 } else { -8 }).expect("a value");
         assert!(flickering < still - 0.5, "{flickering}, {still}");

@@ -35,8 +35,8 @@ impl CaptureData {
             };
             let project = data.view_to_clip();
             for i in 0..side * side {
-                let at = [i % side, i / side].map(|v| (v as f32 + 0.5) / side as f32);
-                let (z, normal, color) = texel(sky::face_direction(face, at[0], at[1]));
+                let uv = [i % side, i / side].map(|v| (v as f32 + 0.5) / side as f32);
+                let (z, normal, color) = texel(sky::face_direction(face, uv[0], uv[1]));
                 let depth = if z.is_finite() { project.project_point3(glam::DVec3::new(0.0, 0.0, z)).z } else { 0.0 };
                 data.depth.push(depth.clamp(0.0, 1.0) as f32);
                 data.normal.push(camera.world_to_view.transform_vector3(normal));

@@ -90,10 +90,10 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
     // Eq. 4.4.
     let direction = v_ss / v_ss.z;
     let origin = p_ss + direction * -p_ss.z;
-    let at = |z: f32| origin + direction * z;
+    let point_at = |z: f32| origin + direction * z;
     let to_boundary = |cell: Vec2, count: Vec2| {
         let delta = ((cell + cross_step) / count + cross_offset - origin.xy()) / direction.xy();
-        at(delta.min_element())
+        point_at(delta.min_element())
     };
     let cell_of = |ray: Vec3, count: Vec2| (ray.xy() * count).floor();
 
@@ -109,7 +109,7 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
         let cell = cell_of(ray, count);
         // The nearest texel, clamped to the edge.
         let minimum_plane = chain[level].at_clamped(cell.x.max(0.0) as u32, cell.y.max(0.0) as u32).min;
-        let on_plane = at(ray.z.max(minimum_plane));
+        let on_plane = point_at(ray.z.max(minimum_plane));
         let crossed = cell_of(on_plane, count) != cell;
         ray = if crossed { to_boundary(cell, count) } else { on_plane };
         steps.push(Step { level: level as u32, cell, cell_count: count, minimum_plane, crossed, ray });

@@ -195,12 +195,12 @@ impl<'a> Images<'a> {
             }
             let Some(index) = self.nearest_that_sees(point, &left_out) else { return EndInImages::Unknown };
             let cube = &self.captures[index];
-            let (how, at) = cube.follow(point - cube.place, lost.direction);
-            let place = at + cube.place;
+            let (how, offset) = cube.follow(point - cube.place, lost.direction);
+            let place = offset + cube.place;
             let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
             match how {
                 How::Sky => return EndInImages::Sky,
-                How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(at) },
+                How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
                 _ => {}
             }
             if gone(place) > gone(point) + GETS_ON {
@@ -234,8 +234,8 @@ impl Cube<'_> {
     }
 
     /// Width of a texel at a place relative to the capture's.
-    fn texel_m(&self, at: DVec3) -> f64 {
-        2.0 * at.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
+    fn texel_m(&self, point: DVec3) -> f64 {
+        2.0 * point.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
     }
 
     /// Whether it sees a point relative to its place.
@@ -251,15 +251,15 @@ impl Cube<'_> {
 
     /// Follows a ray from a point that it sees, from face to face.
     fn follow(&self, point: DVec3, direction: DVec3) -> (How, DVec3) {
-        let (mut face, mut at, mut before) = (self.face_of(point), point, 0.0);
+        let (mut face, mut position, mut before) = (self.face_of(point), point, 0.0);
         // A line crosses each of the six planes between faces once at most.
         for _ in 0..7 {
-            let (how, reached) = face.follow(at, direction, before);
-            at = reached;
-            let How::On { side, thickness } = how else { return (how, at) };
+            let (how, reached) = face.follow(position, direction, before);
+            position = reached;
+            let How::On { side, thickness } = how else { return (how, position) };
             (face, before) = (self.face_of(side), thickness);
         }
-        (How::Lost, at)
+        (How::Lost, position)
     }
 }
 

@@ -15,6 +15,6 @@ pub fn part_file(folder: &Path, short: &str, samples: &Range<u32>) -> PathBuf {
 }
 
 /// A short name of a fingerprint, for file names.
-pub fn short(of: &Fingerprint) -> String {
-    of.iter().take(16).map(|b| format!("{b:02x}")).collect()
+pub fn short(fingerprint: &Fingerprint) -> String {
+    fingerprint.iter().take(16).map(|b| format!("{b:02x}")).collect()
 }

@@ -103,8 +103,8 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
     }
 
     /// Applies a function to each sum.
-    pub fn map<T>(&self, of: impl Fn(&S) -> T) -> PartialSums<T> {
-        let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&of).collect() };
+    pub fn map<T>(&self, value: impl Fn(&S) -> T) -> PartialSums<T> {
+        let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&value).collect() };
         PartialSums {
             first: self.first,
             end: self.end,
@@ -147,16 +147,16 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
 /// The parts of the tree that the samples from `first`, a multiple of [`LEAF`], to before `end` fill: the first sample
 /// of each, and the number of its samples.
 pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
-    let (mut at, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
+    let (mut start, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
     let mut parts = Vec::new();
-    while at < end {
+    while start < end {
         let mut samples = leaf;
-        while at.is_multiple_of(2 * samples) && at + 2 * samples <= end {
+        while start.is_multiple_of(2 * samples) && start + 2 * samples <= end {
             samples *= 2;
         }
-        let samples = samples.min(end - at);
-        parts.push((at as u32, samples as u32));
-        at += samples;
+        let samples = samples.min(end - start);
+        parts.push((start as u32, samples as u32));
+        start += samples;
     }
     parts
 }
@@ -200,8 +200,8 @@ mod tests {
         assert_eq!(parts(192, 512), [(192, 64), (256, 256)]);
         assert_eq!(parts(64, 64), []);
         let all = summed(0, 64 * 7 + 5, 1000);
-        let of: Vec<_> = all.parts.iter().map(|p| (p.first, p.samples)).collect();
-        assert_eq!(of, parts(0, 64 * 7 + 5));
+        let ranges: Vec<_> = all.parts.iter().map(|p| (p.first, p.samples)).collect();
+        assert_eq!(ranges, parts(0, 64 * 7 + 5));
     }
 
     proptest! {
@@ -215,13 +215,13 @@ mod tests {
             let end = LEAF * leaves.iter().sum::<u32>() + rest;
             let whole = summed(0, end, u32::MAX / 2);
             prop_assert_eq!(&summed(0, end, at_once), &whole);
-            let (mut merged, mut at) = (PartialSums::new(0, 3), 0);
+            let (mut merged, mut start) = (PartialSums::new(0, 3), 0);
             for (n, count) in leaves.iter().enumerate() {
-                let stop = if n + 1 == leaves.len() { end } else { at + LEAF * count };
-                let part = summed(at, stop, at_once);
-                let kept = PartialSums::from_kept(at, stop, 3, part.kept().copied());
+                let stop = if n + 1 == leaves.len() { end } else { start + LEAF * count };
+                let part = summed(start, stop, at_once);
+                let kept = PartialSums::from_kept(start, stop, 3, part.kept().copied());
                 prop_assert!(merged.append(kept.expect("as many as there are")));
-                at = stop;
+                start = stop;
             }
             prop_assert_eq!(&merged, &whole);
             prop_assert!(!merged.clone().append(summed(end / LEAF * LEAF + LEAF, end + 4 * LEAF, 64)), "a gap");

@@ -98,8 +98,8 @@ impl<'a> Paths<'a> {
             place < 0.0
         });
         let Some(panel) = chosen.or(self.panels.last()) else { return DVec3::ZERO };
-        let at = panel.centre + (2.0 * u - 1.0) * panel.half_u + (2.0 * v - 1.0) * panel.half_v;
-        let way = at - point.position;
+        let position = panel.centre + (2.0 * u - 1.0) * panel.half_u + (2.0 * v - 1.0) * panel.half_v;
+        let way = position - point.position;
         let (length, direction) = (way.length(), way.normalize_or_zero());
         let shines = panel.half_u.cross(panel.half_v).normalize_or_zero().dot(-direction).max(0.0);
         let falls = point.normal.dot(direction).max(0.0);
@@ -174,14 +174,14 @@ mod tests {
     fn sphere() -> Mesh {
         let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y, 0);
         let (columns, rows) = (96_u32, 48_u32);
-        let at = |i: u32, j: u32| {
+        let vertex = |i: u32, j: u32| {
             let (phi, theta) =
                 (std::f32::consts::TAU * i as f32 / columns as f32, std::f32::consts::PI * j as f32 / rows as f32);
             let position = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
             Vertex { position: position.to_array(), normal: position.to_array(), ..mesh.vertices[0] }
         };
         let vertices: Vec<_> =
-            (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
+            (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| vertex(i, j)).collect();
         let cell = |(i, j): (u32, u32)| {
             let (a, b) = (j * (columns + 1) + i, (j + 1) * (columns + 1) + i);
             [a, a + 1, b, a + 1, b + 1, b]

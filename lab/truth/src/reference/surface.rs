@@ -120,8 +120,8 @@ pub fn lit_color(point: &SurfacePoint, lights: &[Light]) -> DVec3 {
     let shading: f64 = lights
         .iter()
         .map(|light| match *light {
-            Light::Point { position: at, energy } => {
-                let to_light = at.as_dvec3() - position;
+            Light::Point { position: light_position, energy } => {
+                let to_light = light_position.as_dvec3() - position;
                 let (d, e) = (to_light.length(), f64::from(energy));
                 normal.dot(to_light / d.max(1e-6)).max(0.0) / (1.0 + d / e + d * d / e)
             }
@@ -139,8 +139,8 @@ pub fn sky_color(direction: DVec3) -> DVec3 {
     sky::radiance(direction.as_vec3()).as_dvec3()
 }
 
-fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
-    vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(of(v)).as_dvec3()).sum()
+fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, attribute: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
+    vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(attribute(v)).as_dvec3()).sum()
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
         let (ray, _) = rays.ray(i);
         world.closest(&ray).map_or(Surface::Lit, |hit| world.point(&ray, &hit).surface)
     };
-    let of = |value: fn(&super::first_hits::Receiver) -> f64| {
+    let channel = |value: fn(&super::first_hits::Receiver) -> f64| {
         first.receivers.iter().map(|r| r.as_ref().map_or(0.0, value) as f32).collect()
     };
     GBufferData {
@@ -65,8 +65,8 @@ pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
             .iter()
             .map(|r| r.map_or(Vec3::ZERO, |r| to_view.transform_vector3(r.normal).as_vec3()))
             .collect(),
-        reflectivity: of(|r| r.reflectivity),
-        roughness: of(|r| r.roughness),
+        reflectivity: channel(|r| r.reflectivity),
+        roughness: channel(|r| r.roughness),
         color: first.lit.clone(),
         surface: (0..first.lit.len()).map(surface).collect(),
     }

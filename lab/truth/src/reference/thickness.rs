@@ -52,14 +52,14 @@ pub fn blocks(gbuffer: &GBufferData) -> Level<DepthBlock> {
     };
     let (width, height) = (gbuffer.width, gbuffer.height);
     let depths: Vec<_> = gbuffer.depth.iter().map(|d| view_depth(*d)).collect();
-    let at = |x: Option<u32>, y: Option<u32>| {
+    let depth_at = |x: Option<u32>, y: Option<u32>| {
         let (x, y) = (x.filter(|x| *x < width)?, y.filter(|y| *y < height)?);
         depths[gbuffer.index(x, y)]
     };
     Level::from_fn(width, height, |x, y| {
-        let Some(z) = at(Some(x), Some(y)) else { return DepthBlock::EMPTY };
-        let across = [at(x.checked_sub(1), Some(y)), at(Some(x + 1), Some(y))];
-        let along = [at(Some(x), y.checked_sub(1)), at(Some(x), Some(y + 1))];
+        let Some(z) = depth_at(Some(x), Some(y)) else { return DepthBlock::EMPTY };
+        let across = [depth_at(x.checked_sub(1), Some(y)), depth_at(Some(x + 1), Some(y))];
+        let along = [depth_at(Some(x), y.checked_sub(1)), depth_at(Some(x), Some(y + 1))];
         let reach = gbuffer.camera.reach_m(z);
         let behind = z + thickness(z, reach, [across[0], across[1], along[0], along[1]]);
         let front = f64::from(gbuffer.depth[gbuffer.index(x, y)]);

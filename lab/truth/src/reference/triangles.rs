@@ -147,8 +147,8 @@ impl<'a> TriangleWalk<'a> {
             let places = (meta ^ octant & inner) & 0x1f1f_1f1f;
             let bits = meta >> 5 & 0x0707_0707;
             for i in 0..4 {
-                let at = |k: usize| Vec3::from_array(sides.map(|side| byte(side[k], i) as f32));
-                let (near, far) = (at(half) * step + base, at(2 + half) * step + base);
+                let planes = |k: usize| Vec3::from_array(sides.map(|side| byte(side[k], i) as f32));
+                let (near, far) = (planes(half) * step + base, planes(2 + half) * step + base);
                 let enters = near.max_element().max(0.0);
                 let leaves = far.min_element().min(nearest);
                 met |= if enters <= leaves { byte(bits, i) << byte(places, i) } else { 0 };

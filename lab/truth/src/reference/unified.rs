@@ -218,8 +218,8 @@ impl<'a> Traversal<'a> {
         for n in 0..parameters.top_level as usize {
             let below = &levels[n];
             levels.push(Level::from_fn(below.width / 2, below.height / 2, |x, y| {
-                let at = |dx, dy| below.at_clamped(2 * x + dx, 2 * y + dy);
-                at(0, 0).union(at(1, 0)).union(at(0, 1).union(at(1, 1)))
+                let block = |dx, dy| below.at_clamped(2 * x + dx, 2 * y + dy);
+                block(0, 0).union(block(1, 0)).union(block(0, 1).union(block(1, 1)))
             }));
         }
         Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }

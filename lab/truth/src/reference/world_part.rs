@@ -15,12 +15,12 @@ pub struct WorldPart {
     kept: KeptState,
 }
 
-/// The share that shard `index`, from 1 to `of`, has of `samples`: whole leaves of [`super::partial_sums`], as even as
+/// The share that shard `index`, from 1 to `shards`, has of `samples`: whole leaves of [`super::partial_sums`], as even as
 /// these allow. Some shares are empty where there are more shards than leaves.
-pub fn samples_of(index: u32, of: u32, samples: u32) -> Range<u32> {
+pub fn samples_of(index: u32, shards: u32, samples: u32) -> Range<u32> {
     let leaves = u64::from(samples.div_ceil(LEAF));
     let begin = |shard: u32| {
-        let leaf = leaves * u64::from(shard) / u64::from(of.max(1));
+        let leaf = leaves * u64::from(shard) / u64::from(shards.max(1));
         (leaf * u64::from(LEAF)).min(u64::from(samples)) as u32
     };
     begin(index.saturating_sub(1))..begin(index)
@@ -71,27 +71,27 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
     let mut before: Option<WorldPart> = None;
     for part in parts {
-        let of = part.samples();
+        let range = part.samples();
         if let Some(before) = &before {
             let wrong = |message: String| Err(Error::malformed(&part.path, None, message));
             if before.kept.fingerprint != part.kept.fingerprint || before.kept.extent != part.kept.extent {
                 return wrong(format!("is of another reference than {}", before.path.display()));
             }
-            if before.samples() == of {
+            if before.samples() == range {
                 if before.kept.sums == part.kept.sums {
                     continue;
                 }
                 return wrong(format!("has other sums of the same samples than {}", before.path.display()));
             }
-            if of.start < end {
-                let [a, b] = [of, before.samples()].map(|r| named(&r));
+            if range.start < end {
+                let [a, b] = [range, before.samples()].map(|r| named(&r));
                 return wrong(format!("has {a}, and {} has {b}: they are of two divisions", before.path.display()));
             }
         }
-        if of.start > end {
-            missing.push(end..of.start);
+        if range.start > end {
+            missing.push(end..range.start);
         }
-        end = of.end;
+        end = range.end;
         before = Some(part.clone());
         // Parts behind a gap cannot be merged.
         if !missing.is_empty() {
@@ -126,12 +126,12 @@ mod tests {
 
     #[test]
     fn every_sample_is_in_one_shard() {
-        for (of, samples) in [(1, 1024), (3, 1024), (8, 1000), (5, 130), (7, 64), (4, 1), (1000, 1_048_576)] {
-            let all: Vec<_> = (1..=of).map(|index| samples_of(index, of, samples)).collect();
+        for (shards, samples) in [(1, 1024), (3, 1024), (8, 1000), (5, 130), (7, 64), (4, 1), (1000, 1_048_576)] {
+            let all: Vec<_> = (1..=shards).map(|index| samples_of(index, shards, samples)).collect();
             assert!(all.windows(2).all(|w| w[0].end == w[1].start && w[0].start.is_multiple_of(LEAF)));
             assert_eq!((all[0].start, all[all.len() - 1].end), (0, samples));
             let most = all.iter().map(|r| r.len()).max().unwrap_or(0);
-            assert!(most <= (samples.div_ceil(LEAF).div_ceil(of) * LEAF) as usize, "{of} of {samples}: {most}");
+            assert!(most <= (samples.div_ceil(LEAF).div_ceil(shards) * LEAF) as usize, "{shards} of {samples}: {most}");
         }
     }
 
@@ -142,9 +142,9 @@ mod tests {
         let (materials, camera) = (scene.materials_in(view), view.camera(&scene, [12, 8]));
         let world = World::new(&scene, &materials);
         let first_hits = FirstHits::trace(&world, &camera, [12, 8]);
-        let of = |seed| WorldReference::new(&world, &first_hits, &camera, seed);
+        let reference = |seed| WorldReference::new(&world, &first_hits, &camera, seed);
         let folder = tempfile::tempdir().expect("a folder");
-        check(&of(1), &WorldReference { seed: 2, ..of(1) }, folder.path());
+        check(&reference(1), &WorldReference { seed: 2, ..reference(1) }, folder.path());
     }
 
     fn part(reference: &WorldReference, folder: &Path, samples: Range<u32>) -> WorldPart {
@@ -164,14 +164,15 @@ mod tests {
         with_references(|reference, _, folder| {
             let mut whole = reference.start();
             reference.add(&mut whole, 300);
-            for of in [1, 2, 3, 7] {
-                let parts = (1..=of).rev().map(|index| part(reference, folder, samples_of(index, of, 300))).collect();
+            for shards in [1, 2, 3, 7] {
+                let parts =
+                    (1..=shards).rev().map(|index| part(reference, folder, samples_of(index, shards, 300))).collect();
                 let MergedParts { merged, missing } = merge(parts, 300).expect("one reference");
                 assert_eq!(missing, []);
                 let path = folder.join("merged");
                 merged.expect("all of it").save(&path).expect("a file");
                 let merged = reference.load(&path).expect("a state");
-                assert_eq!(merged, whole, "{of} parts");
+                assert_eq!(merged, whole, "{shards} parts");
                 let (a, b) = (reference.image(&merged), reference.image(&whole));
                 assert_eq!(a, b);
             }
@@ -187,24 +188,24 @@ mod tests {
     #[test]
     fn what_is_missing_is_named_and_what_does_not_fit_is_refused() {
         with_references(|reference, other, folder| {
-            let of = |range| part(reference, folder, range);
-            let found = merge(vec![of(0..64), of(128..200)], 300).expect("with gaps");
+            let part_of = |range| part(reference, folder, range);
+            let found = merge(vec![part_of(0..64), part_of(128..200)], 300).expect("with gaps");
             assert_eq!(found.missing, [64..128, 200..300]);
             assert_eq!(found.merged.expect("the first").samples(), 0..64);
-            let found = merge(vec![of(64..128)], 128).expect("with gaps");
+            let found = merge(vec![part_of(64..128)], 128).expect("with gaps");
             assert!(found.merged.is_none());
             assert_eq!(found.missing.first(), Some(&(0..64)));
             let refused = |parts| merge(parts, 300).expect_err("refused").to_string();
-            assert!(refused(vec![of(0..128), of(64..128)]).contains("of two divisions"));
-            assert!(refused(vec![of(0..64), part(other, folder, 64..128)]).contains("another reference"));
-            let mut changed = of(0..64);
-            changed.kept = KeptState { sums: of(0..64).kept.sums, ..changed.kept };
-            assert!(merge(vec![of(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
+            assert!(refused(vec![part_of(0..128), part_of(64..128)]).contains("of two divisions"));
+            assert!(refused(vec![part_of(0..64), part(other, folder, 64..128)]).contains("another reference"));
+            let mut changed = part_of(0..64);
+            changed.kept = KeptState { sums: part_of(0..64).kept.sums, ..changed.kept };
+            assert!(merge(vec![part_of(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
             let mut sums = crate::reference::partial_sums::PartialSums::new(0, 12 * 8);
             sums.open();
             sums.close(64);
             changed.kept.sums = sums;
-            assert!(refused(vec![of(0..64), changed]).contains("other sums"));
+            assert!(refused(vec![part_of(0..64), changed]).contains("other sums"));
         });
     }
 }

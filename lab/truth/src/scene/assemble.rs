@@ -65,7 +65,7 @@ fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     let mut place: HashMap<(usize, bool), usize> = HashMap::new();
     for part in parts {
         match place.get(&(part.material, part.has_tangents)) {
-            Some(&at) => pooled[at].triangles.extend(part.triangles),
+            Some(&index) => pooled[index].triangles.extend(part.triangles),
             None => {
                 place.insert((part.material, part.has_tangents), pooled.len());
                 pooled.push(part);

@@ -91,8 +91,8 @@ fn compression_number(bytes: &[u8]) -> Option<u8> {
     // An attribute is its name, its type, the length of its value, and the value.
     const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
     let header = &bytes[..bytes.len().min(1 << 16)];
-    let at = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
-    header.get(at + ATTRIBUTE.len()).copied().filter(|number| *number > KNOWN)
+    let offset = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
+    header.get(offset + ATTRIBUTE.len()).copied().filter(|number| *number > KNOWN)
 }
 
 /// # Errors
@@ -128,8 +128,8 @@ pub(super) fn check(
     values: &[f32],
     is_right: impl Fn(f32) -> bool,
 ) -> Result<()> {
-    let Some(at) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
-    let (x, y, value) = (at % width as usize, at / width as usize, values[at]);
+    let Some(index) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
+    let (x, y, value) = (index % width as usize, index / width as usize, values[index]);
     Err(Error::malformed(path, None, format!("channel {channel} is {value} at {pixel} {x}, {y}; it must be {allowed}")))
 }
 

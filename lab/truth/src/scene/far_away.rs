@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn only_scenes_that_floats_cannot_hold_are_moved() {
-        let cube = |at: DVec3, half: f64| [at - half, at + half];
+        let cube = |centre: DVec3, half: f64| [centre - half, centre + half];
         assert!(far_origin(cube(DVec3::ZERO, 1.0)).is_none());
         assert!(far_origin(cube(DVec3::splat(1000.0), 1.0)).is_none());
         let far = far_origin(cube(DVec3::new(6_378_137.4, 0.0, 0.0), 2.0)).expect("far");

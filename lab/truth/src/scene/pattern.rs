@@ -96,22 +96,22 @@ impl Pattern {
     }
 
     /// The pattern at a point of the image: (0, 0) is the top left, and the pattern repeats after 1.
-    fn sample(self, at: Vec2) -> Sample {
+    fn sample(self, uv: Vec2) -> Sample {
         let size_m = self.size_m();
         match self {
-            Self::Stones => designs::stones(at, size_m),
-            Self::Tiles => designs::tiles(at, size_m, &FLOOR_TILES),
-            Self::Slabs => designs::tiles(at, size_m, &FLOOR_SLABS),
-            Self::Bricks => designs::bricks(at, size_m),
-            Self::Wood(wood) => designs::wood(at, size_m, wood.tone()),
-            Self::Limestone => designs::limestone(at),
-            Self::Plaster => designs::plaster(at),
-            Self::Stucco => designs::stucco(at),
-            Self::Cloth(dye) => designs::cloth(at, dye.albedo()),
-            Self::Foliage => designs::foliage(at, size_m),
-            Self::Asphalt => designs::asphalt(at),
-            Self::Marble => designs::marble(at, size_m),
-            Self::Terrazzo => designs::terrazzo(at, size_m),
+            Self::Stones => designs::stones(uv, size_m),
+            Self::Tiles => designs::tiles(uv, size_m, &FLOOR_TILES),
+            Self::Slabs => designs::tiles(uv, size_m, &FLOOR_SLABS),
+            Self::Bricks => designs::bricks(uv, size_m),
+            Self::Wood(wood) => designs::wood(uv, size_m, wood.tone()),
+            Self::Limestone => designs::limestone(uv),
+            Self::Plaster => designs::plaster(uv),
+            Self::Stucco => designs::stucco(uv),
+            Self::Cloth(dye) => designs::cloth(uv, dye.albedo()),
+            Self::Foliage => designs::foliage(uv, size_m),
+            Self::Asphalt => designs::asphalt(uv),
+            Self::Marble => designs::marble(uv, size_m),
+            Self::Terrazzo => designs::terrazzo(uv, size_m),
         }
     }
 
@@ -236,14 +236,14 @@ pub fn images(pattern: Pattern) -> (Texture, Texture) {
 pub fn reflectivity_image(pattern: Pattern) -> Option<Texture> {
     let factor = pattern.reflectivity()?;
     let name = format!("generated {} reflectivity", pattern.label());
-    Some(image(name, [SIZE, SIZE], Encoding::Linear, |at| rgba(Vec3::splat(factor(at)))))
+    Some(image(name, [SIZE, SIZE], Encoding::Linear, |uv| rgba(Vec3::splat(factor(uv)))))
 }
 
 /// A picture (sRGB with alpha) and, if it has holes, its alpha as a mask (red, linear).
 pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
     let name = format!("generated {}", picture.label());
-    let colour = image(name.clone(), picture.size(), Encoding::Srgb, |at| {
-        let sample = picture.sample(at);
+    let colour = image(name.clone(), picture.size(), Encoding::Srgb, |uv| {
+        let sample = picture.sample(uv);
         let [r, g, b, _] = rgba(sample.truncate().map(srgb_from_linear));
         [r, g, b, byte(sample.w)]
     });
@@ -263,8 +263,8 @@ fn image(
     texel: impl Fn(Vec2) -> [u8; 4] + Sync,
 ) -> Texture {
     let size = Vec2::new(width as f32, height as f32);
-    let at = |k: u32| (Vec2::new((k % width) as f32, (k / width) as f32) + 0.5) / size;
-    let rgba = (0..width * height).into_par_iter().flat_map_iter(|k| texel(at(k))).collect();
+    let uv = |k: u32| (Vec2::new((k % width) as f32, (k / width) as f32) + 0.5) / size;
+    let rgba = (0..width * height).into_par_iter().flat_map_iter(|k| texel(uv(k))).collect();
     Texture { name, width, height, rgba, encoding }
 }
 
@@ -334,13 +334,13 @@ mod tests {
     #[test]
     fn every_pattern_has_period_one() {
         for pattern in ALL {
-            for at in points() {
-                let here = pattern.sample(at);
+            for uv in points() {
+                let here = pattern.sample(uv);
                 for period in [Vec2::X, Vec2::Y] {
-                    let there = pattern.sample(at + period);
+                    let there = pattern.sample(uv + period);
                     assert!(
                         (here.height_m - there.height_m).abs() < 1e-4 && here.albedo.abs_diff_eq(there.albedo, 5e-3),
-                        "{pattern:?} at {at}: {here:?} and {there:?}"
+                        "{pattern:?} at {uv}: {here:?} and {there:?}"
                     );
                 }
             }

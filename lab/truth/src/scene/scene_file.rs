@@ -315,9 +315,9 @@ impl SourceText<'_> {
     }
 
     /// The lens `base` with the changes of a section, whose planes are `scale` times as far away as it says, as its height is
-    /// `scale` times as great. `at` is the
+    /// `scale` times as great. `span` is the
     /// section's place in the file, for errors.
-    fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), at: std::ops::Range<usize>) -> Result<Lens> {
+    fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), span: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
         if let Some(fov) = &section.fov_y_deg {
             let degrees = self.positive("fov_y_deg", fov)?;
@@ -341,9 +341,9 @@ impl SourceText<'_> {
             lens.far_m = self.positive("far", far)? * scale;
         }
         if lens.far_m <= lens.near_m {
-            let at = section.far.as_ref().or(section.near.as_ref()).map_or(at, Spanned::span);
+            let span = section.far.as_ref().or(section.near.as_ref()).map_or(span, Spanned::span);
             let message = format!("far ({}) must be greater than near ({})", lens.far_m, lens.near_m);
-            return Err(self.error(at, message));
+            return Err(self.error(span, message));
         }
         if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
             let Lens { opening, near_m, far_m } = lens;
@@ -354,7 +354,7 @@ impl SourceText<'_> {
             let message = format!(
                 "a lens with {opening}, near {near_m} and far {far_m} is beyond the precision of the projection"
             );
-            return Err(self.error(at, message));
+            return Err(self.error(span, message));
         }
         Ok(lens)
     }
@@ -394,7 +394,7 @@ impl SourceText<'_> {
     }
 
     fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
-        let at = section.span();
+        let span = section.span();
         let ViewSection { eye, look_at, fov_y_deg, orthographic_height_m, near, far, materials } = section.into_inner();
         let look_at_span = look_at.span();
         let eye = self.place("eye", &eye, extra_scale)?;
@@ -404,7 +404,8 @@ impl SourceText<'_> {
             return Err(self.error(look_at_span, message));
         }
         let own = LensSection { fov_y_deg, orthographic_height_m, near, far };
-        let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), at)?) };
+        let lens =
+            if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), span)?) };
         let materials = self.changes(materials)?.into_iter().collect();
         Ok(View { name, eye, look_at, lens, materials })
     }

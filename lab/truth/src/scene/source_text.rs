@@ -26,13 +26,13 @@ pub struct SourceText<'a> {
 
 impl SourceText<'_> {
     /// An error at a byte range of the text.
-    pub fn error(&self, at: Range<usize>, message: impl Into<String>) -> Error {
-        Error::malformed(self.path, Some(self.line(at)), message)
+    pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+        Error::malformed(self.path, Some(self.line(span)), message)
     }
 
     /// The line, from 1, in which a byte range begins.
-    pub fn line(&self, at: Range<usize>) -> usize {
-        line_of(self.text.as_bytes(), at.start)
+    pub fn line(&self, span: Range<usize>) -> usize {
+        line_of(self.text.as_bytes(), span.start)
     }
 
     /// Reads the text as TOML.
@@ -154,8 +154,8 @@ pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
 }
 
 /// The line, from 1, of a byte.
-fn line_of(text: &[u8], at: usize) -> usize {
-    1 + text[..at.min(text.len())].iter().filter(|&&b| b == b'\n').count()
+fn line_of(text: &[u8], offset: usize) -> usize {
+    1 + text[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
 }
 
 /// The file name without `.scene.toml` or `.toml`.

@@ -148,8 +148,8 @@ pub(super) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
 /// (0, 0) is the top left corner, (1, 1) the lower right one.
 pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
     let size = DVec2::new(f64::from(texture.width), f64::from(texture.height));
-    let at = (uv - uv.floor()) * size - 0.5;
-    let (corner, weight) = (at.floor(), at - at.floor());
+    let position = (uv - uv.floor()) * size - 0.5;
+    let (corner, weight) = (position.floor(), position - position.floor());
     let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
     let texel =
         |dx: f64, dy: f64| decoded(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height));
@@ -159,8 +159,8 @@ pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
 
 /// A texel, decoded.
 fn decoded(texture: &Texture, x: usize, y: usize) -> DVec4 {
-    let at = 4 * (y * texture.width as usize + x);
-    let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[at + k]);
+    let offset = 4 * (y * texture.width as usize + x);
+    let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[offset + k]);
     let unit = rgba.map(|byte| f64::from(byte) / 255.0);
     match texture.encoding {
         Encoding::Linear => DVec4::from(unit),
@@ -335,8 +335,8 @@ mod tests {
     }
 
     fn normal_at(map: &Texture, x: u32, y: u32) -> Vec3 {
-        let at = 4 * (y * map.width + x) as usize;
-        decode_vector(&map.rgba[at..at + 4])
+        let offset = 4 * (y * map.width + x) as usize;
+        decode_vector(&map.rgba[offset..offset + 4])
     }
 
     #[test]

@@ -66,7 +66,7 @@ fn bars(ui: &mut Ui, history: &History) {
     let most = history.frames().map(sum).fold(1e-3, f64::max) * 1.05;
     let frames: Vec<&[StageTime]> = history.frames().collect();
     let width = (rect.width() / frames.len().max(1) as f32).clamp(1.0, 12.0);
-    let at = |ms: f64| rect.bottom() - (ms / most) as f32 * rect.height();
+    let y_of = |ms: f64| rect.bottom() - (ms / most) as f32 * rect.height();
     for (n, stages) in frames.iter().rev().enumerate() {
         let right = rect.right() - n as f32 * width;
         if right < rect.left() {
@@ -78,12 +78,12 @@ fn bars(ui: &mut Ui, history: &History) {
             (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
         for i in order {
             let above = below + stages[i].ms;
-            let bar = Rect::from_min_max(pos2(right - (width - 1.0).max(1.0), at(above)), pos2(right, at(below)));
+            let bar = Rect::from_min_max(pos2(right - (width - 1.0).max(1.0), y_of(above)), pos2(right, y_of(below)));
             painter.rect_filled(bar, 0.0, color(i, stages[i].counted));
             below = above;
         }
     }
-    let median = at(history.total().median_ms);
+    let median = y_of(history.total().median_ms);
     painter.hline(rect.x_range(), median, Stroke::new(1.0, Color32::WHITE));
     let font = egui::FontId::proportional(10.0);
     painter.text(

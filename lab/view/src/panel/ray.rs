@@ -85,7 +85,7 @@ fn explained(ui: &mut Ui, report: &PixelReport) {
 /// Lists where the ray ends according to the method, its twin and the oracle.
 fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     heading(ui, "Where it ends");
-    let at = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
+    let place = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
     let oracle = ray.oracle.position();
     let off = |x: f64, y: f64| oracle.map_or(String::new(), |o| format!(", {:.1} px off", (o.x - x).hypot(o.y - y)));
     Grid::new("ends").num_columns(2).show(ui, |ui| {
@@ -93,7 +93,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         match ray.method {
             Some((code, [x, y])) if code.is_hit() => {
                 let (x, y) = (f64::from(x), f64::from(y));
-                ui.label(format!("{code:?} {}{}", at(x, y), off(x, y)))
+                ui.label(format!("{code:?} {}{}", place(x, y), off(x, y)))
             }
             Some((code, _)) => match &ray.in_world {
                 Some(way) => ui.label(beyond_the_screen(way)),
@@ -105,7 +105,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         ui.colored_label(ORACLE, "oracle");
         match ray.oracle.outcome {
             Outcome::Hit { position, .. } => {
-                ui.label(format!("hit {}, after {} pixels", at(position.x, position.y), ray.oracle.steps))
+                ui.label(format!("hit {}, after {} pixels", place(position.x, position.y), ray.oracle.steps))
             }
             Outcome::Miss { reason, behind } => {
                 let behind = if behind { ", behind a surface" } else { "" };
@@ -117,7 +117,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
             ui.colored_label(WALK, "Hi-Z");
             let (steps, end) = (walk.cells.len(), walk.last().as_dvec2());
             ui.label(match walk.end {
-                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", at(end.x, end.y)),
+                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", place(end.x, end.y)),
                 WalkEnd::Left => format!("left the screen after {steps} steps"),
                 WalkEnd::Behind => format!("met a block from behind after {steps} steps"),
                 WalkEnd::Exhausted => format!("out of iterations after {steps} steps"),
@@ -147,57 +147,67 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
     let Some(ray) = &ray.in_world else { return };
     let cross = Cross::new(extent);
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
-    let at = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
+    let screen_point = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
     let way = ray.way();
     let (before, after) = way.split_at(way.len() / 2);
     for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
         for line in cross.way(capture, points) {
-            painter.line(line.into_iter().map(at).collect(), stroke);
+            painter.line(line.into_iter().map(screen_point).collect(), stroke);
         }
     }
-    painter.circle_stroke(at(cross.at(ray.begin - capture.position).1), 5.0, Stroke::new(2.0, Color32::WHITE));
+    painter.circle_stroke(
+        screen_point(cross.at(ray.begin - capture.position).1),
+        5.0,
+        Stroke::new(2.0, Color32::WHITE),
+    );
     // Another capture may not see the place where it ended, but that is where it lies.
     if ray.code != PathCode::Unknown {
-        cross_mark(painter, at(cross.at(ray.end - capture.position).1), METHOD);
+        cross_mark(painter, screen_point(cross.at(ray.end - capture.position).1), METHOD);
     }
 }
 
 /// Draws the ray over the picture.
 pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
-    let at = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;
-    let start = at(ray.pixel[0] as f32 + 0.5, ray.pixel[1] as f32 + 0.5);
+    let screen_point = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;
+    let start = screen_point(ray.pixel[0] as f32 + 0.5, ray.pixel[1] as f32 + 0.5);
     if let Some(s) = &ray.segment {
         let end = s.at(1.0);
-        painter.line_segment([start, at(end.x as f32, end.y as f32)], Stroke::new(1.0, Color32::from_white_alpha(120)));
+        painter.line_segment(
+            [start, screen_point(end.x as f32, end.y as f32)],
+            Stroke::new(1.0, Color32::from_white_alpha(120)),
+        );
     }
     if let Some(walk) = &ray.walk {
         for cell in &walk.cells {
-            let [low, high] = cell.corners.map(|corner| at(corner.x, corner.y));
+            let [low, high] = cell.corners.map(|corner| screen_point(corner.x, corner.y));
             let stroke = Stroke::new(1.0, level_color(cell.level));
             painter.rect_stroke(Rect::from_min_max(low, high), 0.0, stroke, StrokeKind::Inside);
         }
         for pair in walk.way.windows(2) {
-            let [from, to] = [pair[0], pair[1]].map(|p| at(p.x, p.y));
+            let [from, to] = [pair[0], pair[1]].map(|p| screen_point(p.x, p.y));
             painter.line_segment([from, to], Stroke::new(2.0, WALK));
             painter.circle_filled(to, 2.0, WALK);
         }
     }
     if let Some(line) = &ray.beyond_on_screen {
-        painter.line(line.iter().map(|p| at(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND));
+        painter.line(line.iter().map(|p| screen_point(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND));
     }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
     if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
-        cross_mark(painter, at(x, y), METHOD);
+        cross_mark(painter, screen_point(x, y), METHOD);
     }
     if let Some(o) = ray.oracle.position() {
-        let o = at(o.x as f32, o.y as f32);
+        let o = screen_point(o.x as f32, o.y as f32);
         painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE));
     }
 }
 
-fn cross_mark(painter: &Painter, at: Pos2, color: Color32) {
+fn cross_mark(painter: &Painter, centre: Pos2, color: Color32) {
     for (dx, dy) in [(6.0, 6.0), (6.0, -6.0)] {
-        painter.line_segment([pos2(at.x - dx, at.y - dy), pos2(at.x + dx, at.y + dy)], Stroke::new(2.0, color));
+        painter.line_segment(
+            [pos2(centre.x - dx, centre.y - dy), pos2(centre.x + dx, centre.y + dy)],
+            Stroke::new(2.0, color),
+        );
     }
 }

@@ -14,9 +14,9 @@ use std::collections::HashSet;
 
 /// The number of different colours in a range of columns, with 16 levels per channel.
 fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
-    let of = |(x, y)| pixels.at(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
+    let color = |(x, y)| pixels.at(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
     let texels = (0..pixels.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
-    texels.map(of).collect::<HashSet<_>>().len()
+    texels.map(color).collect::<HashSet<_>>().len()
 }
 
 #[test]
@@ -104,9 +104,12 @@ fn captures_are_shown_as_crosses_at_every_level() {
             let picture = bench.viewer.read_picture().unwrap().unwrap();
             // The picture is 200 pixels wide and high: faces have 50 pixels a side, and the cross begins at row 25.
             assert_eq!([picture.width, picture.height], [200, 200]);
-            let at = |x, y| &picture.at(x, y)[..3];
-            assert!([(0, 30), (0, 0), (199, 199), (120, 40)].iter().all(|(x, y)| at(*x, *y) == [0.0; 3]), "{name}");
-            assert!([(75, 100), (175, 100), (75, 50), (75, 150)].iter().all(|(x, y)| at(*x, *y) != [0.0; 3]), "{name}");
+            let pixel = |x, y| &picture.at(x, y)[..3];
+            assert!([(0, 30), (0, 0), (199, 199), (120, 40)].iter().all(|(x, y)| pixel(*x, *y) == [0.0; 3]), "{name}");
+            assert!(
+                [(75, 100), (175, 100), (75, 50), (75, 150)].iter().all(|(x, y)| pixel(*x, *y) != [0.0; 3]),
+                "{name}"
+            );
             assert!(seen.insert(picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>()), "{name}/{level}");
         }
     }

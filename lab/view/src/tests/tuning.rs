@@ -273,8 +273,8 @@ fn the_drawn_walk_is_the_shaders() {
                 let Some(code) = PathCode::from_channel(hit[3]) else { continue };
                 let walk = inspection.pick([x, y]).unwrap().walk;
                 let agrees = match (code, walk.as_ref().map(|w| (w.end, w.last()))) {
-                    (PathCode::HiZ, Some((WalkEnd::Hit, at))) => {
-                        let off = Vec2::new(hit[0] * hits.width as f32, hit[1] * hits.height as f32) - at;
+                    (PathCode::HiZ, Some((WalkEnd::Hit, end))) => {
+                        let off = Vec2::new(hit[0] * hits.width as f32, hit[1] * hits.height as f32) - end;
                         off.abs().max_element() <= 1.0
                     }
                     (PathCode::Exhausted, Some((WalkEnd::Exhausted, _)))
@@ -440,8 +440,8 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     let mut right = 0;
     for (_, beyond) in &hits {
         let from = beyond.end - place.position;
-        let (_, at) = cross.at(from);
-        let shown = picture.at(at.x as u32, at.y as u32)[0];
+        let (_, position) = cross.at(from);
+        let shown = picture.at(position.x as u32, position.y as u32)[0];
         let z = from.abs().max_element();
         let expected = clip.project_point3(glam::Vec3::new(0.0, 0.0, z)).z;
         right += usize::from((shown / expected - 1.0).abs() < 0.1);

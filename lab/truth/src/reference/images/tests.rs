@@ -44,8 +44,8 @@ impl Room {
             (t > 0.0).then(|| (t, (o + t * d).normalize()))
         };
         let nearest = walls.chain(self.spheres.iter().filter_map(sphere)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let at = from + nearest.0 * d;
-        (!(nearest.1.y < -0.5 && at.y > 0.99 * self.half.y && at.x.abs() + at.z.abs() < self.half.x / 2.0))
+        let point = from + nearest.0 * d;
+        (!(nearest.1.y < -0.5 && point.y > 0.99 * self.half.y && point.x.abs() + point.z.abs() < self.half.x / 2.0))
             .then_some(nearest)
     }
 
@@ -91,8 +91,8 @@ fn an_empty_room_shows_its_walls_where_they_are() {
             // At the border of the hole.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
-                let at = start + t * direction;
-                let off = (at.x.abs() + at.z.abs() - 1.5).abs();
+                let point = start + t * direction;
+                let off = (point.x.abs() + point.z.abs() - 1.5).abs();
                 assert!(off < 0.05 * (1.0 + 1.0 / direction.y.abs()), "{start} {direction}: {end:?}, {truth:?}");
             }
         }
@@ -270,16 +270,16 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
 #[test]
 fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
     let all: Vec<_> = (0..256_u64).into_par_iter().map(|case| compare(case, 1500)).collect();
-    let of = |kind: u32| all.iter().fold(Count::default(), |sum, (counts, _)| sum.add(counts[kind as usize]));
-    (0..KINDS).for_each(|kind| println!("kind {kind}: {:?}", of(kind)));
-    let plain = of(0).add(of(1));
+    let count_of = |kind: u32| all.iter().fold(Count::default(), |sum, (counts, _)| sum.add(counts[kind as usize]));
+    (0..KINDS).for_each(|kind| println!("kind {kind}: {:?}", count_of(kind)));
+    let plain = count_of(0).add(count_of(1));
     let unexplained: Vec<_> = all.iter().flat_map(|(_, wrong)| wrong).map(String::as_str).collect();
     let shown = unexplained[..unexplained.len().min(8)].join("\n\n");
     // A ray that is lost where it enters a face is lost on the border, and rounding decides which face is asked whether
     // it sees that point, wherever the ray began: such ties are not found by moving the ray.
     assert!(plain.rays > 50_000 && (plain.ties + plain.wrong) * 10_000 <= plain.rays, "{plain:?}:\n{shown}");
     for kind in 0..KINDS {
-        let count = of(kind);
+        let count = count_of(kind);
         let one_in = if IN_BORDERS.contains(&kind) { 100 } else { 10_000 };
         assert!(count.rays > 10_000 && count.wrong * one_in <= count.rays, "kind {kind}: {count:?}:\n{shown}");
     }
@@ -291,8 +291,8 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
     // Along a diagonal inside the blocks of a wall whose normals all say that the ray leaves it: it goes down to each
     // pixel, and passes it.
     for side in [16, 64, 128] {
-        let at = capture(Vec3::ZERO, side, 1.0);
-        let wall = CaptureData::of(&at, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
+        let cube = capture(Vec3::ZERO, side, 1.0);
+        let wall = CaptureData::of(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
         let (screen, captures) = (screen(), [wall]);
         let (images, twin) = (Images::new(&screen, &captures), CubeWalk::new(&screen.camera, &captures));
         let start = Vec3::new(-1.99, -1.98, 2.004);

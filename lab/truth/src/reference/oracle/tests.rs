@@ -175,10 +175,10 @@ fn one_pixel_hits_nothing() {
 fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [Outcome; 2] {
     let g = row(depths_m);
     let last = depths_m.len() as f64 - 0.5;
-    let at = |m: f64| f64::from(depth_of(m));
+    let depth = |m: f64| f64::from(depth_of(m));
     let segment = Segment {
-        start: DVec3::new(0.5, 0.5, at(start_m)),
-        delta: DVec3::new(last, 0.0, at(end_m) - at(start_m)),
+        start: DVec3::new(0.5, 0.5, depth(start_m)),
+        delta: DVec3::new(last, 0.0, depth(end_m) - depth(start_m)),
         direction,
         end: MissReason::LeftScreen,
     };

@@ -285,8 +285,8 @@ fn a_mirror_filters_a_striped_wall_over_the_pixel() {
 
 #[test]
 fn a_mirror_takes_at_least_sixteen_rays() {
-    let of = |samples| render(0.0, Sampling { samples, ..SAMPLING });
-    let [one, few, more] = [1, 16, 17].map(of);
+    let reference = |samples| render(0.0, Sampling { samples, ..SAMPLING });
+    let [one, few, more] = [1, 16, 17].map(reference);
     assert!(one.overall_standard_error > 0.0 && one.overall_standard_error.is_finite());
     assert!(one == few && few != more);
     assert_eq!(

@@ -210,10 +210,10 @@ fn what_moves_is_met_beside_what_stands() {
 /// scene's middle.
 #[test]
 fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
-    for at in [1.0, 100.0, 10_000.0_f32] {
+    for distance_m in [1.0, 100.0, 10_000.0_f32] {
         let quad = |y: f32| {
             let [a, b, c, d] =
-                [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(|[x, z]| Vec3::new(at + x, y, z));
+                [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(|[x, z]| Vec3::new(distance_m + x, y, z));
             [[a, b, c], [a, c, d]]
         };
         let scene = scene(&[quad(0.0), quad(0.001)].concat());
@@ -222,7 +222,7 @@ fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
         let walk = TriangleWalk::new(&tree, &records);
         for i in 0..2000 {
             let [x, z] = [0, 1].map(|k| 0.9 * signed(i, k));
-            let start = DVec3::new(f64::from(at + x), 0.0, f64::from(z)) - tree.origin;
+            let start = DVec3::new(f64::from(distance_m + x), 0.0, f64::from(z)) - tree.origin;
             // From the lower plane up, and below it down.
             for up in [1.0, -1.0] {
                 let direction =
@@ -231,8 +231,12 @@ fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
                 for own in [own, NO_TRIANGLE] {
                     let (met, _) = walk.walk(&TreeRay { origin: start.as_vec3(), direction, own });
                     let expected = up > 0.0;
-                    assert_eq!(met.triangle().is_some_and(|t| t >= 2), expected, "{at} m, {direction}: {met:?}");
-                    assert!(met.triangle().is_none_or(|t| t >= 2), "{at} m: its own plane");
+                    assert_eq!(
+                        met.triangle().is_some_and(|t| t >= 2),
+                        expected,
+                        "{distance_m} m, {direction}: {met:?}"
+                    );
+                    assert!(met.triangle().is_none_or(|t| t >= 2), "{distance_m} m: its own plane");
                 }
             }
         }

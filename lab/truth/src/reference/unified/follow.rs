@@ -308,8 +308,8 @@ impl<'a> CubeWalk<'a> {
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
             let from = [place, direction].map(|v| to_face(v, face));
-            let (how, at, side) = self.follow_face(image, from, &mut before, answer);
-            place = from_face(at, face);
+            let (how, end, side) = self.follow_face(image, from, &mut before, answer);
+            place = from_face(end, face);
             if how != How::On {
                 return (how, place);
             }
@@ -359,13 +359,13 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
 /// `FaceOf`.
 fn face_of(v: Vec3) -> usize {
     let a = v.abs();
-    let of = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
+    let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
     if a.x >= a.y && a.x >= a.z {
-        of(v.x, 0)
+        face_by_sign(v.x, 0)
     } else if a.y >= a.z {
-        of(v.y, 2)
+        face_by_sign(v.y, 2)
     } else {
-        of(v.z, 4)
+        face_by_sign(v.z, 4)
     }
 }
 

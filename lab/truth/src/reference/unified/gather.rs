@@ -47,8 +47,8 @@ fn across(own: Gathered, other: Gathered) -> Gathered {
 }
 
 /// `Outward`: from a block's pixel to the outside of the block, along each axis.
-pub(super) fn outward(at: IVec2) -> IVec2 {
-    2 * (at & 1) - 1
+pub(super) fn outward(pixel: IVec2) -> IVec2 {
+    2 * (pixel & 1) - 1
 }
 
 /// A cell's reflection, and the surface that it is of.
@@ -88,13 +88,13 @@ impl Gloss<'_> {
     /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the 3 × 3 around it. `None`
     /// for a pixel that has no ray.
     pub fn resolve_narrow(&self, rays: &Level<Gathered>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
-        let load = |at: IVec2| {
-            let at = at.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
-            if self.is_narrow(at.as_ivec2()) { rays.at_clamped(at.x, at.y) } else { Gathered::default() }
+        let load = |texel: IVec2| {
+            let texel = texel.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
+            if self.is_narrow(texel.as_ivec2()) { rays.at_clamped(texel.x, texel.y) } else { Gathered::default() }
         };
-        let own = |at: IVec2| {
-            let is_inside = at.cmplt(self.traversal.parameters.size).all();
-            if is_inside { load(at) } else { Gathered::unpack([0; 4]) }
+        let own = |texel: IVec2| {
+            let is_inside = texel.cmplt(self.traversal.parameters.size).all();
+            if is_inside { load(texel) } else { Gathered::unpack([0; 4]) }
         };
         let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
         let [out, out_x, out_y] = [pixel, x, y].map(outward);
@@ -102,9 +102,9 @@ impl Gloss<'_> {
         if ours.key.w == 0.0 {
             return None;
         }
-        let across_x = |at: IVec2| across(own(at), own(IVec2::new(at.x ^ 1, at.y)));
-        let beside = |at: IVec2, out: IVec2| load(at + IVec2::new(out.x, 0));
-        let under = |at: IVec2, out: IVec2| load(at + IVec2::new(0, out.y));
+        let across_x = |texel: IVec2| across(own(texel), own(IVec2::new(texel.x ^ 1, texel.y)));
+        let beside = |texel: IVec2, out: IVec2| load(texel + IVec2::new(out.x, 0));
+        let under = |texel: IVec2, out: IVec2| load(texel + IVec2::new(0, out.y));
         let mut sum = Sum::default();
         sum.add(1.0, ours.key.w > 0.0, ours.color);
         for ray in [
@@ -151,9 +151,9 @@ impl Gloss<'_> {
     /// `Row`.
     fn row(&self, rays: &Level<Gathered>, cell: IVec2, y: i32) -> [Gathered; 5] {
         let load = |cell: IVec2, x: i32| {
-            let at = cell + 2 * outward(cell) * IVec2::new(x, y);
-            let at = at.clamp(IVec2::ZERO, self.last_cell());
-            if self.is_drawn(at) { rays.at_clamped(at.x as u32, at.y as u32) } else { Gathered::default() }
+            let texel = cell + 2 * outward(cell) * IVec2::new(x, y);
+            let texel = texel.clamp(IVec2::ZERO, self.last_cell());
+            if self.is_drawn(texel) { rays.at_clamped(texel.x as u32, texel.y as u32) } else { Gathered::default() }
         };
         let beside = IVec2::new(cell.x ^ 1, cell.y);
         let [inner, middle, outer] = [-1, 0, 1].map(|x| load(cell, x));

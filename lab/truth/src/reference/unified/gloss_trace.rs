@@ -131,7 +131,7 @@ pub(super) fn cell_pixel(cell: IVec2) -> IVec2 {
 pub fn octahedral(v: Vec3) -> Vec2 {
     let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
     let folded = Vec2::new(1.0 - v.y.abs(), 1.0 - v.x.abs());
-    let sign = |of: f32, value: f32| if of >= 0.0 { value } else { -value };
+    let sign = |source: f32, value: f32| if source >= 0.0 { value } else { -value };
     if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
 }
 

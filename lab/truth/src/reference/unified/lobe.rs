@@ -47,9 +47,9 @@ pub(super) fn overlap(chord: Vec3, power: f32) -> f32 {
 }
 
 /// `LatticePoint`: the point of the pattern of side × side points that is a pixel's or a cell's, in 0…1.
-pub(super) fn lattice_point(at: IVec2, side: i32, g: i32, place: Vec2) -> Vec2 {
+pub(super) fn lattice_point(pixel: IVec2, side: i32, g: i32, place: Vec2) -> Vec2 {
     let n = side * side;
-    let i = (at.x + side * at.y) % n;
+    let i = (pixel.x + side * pixel.y) % n;
     (IVec2::new(i, (i * g) % n).as_vec2() + place) / n as f32
 }
 

@@ -27,18 +27,18 @@ impl Gloss<'_> {
         let turn = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
         let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
         for i in 0_i32..4 {
-            let at: IVec2 = (pixel >> 1) + outward(pixel) * IVec2::new(i & 1, i >> 1);
-            let at = at.clamp(IVec2::ZERO, self.last_cell());
-            let drawn = self.is_drawn(at).then(|| cells.at_clamped(at.x as u32, at.y as u32));
+            let cell: IVec2 = (pixel >> 1) + outward(pixel) * IVec2::new(i & 1, i >> 1);
+            let cell = cell.clamp(IVec2::ZERO, self.last_cell());
+            let drawn = self.is_drawn(cell).then(|| cells.at_clamped(cell.x as u32, cell.y as u32));
             let Cell { mut reflection, surface } = drawn.unwrap_or_default();
-            let away = (cell_pixel(at) - pixel).as_vec2();
+            let away = (cell_pixel(cell) - pixel).as_vec2();
             let near = CELL_REACH - away.abs();
             let off = match p.kind {
                 ProjectionKind::Perspective => {
                     (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing
                 }
                 ProjectionKind::Orthographic => {
-                    let there = self.depth(cell_pixel(at).min(p.size - 1));
+                    let there = self.depth(cell_pixel(cell).min(p.size - 1));
                     (turn.dot(away) + facing * (depth - there) / p.depth_offset) / p.reach
                 }
             };

@@ -75,8 +75,8 @@ fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::DepthBlock>, ray: &Ra
         return true;
     }
     let before = met.pixel + if entries.x > entries.y { IVec2::new(back.x, 0) } else { IVec2::new(0, back.y) };
-    let of = |p: IVec2| blocks.at_clamped(p.x as u32, p.y as u32);
-    let (block, before) = (of(met.pixel), of(before));
+    let block_at = |p: IVec2| blocks.at_clamped(p.x as u32, p.y as u32);
+    let (block, before) = (block_at(met.pixel), block_at(before));
     let depth = f64::from(ray.depth) + entry * f64::from(ray.rate.z);
     let by_depth = unit * (f64::from(ray.depth).abs() + (entry * f64::from(ray.rate.z)).abs())
         + by_s * f64::from(ray.rate.z).abs();

@@ -167,11 +167,16 @@ pub(crate) struct KeptState {
 }
 
 /// Writes a state as [`WorldState::save`] does.
-pub(crate) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums: &PartialSums<Sums>) -> Result<()> {
+pub(crate) fn write_state(
+    path: &Path,
+    fingerprint: &Fingerprint,
+    extent: [u32; 2],
+    sums: &PartialSums<Sums>,
+) -> Result<()> {
     let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.kept().count() + CHECK_BYTES);
     bytes.extend(MAGIC);
     bytes.extend(LAYOUT.to_le_bytes());
-    bytes.extend(of);
+    bytes.extend(fingerprint);
     for v in [extent[0], extent[1], sums.first(), sums.end()] {
         bytes.extend(v.to_le_bytes());
     }
@@ -199,7 +204,7 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
         return Err(wrong("this is not a state of a world reference"));
     }
-    let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+    let number = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[offset + i]));
     let (extent, layout) = ([number(44), number(48)], number(8));
     let (first, end, head) = match layout {
         LAYOUT => (number(52), number(56), HEAD_BYTES),

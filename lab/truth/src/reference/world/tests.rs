@@ -25,8 +25,8 @@ fn sphere(material: usize) -> Mesh {
     }
     for i in 0..rings {
         for j in 0..sectors {
-            let at = |di: u32, dj: u32| (i + di) * (sectors + 1) + j + dj;
-            mesh.indices.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]);
+            let index = |di: u32, dj: u32| (i + di) * (sectors + 1) + j + dj;
+            mesh.indices.extend([index(0, 0), index(1, 0), index(1, 1), index(0, 0), index(1, 1), index(0, 1)]);
         }
     }
     mesh
@@ -344,7 +344,7 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     let world = World::new(&scene, &materials);
     let [width, height] = [30, 20];
     let traced = FirstHits::trace(&world, &camera, [width, height]);
-    let of = |i: usize| traced.receivers[i];
+    let receiver_of = |i: usize| traced.receivers[i];
     let indices = || 0..traced.lit.len();
     let gbuffer = testing::traced(&world, &camera, [width, height]);
     let read = FirstHits::from_gbuffer(&gbuffer);
@@ -356,10 +356,10 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     };
     let (a, b) = (run(&traced), run(&read));
     let near = |i: &usize| (a.reflection[*i] - b.reflection[*i]).length() < 1e-3;
-    let reflecting = indices().filter(|i| of(*i).is_some()).count();
-    let agree = indices().filter(|i| of(*i).is_some()).filter(near).count();
+    let reflecting = indices().filter(|i| receiver_of(*i).is_some()).count();
+    let agree = indices().filter(|i| receiver_of(*i).is_some()).filter(near).count();
     assert!(reflecting > 300 && agree as f64 > 0.98 * reflecting as f64, "{agree} of {reflecting}");
-    for i in indices().filter(|i| of(*i).is_some()) {
+    for i in indices().filter(|i| receiver_of(*i).is_some()) {
         let z = traced.view_z_m[i];
         assert!((read.view_z_m[i] - z).abs() < 1e-5 * z);
     }
@@ -381,15 +381,20 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
     let (mut moved, mut kept) = (0, 0);
     for (i, surface) in traced.receivers.iter().enumerate() {
         let Some(surface) = surface else { continue };
-        let of = |hits: &FirstHits| hits.receivers[i].unwrap().position;
+        let position = |hits: &FirstHits| hits.receivers[i].unwrap().position;
         if i % 7 == 0 {
             // What the depth says stays, or the next surface that is near it counts.
-            let (off, away) = (of(&shown).distance(of(&read)), of(&read).distance(eye));
+            let (off, away) = (position(&shown).distance(position(&read)), position(&read).distance(eye));
             assert!(off <= away / 128.0, "pixel {i}: {off} m off, {away} m away");
             kept += u32::from(off == 0.0);
         } else {
-            assert!(of(&shown).distance(surface.position) < 1e-6, "pixel {i}: {} of {}", of(&shown), surface.position);
-            moved += u32::from(of(&read).distance(surface.position) > 1e-4);
+            assert!(
+                position(&shown).distance(surface.position) < 1e-6,
+                "pixel {i}: {} of {}",
+                position(&shown),
+                surface.position
+            );
+            moved += u32::from(position(&read).distance(surface.position) > 1e-4);
         }
     }
     assert!(moved > 200 && kept > 30, "{moved} and {kept}");
@@ -450,13 +455,13 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     // With an odd number of columns, the edge of the wall's halves runs through the middle column.
     let size = 33;
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
-    let of = |reference: WorldReference, samples: &[u32]| {
+    let image = |reference: WorldReference, samples: &[u32]| {
         let mut state = reference.start();
         samples.iter().for_each(|n| reference.add(&mut state, *n));
         reference.image(&state)
     };
-    let filtered_by = |samples: &[u32]| of(WorldReference::new(&world, &first_hits, &camera, 1), samples);
-    let (filtered, plain) = (filtered_by(&[256]), of(WorldReference::of_centres(&world, &first_hits, 1), &[256]));
+    let filtered_by = |samples: &[u32]| image(WorldReference::new(&world, &first_hits, &camera, 1), samples);
+    let (filtered, plain) = (filtered_by(&[256]), image(WorldReference::of_centres(&world, &first_hits, 1), &[256]));
     let shows_wall = |i: &usize| first_hits.receivers[*i].is_some_and(|r| r.position.z > 1.2 && r.position.z < 4.5);
     let mut squares = Vec::new();
     for i in (0..filtered.reflection.len()).filter(shows_wall) {

@@ -317,9 +317,9 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
         Ok([n[0], n[1], n[2]])
     };
     let MapPoints { eye, towards, is_point, up } = points;
-    let at = conventions.place(three(eye, files)?);
+    let position = conventions.place(three(eye, files)?);
     let given = three(towards, files)?;
-    let direction = if *is_point { conventions.place(given) - at } else { conventions.direction(given) };
+    let direction = if *is_point { conventions.place(given) - position } else { conventions.direction(given) };
     let up = up.as_ref().map(|up| three(up, files)).transpose()?.map(|up| conventions.direction(up));
     let forward = direction.normalize_or_zero();
     let is_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
@@ -328,8 +328,8 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
         return Err(files.error(towards.line, message));
     }
     Ok(match up {
-        None => Camera::new(at.as_vec3(), (at + direction).as_vec3(), Lens::default(), 1.0).world_to_view,
-        Some(up) => look_to_mat4(at.as_vec3(), forward.as_vec3(), up.normalize().as_vec3()),
+        None => Camera::new(position.as_vec3(), (position + direction).as_vec3(), Lens::default(), 1.0).world_to_view,
+        Some(up) => look_to_mat4(position.as_vec3(), forward.as_vec3(), up.normalize().as_vec3()),
     })
 }
 

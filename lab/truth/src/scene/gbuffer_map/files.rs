@@ -221,8 +221,8 @@ fn pixel_aspect(part: &ExrPart) -> f64 {
 /// A PNG of 8 or 16 bits as channels `R`, `G`, `B` and `A` from 0 to 1; R, G and B of a grey image are the same.
 fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
-    let of = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
-    let channel = |(k, name): (usize, &str)| (name.to_owned(), ExrChannel { values: of(k), rounded_by: None });
+    let values = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
+    let channel = |(k, name): (usize, &str)| (name.to_owned(), ExrChannel { values: values(k), rounded_by: None });
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
     Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
 }

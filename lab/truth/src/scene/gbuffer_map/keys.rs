@@ -25,11 +25,11 @@ pub(super) struct MapKeys<'a> {
 impl<'a> MapKeys<'a> {
     pub fn new(text: &'a SourceText<'a>, name: &str, section: MapSection) -> Self {
         let line = text.line(section.span());
-        let of = |(key, value): (String, Spanned<Value>)| {
+        let entry = |(key, value): (String, Spanned<Value>)| {
             let line = text.line(value.span());
             (key, (value.into_inner(), line))
         };
-        let left = section.into_inner().into_iter().map(of).collect();
+        let left = section.into_inner().into_iter().map(entry).collect();
         Self { text, name: name.to_owned(), line, left, known: Vec::new() }
     }
 

@@ -120,8 +120,8 @@ fn unit(v: DVec3) -> DVec3 {
 
 /// The direction of octahedral coordinates from −1 to 1: the unit sphere's projection onto an octahedron, whose half
 /// with z below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
-fn octahedral(at: DVec2) -> DVec3 {
-    let z = 1.0 - at.x.abs() - at.y.abs();
+fn octahedral(point: DVec2) -> DVec3 {
+    let z = 1.0 - point.x.abs() - point.y.abs();
     let fold = (-z).max(0.0);
-    unit(DVec3::new(at.x - fold * at.x.signum(), at.y - fold * at.y.signum(), z))
+    unit(DVec3::new(point.x - fold * point.x.signum(), point.y - fold * point.y.signum(), z))
 }

@@ -139,11 +139,11 @@ impl MapSource {
     /// Errors of [`MapFiles::channel`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         let (planes, place) = match &self.from {
-            SourceFrom::Channels(of) => {
-                let channel = |name: &String| files.channel(of, name, self.exact).map(MapPlane::Pixels);
-                let planes = of.names.iter().map(channel).collect::<Result<_>>()?;
-                let path = files.path(of.file.as_deref());
-                (planes, format!("{} of {}", of.names.join(", "), path.display()))
+            SourceFrom::Channels(channels) => {
+                let channel = |name: &String| files.channel(channels, name, self.exact).map(MapPlane::Pixels);
+                let planes = channels.names.iter().map(channel).collect::<Result<_>>()?;
+                let path = files.path(channels.file.as_deref());
+                (planes, format!("{} of {}", channels.names.join(", "), path.display()))
             }
             SourceFrom::Constants(values) => (values.iter().map(|v| MapPlane::Constant(*v)).collect(), String::new()),
         };
@@ -173,13 +173,13 @@ impl MapPlanes<'_> {
     /// An error about a pixel with a wrong value, as [`Self::at`] has it. `must` says what it must do, as in "be
     /// finite".
     pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
-        let at = match self.source.from {
+        let location = match self.source.from {
             SourceFrom::Constants(_) => String::new(),
             SourceFrom::Channels(_) => {
                 format!(" at pixel {}, {} ({})", pixel % self.width, pixel / self.width, self.place)
             }
         };
-        let message = format!("{}: it is {value}{at}; it must {must}", self.source.section);
+        let message = format!("{}: it is {value}{location}; it must {must}", self.source.section);
         Error::malformed(self.map, Some(self.source.line), message)
     }
 }

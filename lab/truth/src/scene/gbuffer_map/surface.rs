@@ -28,8 +28,8 @@ pub(super) struct MapRoughness {
 }
 
 /// A value for each pixel, 0 where the reversed depth is 0 (sky).
-fn each(depth: &[f32], of: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
-    let pixel = |(i, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { of(i) };
+fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
+    let pixel = |(i, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(i) };
     depth.iter().enumerate().map(pixel).collect()
 }
 
@@ -130,8 +130,8 @@ impl MapReflectivity {
                     })
                 })
             }
-            Self::Metallic(of) => {
-                let MapMetallic { metallic, base, f0 } = of.as_ref();
+            Self::Metallic(sources) => {
+                let MapMetallic { metallic, base, f0 } = sources.as_ref();
                 let metallic = metallic.read(files)?;
                 let base = base.read(files)?;
                 let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;

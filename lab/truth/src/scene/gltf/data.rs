@@ -229,12 +229,12 @@ impl<'a> Data<'a> {
         let indices = strided(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.size())?;
         let values = strided(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
         let pair = |k: usize| {
-            let at = little_endian(indices.get(k)) as usize;
-            if at < count { Ok((at, values.get(k))) } else { Err(outside()) }
+            let element = little_endian(indices.get(k)) as usize;
+            if element < count { Ok((element, values.get(k))) } else { Err(outside()) }
         };
         let mut changed = (0..many).map(pair).collect::<Result<Vec<_>>>()?;
         // They should be in order already. Of two for one element, the last counts.
-        changed.sort_by_key(|(at, _)| *at);
+        changed.sort_by_key(|(element, _)| *element);
         Ok(changed)
     }
 }
@@ -292,9 +292,9 @@ pub(super) struct Elements<'a> {
 
 impl<'a> Elements<'a> {
     fn get(&self, k: usize) -> &'a [u8] {
-        let behind = self.changed.partition_point(|(at, _)| *at <= k);
+        let behind = self.changed.partition_point(|(element, _)| *element <= k);
         match behind.checked_sub(1).map(|last| self.changed[last]) {
-            Some((at, bytes)) if at == k => bytes,
+            Some((element, bytes)) if element == k => bytes,
             _ => self.base.as_ref().map_or(&[0; 64][..self.size], |base| base.get(k)),
         }
     }

@@ -51,7 +51,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
 /// The JSON text of a file, and the binary chunk of a `.glb`.
 fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
     let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
-    let number = |at: usize| rest.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let number = |offset: usize| rest.get(offset..offset + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (Some(version), Some(stated)) = (number(0), number(4)) else {
         return Err(format!("is a truncated .glb: it ends within its header, after {} bytes", bytes.len()));
     };

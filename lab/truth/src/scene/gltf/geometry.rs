@@ -92,8 +92,8 @@ fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
 /// The triangle with unit normals; `None` if it has no area. Normals stay as the author gave them, also where they lean
 /// behind their face, as smooth ones do at silhouettes; those that point to its back are turned.
 fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
-    let at = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
-    let edges = [at(1) - at(0), at(2) - at(1), at(0) - at(2)];
+    let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
+    let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];
     let cross = edges[0].cross(-edges[2]);
     let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
     if cross.length() <= 1e-7 * longest {

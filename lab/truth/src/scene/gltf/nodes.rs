@@ -92,14 +92,21 @@ fn parts(
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
         for primitive in mesh.primitives() {
             let material = primitive.material();
-            let at = *index_of.entry(material.index()).or_insert_with(|| {
+            let index = *index_of.entry(material.index()).or_insert_with(|| {
                 used.push(material.index());
                 coordinates.push(materials::coordinates(&material, notes));
                 used.len() - 1
             });
             for placement in &placements {
                 let placed = PlacedMesh { name, placement, weights, origin };
-                parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+                parts.extend(geometry::part(
+                    data,
+                    (&primitive, index),
+                    &placed,
+                    &coordinates[index],
+                    &mut tally,
+                    notes,
+                )?);
             }
         }
     }

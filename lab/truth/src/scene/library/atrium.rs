@@ -231,8 +231,8 @@ fn arcades() -> Vec<MeshBuilder> {
 /// A horizontal band of stone that projects by `proud_m` from both faces of the wall.
 fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]: [f32; 2], proud_m: f32) {
     let across = wall.along.cross(Vec3::Y).abs() * (0.5 * wall.thickness_m + proud_m);
-    let at = |a: f32, y: f32| wall.origin + a * wall.along + y * Vec3::Y;
-    mesh.cuboid(at(from, low) - across, at(to, high) + across);
+    let point = |a: f32, y: f32| wall.origin + a * wall.along + y * Vec3::Y;
+    mesh.cuboid(point(from, low) - across, point(to, high) + across);
 }
 
 fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
@@ -261,16 +261,16 @@ fn columns() -> Vec<MeshBuilder> {
     };
     let upper_m = SPRING[1] - PARAPET;
     for side in sides() {
-        let at = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
+        let point = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
             let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
-            parts.push(round("column", at(post, 0.0), lower));
+            parts.push(round("column", point(post, 0.0), lower));
             let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
-            parts.push(round("upper-column", at(post, PARAPET), upper));
+            parts.push(round("upper-column", point(post, PARAPET), upper));
         }
         for bay in side.posts.windows(2) {
             let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
-            parts.push(round("slender-column", at(0.5 * (bay[0] + bay[1]), PARAPET), slender));
+            parts.push(round("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }
     for (x, z) in [1, 6].into_iter().flat_map(|i| [1, 2].map(|k| (LINES_X[i], LINES_Z[k]))) {
@@ -322,17 +322,17 @@ fn upper_walls() -> Vec<MeshBuilder> {
 /// A blind window: four reveals, a back wall and a sill.
 fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: &Rect) {
     const DEPTH: f32 = 0.35;
-    let at = |a: f32, y: f32, depth: f32| face + a * right + y * Vec3::Y + depth * outward;
+    let point = |a: f32, y: f32, depth: f32| face + a * right + y * Vec3::Y + depth * outward;
     let (low, high) = (hole.min, hole.max);
     let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
     let middle = 0.5 * (low + high);
     for k in 0..4 {
         let ((a, b), (c, d)) = (corners[k], corners[(k + 1) % 4]);
-        let facing = at(middle.x, middle.y, 0.0) - at(0.5 * (a + c), 0.5 * (b + d), 0.0);
-        mesh.polygon(&[at(a, b, 0.0), at(c, d, 0.0), at(c, d, DEPTH), at(a, b, DEPTH)], facing);
+        let facing = point(middle.x, middle.y, 0.0) - point(0.5 * (a + c), 0.5 * (b + d), 0.0);
+        mesh.polygon(&[point(a, b, 0.0), point(c, d, 0.0), point(c, d, DEPTH), point(a, b, DEPTH)], facing);
     }
-    mesh.polygon(&corners.map(|(a, b)| at(a, b, DEPTH)), -outward);
-    let (p, q) = (at(low.x - 0.12, low.y - 0.14, 0.02), at(high.x + 0.12, low.y, -0.12));
+    mesh.polygon(&corners.map(|(a, b)| point(a, b, DEPTH)), -outward);
+    let (p, q) = (point(low.x - 0.12, low.y - 0.14, 0.02), point(high.x + 0.12, low.y, -0.12));
     mesh.cuboid(p.min(q), p.max(q));
 }
 

@@ -124,8 +124,8 @@ impl MeshBuilder {
             for y in rows.windows(2) {
                 let middle = Vec2::new(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]));
                 if !holes.iter().any(|r| r.contains(middle)) {
-                    let at = |a: f32, b: f32| origin + a * right + b * up;
-                    let corners = [at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])];
+                    let point = |a: f32, b: f32| origin + a * right + b * up;
+                    let corners = [point(x[0], y[0]), point(x[1], y[0]), point(x[1], y[1]), point(x[0], y[1])];
                     self.polygon(&corners, up.cross(right));
                 }
             }
@@ -146,15 +146,15 @@ impl MeshBuilder {
         self.triangle(first, first + 3, first + 2);
     }
 
-    /// A round, smooth tube along a path, open at its ends. `at` gives the centre and radius for t from 0 to 1.
+    /// A round, smooth tube along a path, open at its ends. `path` gives the centre and radius for t from 0 to 1.
     /// `across` is any direction that the path never follows.
-    pub fn tube(&mut self, steps: [u32; 2], across: Vec3, at: impl Fn(f32) -> (Vec3, f32)) {
-        let points: Vec<(Vec3, f32)> = (0..=16).map(|k| at(k as f32 / 16.0)).collect();
+    pub fn tube(&mut self, steps: [u32; 2], across: Vec3, path: impl Fn(f32) -> (Vec3, f32)) {
+        let points: Vec<(Vec3, f32)> = (0..=16).map(|k| path(k as f32 / 16.0)).collect();
         let length: f32 = points.windows(2).map(|p| p[0].0.distance(p[1].0)).sum();
         let thickest = points.iter().fold(0.0_f32, |r, p| r.max(p.1));
         self.surface(Vec3::ZERO, steps, |s, t| {
-            let (centre, radius) = at(t);
-            let along = (at(t + STEP).0 - at(t - STEP).0).normalize_or(Vec3::Y);
+            let (centre, radius) = path(t);
+            let along = (path(t + STEP).0 - path(t - STEP).0).normalize_or(Vec3::Y);
             let side = (across - along * along.dot(across)).normalize_or(along.any_orthonormal_vector());
             let (sin, cos) = (TAU * s).sin_cos();
             let out = cos * side + sin * side.cross(along);
@@ -175,16 +175,16 @@ impl MeshBuilder {
 
     /// A smooth surface over 0 ≤ s, t ≤ 1, with the given numbers of columns and rows.
     ///
-    /// `at` gives a position relative to `origin` and texture coordinates in metres (right and up). It is also
+    /// `shape` gives a position relative to `origin` and texture coordinates in metres (right and up). It is also
     /// evaluated slightly outside 0…1, for the normals. Where the surface closes to a point, the normal is
     /// taken slightly closer to the middle.
-    pub fn surface(&mut self, origin: Vec3, [columns, rows]: [u32; 2], at: impl Fn(f32, f32) -> (Vec3, Vec2)) {
+    pub fn surface(&mut self, origin: Vec3, [columns, rows]: [u32; 2], shape: impl Fn(f32, f32) -> (Vec3, Vec2)) {
         let first = self.vertices.len() as u32;
         for j in 0..=rows {
             for i in 0..=columns {
                 let (s, t) = (i as f32 / columns as f32, j as f32 / rows as f32);
-                let (position, metres) = at(s, t);
-                self.push(origin + position, metres, surface_axes(&at, s, t));
+                let (position, metres) = shape(s, t);
+                self.push(origin + position, metres, surface_axes(&shape, s, t));
             }
         }
         for j in 0..rows {
@@ -242,8 +242,8 @@ impl MeshBuilder {
     }
 
     fn triangle(&mut self, a: u32, b: u32, c: u32) {
-        let at = |k: u32| Vec3::from(self.vertices[k as usize].position);
-        if (at(b) - at(a)).cross(at(c) - at(a)).length_squared() > 1e-14 {
+        let position = |k: u32| Vec3::from(self.vertices[k as usize].position);
+        if (position(b) - position(a)).cross(position(c) - position(a)).length_squared() > 1e-14 {
             self.indices.extend([a, b, c]);
         }
     }
@@ -264,8 +264,8 @@ impl Rect {
         Self { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) }
     }
 
-    fn contains(&self, at: Vec2) -> bool {
-        at.cmpgt(self.min).all() && at.cmplt(self.max).all()
+    fn contains(&self, point: Vec2) -> bool {
+        point.cmpgt(self.min).all() && point.cmplt(self.max).all()
     }
 }
 
@@ -277,9 +277,9 @@ fn plane_axes(normal: Vec3) -> Axes {
 }
 
 /// The axes of a surface at a point, from central differences of its position and texture coordinates.
-fn surface_axes(at: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Axes {
+fn surface_axes(shape: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Axes {
     let difference = |s: f32, t: f32, ds: f32, dt: f32| {
-        let (ahead, behind) = (at(s + ds, t + dt), at(s - ds, t - dt));
+        let (ahead, behind) = (shape(s + ds, t + dt), shape(s - ds, t - dt));
         (ahead.0 - behind.0, ahead.1 - behind.1)
     };
     let slopes = |s: f32, t: f32| (difference(s, t, STEP, 0.0), difference(s, t, 0.0, STEP));

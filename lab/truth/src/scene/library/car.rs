@@ -75,14 +75,14 @@ struct Section {
 /// A closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1.
 fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
     let outline = |s: f32, t: f32| {
-        let at = section(t);
+        let profile = section(t);
         let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
         // The cross-section is a superellipse of exponent 4: nearly a box, with rounded edges.
         let round = |v: f32| v.abs().sqrt().copysign(v);
         let up = -round(sin);
-        let half_height = 0.5 * (at.heights[1] - at.heights[0]);
-        let narrow = 1.0 - at.tumblehome * (0.5 + 0.5 * up);
-        Vec3::new(at.half_width * narrow * round(cos), at.heights[0] + half_height * (1.0 + up), at.z)
+        let half_height = 0.5 * (profile.heights[1] - profile.heights[0]);
+        let narrow = 1.0 - profile.tumblehome * (0.5 + 0.5 * up);
+        Vec3::new(profile.half_width * narrow * round(cos), profile.heights[0] + half_height * (1.0 + up), profile.z)
     };
     mesh.surface(ground, steps, |s, t| (outline(s, t), Vec2::new(4.0 * s, 4.4 * t)));
     for (end, facing) in [(0.0, Vec3::NEG_Z), (1.0, Vec3::Z)] {

@@ -83,15 +83,15 @@ fn shell() -> [MeshBuilder; 5] {
 fn blocks() -> MeshBuilder {
     let mut blocks = mesh("blocks", WHITE);
     for (corners, height) in BLOCKS {
-        let at = |[x, z]: [f32; 2], y: f32| Vec3::new(x, y, z);
+        let point = |[x, z]: [f32; 2], y: f32| Vec3::new(x, y, z);
         let middle = corners.iter().map(|c| Vec2::from(*c)).sum::<Vec2>() / 4.0;
         for (n, corner) in corners.into_iter().enumerate() {
             let next = corners[(n + 1) % 4];
             let outwards = 0.5 * (Vec2::from(corner) + Vec2::from(next)) - middle;
-            let side = [at(corner, 0.0), at(next, 0.0), at(next, height), at(corner, height)];
+            let side = [point(corner, 0.0), point(next, 0.0), point(next, height), point(corner, height)];
             blocks.polygon(&side, Vec3::new(outwards.x, 0.0, outwards.y));
         }
-        blocks.polygon(&corners.map(|c| at(c, height)), Vec3::Y);
+        blocks.polygon(&corners.map(|c| point(c, height)), Vec3::Y);
     }
     blocks
 }

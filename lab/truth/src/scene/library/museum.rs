@@ -210,8 +210,8 @@ fn skylight() -> Vec<MeshBuilder> {
     }
     let mut bars = mesh("glazing-bars", METAL);
     for k in 0..=8 {
-        let at = z[0] + (z[1] - z[0]) * k as f32 / 8.0;
-        bars.cuboid(Vec3::new(x[0], top - 0.1, at - 0.03), Vec3::new(x[1], top - 0.02, at + 0.03));
+        let bar_z = z[0] + (z[1] - z[0]) * k as f32 / 8.0;
+        bars.cuboid(Vec3::new(x[0], top - 0.1, bar_z - 0.03), Vec3::new(x[1], top - 0.02, bar_z + 0.03));
     }
     bars.cuboid(Vec3::new(-0.03, top - 0.1, z[0]), Vec3::new(0.03, top - 0.02, z[1]));
     let mut glass = mesh("skylight", WINDOW);
@@ -381,8 +381,8 @@ fn furniture() -> Vec<MeshBuilder> {
             leaves.tube([5, 6], Vec3::new(sin, 0.0, -cos), |t| {
                 let out = lean * t * (0.6 + 0.4 * t);
                 let rise = 1.25 * t - lean * t * t;
-                let at = foot + Vec3::new(out * cos, 0.42 + rise, out * sin);
-                (at, 0.005 + 0.05 * (PI * t.clamp(0.0, 1.0)).sin())
+                let point = foot + Vec3::new(out * cos, 0.42 + rise, out * sin);
+                (point, 0.005 + 0.05 * (PI * t.clamp(0.0, 1.0)).sin())
             });
         }
     }

@@ -117,9 +117,9 @@ impl<'a> Canvas<'a> {
         let least = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
         let most = (a.x.max(b.x).max(c.x).ceil().max(0.0) as usize).min(row.len());
         for (x, sample) in row.iter_mut().enumerate().take(most).skip(least) {
-            let at = Vec2::new(x as f32 + 0.5, middle);
+            let point = Vec2::new(x as f32 + 0.5, middle);
             let weights =
-                Vec3::new((c - b).perp_dot(at - b), (a - c).perp_dot(at - c), (b - a).perp_dot(at - a)) / area;
+                Vec3::new((c - b).perp_dot(point - b), (a - c).perp_dot(point - c), (b - a).perp_dot(point - a)) / area;
             if weights.min_element() < 0.0 {
                 continue;
             }
@@ -136,7 +136,8 @@ impl<'a> Canvas<'a> {
     /// `area` is twice the triangle's area, in samples.
     fn colour(&self, mesh: &Mesh, corners: &[&Vertex; 3], weights: Vec3, area: f32) -> Option<Vec3> {
         let material = &self.scene.materials[mesh.material];
-        let mix = |of: &dyn Fn(&Vertex) -> Vec3| -> Vec3 { (0..3).map(|k| weights[k] * of(corners[k])).sum() };
+        let mix =
+            |attribute: &dyn Fn(&Vertex) -> Vec3| -> Vec3 { (0..3).map(|k| weights[k] * attribute(corners[k])).sum() };
         let uv = mix(&|v| Vec2::from(v.uv).extend(0.0)).truncate();
         let [i, j, k] = corners.map(|v| Vec2::from(v.uv));
         let footprint = ((j - i).perp_dot(k - i) / area).abs().sqrt();

@@ -132,8 +132,8 @@ fn spline(points: &[Vec3], t: f32) -> Vec3 {
     let x = t * last as f32;
     let k = (x.floor().max(0.0) as usize).min(last - 1);
     let f = x - k as f32;
-    let at = |k: usize, by: isize| points[k.saturating_add_signed(by).min(last)];
-    let (a, b, c, d) = (at(k, -1), at(k, 0), at(k, 1), at(k, 2));
+    let point = |k: usize, by: isize| points[k.saturating_add_signed(by).min(last)];
+    let (a, b, c, d) = (point(k, -1), point(k, 0), point(k, 1), point(k, 2));
     if !(0.0..=1.0).contains(&f) {
         return b + (c - b) * f;
     }

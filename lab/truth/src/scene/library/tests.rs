@@ -72,8 +72,8 @@ fn vertices_are_finite_with_unit_normals_and_orthogonal_tangents() {
 fn winding_agrees_with_the_normals() {
     for scene in SCENES.iter() {
         for (name, [a, b, c]) in triangles(scene) {
-            let at = |v: Vertex| Vec3::from(v.position);
-            let across = (at(b) - at(a)).cross(at(c) - at(a)).normalize();
+            let position = |v: Vertex| Vec3::from(v.position);
+            let across = (position(b) - position(a)).cross(position(c) - position(a)).normalize();
             for v in [a, b, c] {
                 assert!(across.dot(Vec3::from(v.normal)) > 0.0, "{name}: {across} against {v:?}");
             }
@@ -86,9 +86,9 @@ fn tangents_follow_the_texture() {
     for scene in SCENES.iter() {
         let (mut wrong, mut all) = (0, 0);
         for (_, [a, b, c]) in triangles(scene) {
-            let at = |v: Vertex| Vec3::from(v.position);
+            let position = |v: Vertex| Vec3::from(v.position);
             let uv = |v: Vertex| glam::Vec2::from(v.uv);
-            let (p, q) = (at(b) - at(a), at(c) - at(a));
+            let (p, q) = (position(b) - position(a), position(c) - position(a));
             let (i, j) = (uv(b) - uv(a), uv(c) - uv(a));
             let det = i.perp_dot(j);
             // dP/du and −dP/dv of the triangle, up to a positive factor.

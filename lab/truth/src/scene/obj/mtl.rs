@@ -151,9 +151,9 @@ impl Definitions {
 
 /// A statement without a comment that a blank separates from it.
 fn without_comment(statement: &str) -> &str {
-    let behind_blank = |(at, _): &(usize, &str)| statement[..*at].ends_with(char::is_whitespace);
+    let behind_blank = |(offset, _): &(usize, &str)| statement[..*offset].ends_with(char::is_whitespace);
     let comment = statement.match_indices('#').find(behind_blank);
-    comment.map_or(statement, |(at, _)| &statement[..at]).trim_end()
+    comment.map_or(statement, |(offset, _)| &statement[..offset]).trim_end()
 }
 
 /// The ways in which the rest of a statement may name one file, each once: as it stands, without a comment, and each with

@@ -168,8 +168,8 @@ fn twice_area(triangle: &Triangle) -> DVec3 {
 
 /// The angle at a corner, in radians.
 fn angle(triangle: &Triangle, corner: usize) -> f64 {
-    let [at, next, last] = [0, 1, 2].map(|i| position(&triangle[(corner + i) % 3]));
-    (next - at).angle_between(last - at)
+    let [apex, next, last] = [0, 1, 2].map(|i| position(&triangle[(corner + i) % 3]));
+    (next - apex).angle_between(last - apex)
 }
 
 /// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off

@@ -33,25 +33,25 @@ impl Text {
 
     /// Distance from a point to the nearest stroke, in units of the grid; the text's top left is the origin.
     /// Only letters within one gap of the point are considered.
-    pub fn distance(&self, at: Vec2) -> f32 {
+    pub fn distance(&self, point: Vec2) -> f32 {
         let step = if self.stacked { Vec2::new(0.0, LETTER.y + GAP.y) } else { Vec2::new(LETTER.x + GAP.x, 0.0) };
         let letters = self.letters.chars().enumerate();
         letters
-            .map(|(k, letter)| (at - step * k as f32, letter))
+            .map(|(k, letter)| (point - step * k as f32, letter))
             .filter(|(p, _)| p.cmpgt(-GAP).all() && p.cmplt(LETTER + GAP).all())
             .flat_map(|(p, letter)| strokes(letter).iter().map(move |stroke| to_stroke(p, stroke)))
             .fold(f32::INFINITY, f32::min)
     }
 }
 
-fn to_stroke(at: Vec2, stroke: Stroke) -> f32 {
-    stroke.windows(2).map(|ends| to_segment(at, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
+fn to_stroke(point: Vec2, stroke: Stroke) -> f32 {
+    stroke.windows(2).map(|ends| to_segment(point, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
 }
 
 /// Distance from a point to a line segment.
-pub fn to_segment(at: Vec2, a: Vec2, b: Vec2) -> f32 {
-    let along = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
-    at.distance(a.lerp(b, along))
+pub fn to_segment(point: Vec2, a: Vec2, b: Vec2) -> f32 {
+    let along = ((point - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+    point.distance(a.lerp(b, along))
 }
 
 #[rustfmt::skip]

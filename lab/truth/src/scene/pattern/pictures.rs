@@ -91,14 +91,14 @@ impl Picture {
     }
 
     /// Linear colour and coverage at a point of the image; (0, 0) is the top left, (1, 1) the bottom right.
-    pub fn sample(self, at: Vec2) -> Vec4 {
+    pub fn sample(self, uv: Vec2) -> Vec4 {
         match self {
-            Self::Sign(sign) => sign.sample(at),
-            Self::Painting(painting) => painting.sample(at).extend(1.0),
-            Self::Pane { lit } => pane(at, lit).extend(1.0),
-            Self::Shop => shop(at).extend(1.0),
-            Self::Lancet { design } => lancet(at, design),
-            Self::Rose => rose(at),
+            Self::Sign(sign) => sign.sample(uv),
+            Self::Painting(painting) => painting.sample(uv).extend(1.0),
+            Self::Pane { lit } => pane(uv, lit).extend(1.0),
+            Self::Shop => shop(uv).extend(1.0),
+            Self::Lancet { design } => lancet(uv, design),
+            Self::Rose => rose(uv),
         }
     }
 
@@ -116,9 +116,9 @@ impl Picture {
 }
 
 impl Sign {
-    fn sample(&self, at: Vec2) -> Vec4 {
+    fn sample(&self, uv: Vec2) -> Vec4 {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
-        let p = at * size;
+        let p = uv * size;
         let rim = self.rim_distance(p, size);
         // Letters fill the plate except for a margin; the tip of an arrow stays free.
         let free = match self.cut {
@@ -148,8 +148,8 @@ impl Sign {
     /// Distance inwards from the sign's edge, in units of its shorter side.
     fn rim_distance(&self, p: Vec2, size: Vec2) -> f32 {
         let half = 0.5 * size;
-        let plate = |half: Vec2, at: Vec2| {
-            let q = at.abs() - half + 0.08;
+        let plate = |half: Vec2, offset: Vec2| {
+            let q = offset.abs() - half + 0.08;
             0.08 - q.max(Vec2::ZERO).length() - q.max_element().min(0.0)
         };
         let body = plate(half, p - half);
@@ -163,13 +163,13 @@ impl Sign {
 }
 
 impl Painting {
-    fn sample(self, at: Vec2) -> Vec3 {
-        let strokes = 0.88 + 0.24 * fractal(at * Vec2::new(14.0, 30.0), IVec2::new(64, 64), 3, 401);
+    fn sample(self, uv: Vec2) -> Vec3 {
+        let strokes = 0.88 + 0.24 * fractal(uv * Vec2::new(14.0, 30.0), IVec2::new(64, 64), 3, 401);
         let painted = match self {
-            Self::Landscape => landscape(at),
-            Self::Ship => ship(at),
-            Self::Fields => fields(at),
-            Self::Portrait => portrait(at),
+            Self::Landscape => landscape(uv),
+            Self::Ship => ship(uv),
+            Self::Fields => fields(uv),
+            Self::Portrait => portrait(uv),
         };
         (painted * strokes).clamp(Vec3::ZERO, Vec3::ONE)
     }
@@ -181,95 +181,95 @@ fn over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
 }
 
 /// A distance that is positive inside an ellipse.
-fn ellipse(at: Vec2, centre: Vec2, radii: Vec2) -> f32 {
-    (1.0 - ((at - centre) / radii).length()) * radii.min_element()
+fn ellipse(point: Vec2, centre: Vec2, radii: Vec2) -> f32 {
+    (1.0 - ((point - centre) / radii).length()) * radii.min_element()
 }
 
 /// A distance that is positive inside a convex polygon whose corners run clockwise on the screen (y downwards).
-fn polygon(at: Vec2, corners: &[(f32, f32)]) -> f32 {
+fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
     (0..corners.len())
         .map(|k| {
             let (a, b): (Vec2, Vec2) = (corners[k].into(), corners[(k + 1) % corners.len()].into());
-            (b - a).normalize_or_zero().perp_dot(at - a)
+            (b - a).normalize_or_zero().perp_dot(point - a)
         })
         .fold(f32::INFINITY, f32::min)
 }
 
-fn landscape(at: Vec2) -> Vec3 {
+fn landscape(uv: Vec2) -> Vec3 {
     let wave = |x: f32, seed: u32| fractal(Vec2::new(x, 0.5), IVec2::new(64, 1), 4, seed);
-    let sky = Vec3::new(0.95, 0.62, 0.22).lerp(Vec3::new(0.16, 0.36, 0.72), smoothstep(0.55, 0.0, at.y));
-    let mut c = over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(at, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
-    c = over(c, Vec3::new(0.30, 0.32, 0.52), at.y - 0.62 + 0.36 * wave(at.x * 3.0, 409));
-    c = over(c, Vec3::new(0.14, 0.30, 0.16), at.y - 0.74 + 0.26 * wave(at.x * 4.0 + 9.0, 419));
-    c = over(c, Vec3::new(0.42, 0.48, 0.10), at.y - 0.84 + 0.16 * wave(at.x * 5.0 + 20.0, 421));
-    let path = 0.36 + 0.3 * (at.y - 0.8) + 0.05 * (at.y * 30.0).sin();
-    c = over(c, Vec3::new(0.80, 0.66, 0.42), (0.5 * (at.y - 0.76) - (at.x - path).abs()).min(at.y - 0.78));
-    over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(at, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
+    let sky = Vec3::new(0.95, 0.62, 0.22).lerp(Vec3::new(0.16, 0.36, 0.72), smoothstep(0.55, 0.0, uv.y));
+    let mut c = over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(uv, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
+    c = over(c, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
+    c = over(c, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
+    c = over(c, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
+    let path = 0.36 + 0.3 * (uv.y - 0.8) + 0.05 * (uv.y * 30.0).sin();
+    c = over(c, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
+    over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
 }
 
-fn ship(at: Vec2) -> Vec3 {
-    let swell = 0.012 * (at.x * 38.0).sin() + 0.02 * (at.x * 11.0 + 1.0).sin();
-    let cloud = smoothstep(0.5, 0.75, fractal(at * Vec2::new(4.0, 9.0), IVec2::splat(64), 4, 431));
+fn ship(uv: Vec2) -> Vec3 {
+    let swell = 0.012 * (uv.x * 38.0).sin() + 0.02 * (uv.x * 11.0 + 1.0).sin();
+    let cloud = smoothstep(0.5, 0.75, fractal(uv * Vec2::new(4.0, 9.0), IVec2::splat(64), 4, 431));
     let mut c = Vec3::new(0.42, 0.62, 0.80).lerp(Vec3::splat(0.92), 0.8 * cloud);
-    c = over(c, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * at.y), at.y - 0.72 - swell);
-    c = over(c, Vec3::new(0.22, 0.10, 0.05), 0.008 - to_segment(at, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)));
+    c = over(c, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * uv.y), uv.y - 0.72 - swell);
+    c = over(c, Vec3::new(0.22, 0.10, 0.05), 0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)));
     let sail = Vec3::new(0.95, 0.90, 0.78);
-    c = over(c, sail, polygon(at, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
-    c = over(c, sail * 0.85, polygon(at, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
-    c = over(c, Vec3::new(0.75, 0.06, 0.05), polygon(at, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
-    let hull = polygon(at, &[(0.24, 0.64), (0.84, 0.62), (0.72, 0.77), (0.32, 0.77)]);
+    c = over(c, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
+    c = over(c, sail * 0.85, polygon(uv, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
+    c = over(c, Vec3::new(0.75, 0.06, 0.05), polygon(uv, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
+    let hull = polygon(uv, &[(0.24, 0.64), (0.84, 0.62), (0.72, 0.77), (0.32, 0.77)]);
     c = over(c, Vec3::new(0.30, 0.11, 0.05), hull);
-    over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, at.y - 0.75 - swell)
+    over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
 }
 
-fn fields(at: Vec2) -> Vec3 {
-    let colour = match (at.x, at.y) {
+fn fields(uv: Vec2) -> Vec3 {
+    let colour = match (uv.x, uv.y) {
         (x, y) if x < 0.34 && y < 0.58 => Vec3::new(0.78, 0.05, 0.04),
         (x, y) if x > 0.72 && y > 0.7 => Vec3::new(0.95, 0.75, 0.06),
         (x, y) if (0.34..0.72).contains(&x) && y > 0.7 => Vec3::new(0.05, 0.12, 0.55),
         (x, y) if x > 0.84 && y < 0.3 => Vec3::new(0.05, 0.12, 0.55),
         _ => Vec3::new(0.90, 0.88, 0.82),
     };
-    let bars = [(at.x - 0.34).abs(), (at.y - 0.7).abs(), (at.x - 0.72).abs()];
+    let bars = [(uv.x - 0.34).abs(), (uv.y - 0.7).abs(), (uv.x - 0.72).abs()];
     let short = [
-        if at.x < 0.34 { (at.y - 0.58).abs() } else { 1.0 },
-        if at.y < 0.7 { (at.x - 0.84).abs() } else { 1.0 },
-        if at.x > 0.72 { (at.y - 0.3).abs() } else { 1.0 },
+        if uv.x < 0.34 { (uv.y - 0.58).abs() } else { 1.0 },
+        if uv.y < 0.7 { (uv.x - 0.84).abs() } else { 1.0 },
+        if uv.x > 0.72 { (uv.y - 0.3).abs() } else { 1.0 },
     ];
     let nearest = bars.into_iter().chain(short).fold(1.0, f32::min);
     over(colour, Vec3::splat(0.02), 0.014 - nearest)
 }
 
-fn portrait(at: Vec2) -> Vec3 {
-    let ground = Vec3::new(0.10, 0.16, 0.10) + 0.22 * smoothstep(0.9, 0.0, at.distance(Vec2::new(0.2, 0.25)));
+fn portrait(uv: Vec2) -> Vec3 {
+    let ground = Vec3::new(0.10, 0.16, 0.10) + 0.22 * smoothstep(0.9, 0.0, uv.distance(Vec2::new(0.2, 0.25)));
     let hair = Vec3::new(0.12, 0.05, 0.02);
-    let skin = Vec3::new(0.86, 0.60, 0.42) * (1.25 - 0.7 * at.x);
-    let mut c = over(ground, hair, ellipse(at, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
-    c = over(c, Vec3::new(0.36, 0.05, 0.06), ellipse(at, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
-    c = over(c, Vec3::new(0.92, 0.88, 0.80), ellipse(at, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
-    c = over(c, skin * 0.8, ellipse(at, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
-    c = over(c, skin, ellipse(at, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
-    c = over(c, hair, ellipse(at, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
+    let skin = Vec3::new(0.86, 0.60, 0.42) * (1.25 - 0.7 * uv.x);
+    let mut c = over(ground, hair, ellipse(uv, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
+    c = over(c, Vec3::new(0.36, 0.05, 0.06), ellipse(uv, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
+    c = over(c, Vec3::new(0.92, 0.88, 0.80), ellipse(uv, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
+    c = over(c, skin * 0.8, ellipse(uv, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
+    c = over(c, skin, ellipse(uv, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
+    c = over(c, hair, ellipse(uv, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
     let dark = Vec3::new(0.05, 0.03, 0.03);
     for x in [0.39, 0.53] {
-        c = over(c, Vec3::splat(0.9), ellipse(at, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
-        c = over(c, dark, ellipse(at, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
-        c = over(c, hair, 0.008 - to_segment(at, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
+        c = over(c, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
+        c = over(c, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
+        c = over(c, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
     }
-    c = over(c, skin * 0.65, 0.008 - to_segment(at, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
-    over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(at, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
+    c = over(c, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
+    over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
 }
 
 /// Four panes in a frame: a lit room with a lamp, or dark glass; both with a curtain on the left.
-fn pane(at: Vec2, lit: bool) -> Vec3 {
+fn pane(uv: Vec2, lit: bool) -> Vec3 {
     let frame = Vec3::splat(0.62);
-    let edge = (0.5 - (at - 0.5).abs()).min_element();
-    let bars = (at.x - 0.5).abs().min((at.y - 0.34).abs());
-    let folds = 0.75 + 0.25 * (at.x * 150.0).sin();
-    let curtain = smoothstep(0.02, -0.02, at.x - 0.3 + 0.14 * at.y);
+    let edge = (0.5 - (uv - 0.5).abs()).min_element();
+    let bars = (uv.x - 0.5).abs().min((uv.y - 0.34).abs());
+    let folds = 0.75 + 0.25 * (uv.x * 150.0).sin();
+    let curtain = smoothstep(0.02, -0.02, uv.x - 0.3 + 0.14 * uv.y);
     let glass = if lit {
-        let room = Vec3::new(0.95, 0.66, 0.28) * (0.55 + 0.6 * smoothstep(0.8, 0.0, at.distance(Vec2::new(0.68, 0.3))));
-        let lamp = over(room, Vec3::new(1.0, 0.95, 0.8), ellipse(at, Vec2::new(0.7, 0.24), Vec2::new(0.1, 0.05)));
+        let room = Vec3::new(0.95, 0.66, 0.28) * (0.55 + 0.6 * smoothstep(0.8, 0.0, uv.distance(Vec2::new(0.68, 0.3))));
+        let lamp = over(room, Vec3::new(1.0, 0.95, 0.8), ellipse(uv, Vec2::new(0.7, 0.24), Vec2::new(0.1, 0.05)));
         lamp.lerp(Vec3::new(0.85, 0.42, 0.18) * folds, curtain)
     } else {
         Vec3::new(0.018, 0.024, 0.032).lerp(Vec3::new(0.14, 0.13, 0.12) * folds, curtain)
@@ -278,28 +278,28 @@ fn pane(at: Vec2, lit: bool) -> Vec3 {
 }
 
 /// Shelves with goods on the left, a counter with a lamp on the right.
-fn shop(at: Vec2) -> Vec3 {
+fn shop(uv: Vec2) -> Vec3 {
     let lamp = Vec2::new(0.74, 0.30);
-    let room = Vec3::new(0.62, 0.40, 0.20) * (0.25 + 0.75 * smoothstep(0.75, 0.0, at.distance(lamp)));
-    let mut c = over(room, Vec3::new(0.10, 0.06, 0.035), at.y - 0.86);
-    let rows = Vec2::new(at.x * 14.0, (at.y - 0.16) * 6.0);
+    let room = Vec3::new(0.62, 0.40, 0.20) * (0.25 + 0.75 * smoothstep(0.75, 0.0, uv.distance(lamp)));
+    let mut c = over(room, Vec3::new(0.10, 0.06, 0.035), uv.y - 0.86);
+    let rows = Vec2::new(uv.x * 14.0, (uv.y - 0.16) * 6.0);
     let (id, inside) = (rows.floor().as_ivec2(), rows - rows.floor());
-    let on_shelves = at.x > 0.06 && at.x < 0.50 && at.y > 0.16 && at.y < 0.83;
+    let on_shelves = uv.x > 0.06 && uv.x < 0.50 && uv.y > 0.16 && uv.y < 0.83;
     if on_shelves {
         let goods = Vec3::new(unit(id, 479), unit(id, 487), unit(id, 491)) * Vec3::new(0.8, 0.55, 0.4) + 0.05;
         let box_ = (0.42 - (inside.x - 0.5).abs()).min(inside.y - (0.25 + 0.5 * unit(id, 499)));
-        c = over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * at.x), 0.1 * box_);
+        c = over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * uv.x), 0.1 * box_);
         c = over(c, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
     }
-    c = over(c, Vec3::new(0.30, 0.14, 0.06), (at.y - 0.62).min(at.x - 0.60).min(0.96 - at.x).min(0.88 - at.y));
-    c = over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (at.y - 0.62).abs()).min(at.x - 0.58).min(0.98 - at.x));
-    c = over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (at.x - lamp.x).abs()).min(lamp.y - at.y));
-    over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(at, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - at.y))
+    c = over(c, Vec3::new(0.30, 0.14, 0.06), (uv.y - 0.62).min(uv.x - 0.60).min(0.96 - uv.x).min(0.88 - uv.y));
+    c = over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (uv.y - 0.62).abs()).min(uv.x - 0.58).min(0.98 - uv.x));
+    c = over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (uv.x - lamp.x).abs()).min(lamp.y - uv.y));
+    over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(uv, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - uv.y))
         .clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// Pieces of coloured glass in lead; `tone` from 0 to 1 runs from blue through red and gold to green.
-fn glass(at: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
+fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
     const COLOURS: [Vec3; 5] = [
         Vec3::new(0.06, 0.14, 0.85),
         Vec3::new(0.10, 0.45, 0.90),
@@ -307,16 +307,16 @@ fn glass(at: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 
         Vec3::new(1.0, 0.72, 0.10),
         Vec3::new(0.12, 0.65, 0.18),
     ];
-    let cell = cells(at, Vec2::ONE, grid, 0.8, seed);
+    let cell = cells(point, Vec2::ONE, grid, 0.8, seed);
     let colour = COLOURS[((tone(cell.id) * 5.0) as usize).min(4)];
     let bright = 0.7 + 0.3 * unit(cell.id, seed + 1);
-    let streaks = 0.85 + 0.15 * fractal(at * 3.0, grid * 3, 2, seed + 2);
+    let streaks = 0.85 + 0.15 * fractal(point * 3.0, grid * 3, 2, seed + 2);
     Vec3::splat(0.012).lerp(colour * bright * streaks, smoothstep(0.045, 0.085, cell.border))
 }
 
 /// A figure in a cloak on a ground of small panes, in a pointed arch with a stone border.
-fn lancet(at: Vec2, design: u32) -> Vec4 {
-    let p = Vec2::new((at.x - 0.5) * 1.5, at.y * 4.0);
+fn lancet(uv: Vec2, design: u32) -> Vec4 {
+    let p = Vec2::new((uv.x - 0.5) * 1.5, uv.y * 4.0);
     // The arch: inside two circles around the opposite springs (y = 1.3), straight below.
     let sides = 0.75 - p.x.abs();
     let rim = if p.y < 1.3 { 1.5 - Vec2::new(p.x.abs() + 0.75, p.y - 1.3).length() } else { sides }.min(4.0 - p.y);
@@ -340,8 +340,8 @@ fn lancet(at: Vec2, design: u32) -> Vec4 {
 }
 
 /// Twelve petals around a flower; their colours run once around the circle.
-fn rose(at: Vec2) -> Vec4 {
-    let p = (at - 0.5) * 2.0;
+fn rose(uv: Vec2) -> Vec4 {
+    let p = (uv - 0.5) * 2.0;
     let (r, turn) = (p.length(), atan2(p.x, -p.y) / TAU + 0.5);
     let pieces = Vec2::new(turn * 48.0, r * 11.0);
     let around = |id: IVec2| ((id.x as f32 / 48.0) * 0.999 + 0.12 * unit(id, 461)).fract();
@@ -382,18 +382,18 @@ mod tests {
         all
     }
 
-    fn mean(of: impl Fn(Vec2) -> f32) -> f32 {
-        let at = |k: u32| (Vec2::new((k % 48) as f32, (k / 48) as f32) + 0.5) / 48.0;
-        (0..48 * 48).map(|k| of(at(k))).sum::<f32>() / (48.0 * 48.0)
+    fn mean(value: impl Fn(Vec2) -> f32) -> f32 {
+        let uv = |k: u32| (Vec2::new((k % 48) as f32, (k / 48) as f32) + 0.5) / 48.0;
+        (0..48 * 48).map(|k| value(uv(k))).sum::<f32>() / (48.0 * 48.0)
     }
 
     #[test]
     fn no_picture_is_its_own_mirror_image() {
         for picture in all() {
-            let flipped = |at: Vec2, x: bool| if x { Vec2::new(1.0 - at.x, at.y) } else { Vec2::new(at.x, 1.0 - at.y) };
+            let flipped = |uv: Vec2, x: bool| if x { Vec2::new(1.0 - uv.x, uv.y) } else { Vec2::new(uv.x, 1.0 - uv.y) };
             for x in [true, false] {
                 let difference =
-                    mean(|at| (picture.sample(at) - picture.sample(flipped(at, x))).truncate().abs().element_sum());
+                    mean(|uv| (picture.sample(uv) - picture.sample(flipped(uv, x))).truncate().abs().element_sum());
                 assert!(difference > 0.012, "{picture:?}, x {x}: {difference}");
             }
         }
@@ -402,9 +402,9 @@ mod tests {
     #[test]
     fn colours_and_coverage_lie_between_0_and_1_and_only_cut_pictures_are_transparent() {
         for picture in all() {
-            let outside = mean(|at| {
-                let sample = picture.sample(at);
-                assert!(sample.min_element() >= 0.0 && sample.max_element() <= 1.001, "{picture:?} {at}: {sample}");
+            let outside = mean(|uv| {
+                let sample = picture.sample(uv);
+                assert!(sample.min_element() >= 0.0 && sample.max_element() <= 1.001, "{picture:?} {uv}: {sample}");
                 1.0 - sample.w
             });
             assert_eq!(outside > 0.0, picture.has_alpha(), "{picture:?}: {outside}");

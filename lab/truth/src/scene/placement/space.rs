@@ -270,11 +270,11 @@ mod tests {
     #[test]
     fn the_distance_from_a_triangle_is_that_from_its_nearest_point() {
         let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let of = |x: f64, y: f64, z: f64| distance(triangle, DVec3::new(x, y, z));
-        assert_eq!(of(0.25, 0.25, 3.0), 3.0, "above its inside");
-        assert_eq!(of(0.5, -2.0, 0.0), 2.0, "beside an edge");
-        assert_eq!(of(4.0, 0.0, 4.0), 5.0, "beyond a corner");
-        assert!((of(1.0, 1.0, 0.0) - 0.5_f64.sqrt()).abs() < 1e-12, "beside the long edge");
+        let distance_to = |x: f64, y: f64, z: f64| distance(triangle, DVec3::new(x, y, z));
+        assert_eq!(distance_to(0.25, 0.25, 3.0), 3.0, "above its inside");
+        assert_eq!(distance_to(0.5, -2.0, 0.0), 2.0, "beside an edge");
+        assert_eq!(distance_to(4.0, 0.0, 4.0), 5.0, "beyond a corner");
+        assert!((distance_to(1.0, 1.0, 0.0) - 0.5_f64.sqrt()).abs() < 1e-12, "beside the long edge");
         assert_eq!(distance([Vec3::ZERO; 3], DVec3::Z), 1.0, "a triangle that is a point");
     }
 

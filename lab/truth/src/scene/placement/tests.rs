@@ -129,9 +129,9 @@ fn on_streets_and_in_halls_captures_stand_above_floors_and_below_roofs() {
         let triangles = Triangles::new(&scene, &scene.materials);
         assert_eq!(placement.captures.len(), 4, "{name}");
         for capture in &placement.captures {
-            let at = capture.position;
-            let down = WorldRay { origin: at.as_dvec3(), direction: DVec3::NEG_Y, t_min: 0.0, t_max: 7.6 };
-            assert!(at.y < roof && triangles.any(&down), "{name}: no floor below {at}");
+            let position = capture.position;
+            let down = WorldRay { origin: position.as_dvec3(), direction: DVec3::NEG_Y, t_min: 0.0, t_max: 7.6 };
+            assert!(position.y < roof && triangles.any(&down), "{name}: no floor below {position}");
         }
         assert!(placement.seen.is_sorted() && placement.seen[3] > 0.7, "{name}: {:?}", placement.seen);
     }

@@ -107,7 +107,7 @@ impl SourceText<'_> {
     pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
         let mut captures: Vec<Capture> = Vec::new();
         for section in sections {
-            let at = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
+            let span = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
             let capture = self.capture(section.get_ref(), extra_scale)?;
             if captures.len() == MAX_CAPTURES {
                 return Err(self.error(section.span(), format!("a scene has at most {MAX_CAPTURES} captures")));
@@ -117,7 +117,7 @@ impl SourceText<'_> {
                     "all captures of a scene have one resolution: this one has {}, the first has {first}",
                     capture.resolution
                 );
-                return Err(self.error(at(), message));
+                return Err(self.error(span(), message));
             }
             captures.push(capture);
         }

@@ -80,8 +80,8 @@ impl SourceText<'_> {
         let offsets = frames.iter().map(|(_, offset, _)| (*offset + pivot).to_array()).collect();
         let turn = |degrees: f32| Quat::from_axis_angle(axis, coordinates.turn(degrees.to_radians())).to_array();
         let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
-        let at = key.first().map_or(mesh.span(), Spanned::span);
-        let wrong = |why: &str| self.error(at.clone(), format!("motion {name} {why}"));
+        let span = key.first().map_or(mesh.span(), Spanned::span);
+        let wrong = |why: &str| self.error(span.clone(), format!("motion {name} {why}"));
         let offsets = Keys::new(times.clone(), offsets, Between::Linear).map_err(wrong)?;
         let turns = Keys::new(times, turns, Between::Linear).map_err(wrong)?;
         let nodes = vec![

@@ -127,9 +127,9 @@ impl SourceText<'_> {
     /// The two half vectors of a rectangle, which must not be zero and must be orthogonal.
     fn halves(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
         let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
-        for (what, vector, at) in [("half_u", u, half_u), ("half_v", v, half_v)] {
+        for (what, vector, source) in [("half_u", u, half_u), ("half_v", v, half_v)] {
             if vector.try_normalize().is_none() {
-                return Err(self.error(at.span(), format!("{what} must not be zero")));
+                return Err(self.error(source.span(), format!("{what} must not be zero")));
             }
         }
         if u.normalize().dot(v.normalize()).abs() > ORTHOGONAL {

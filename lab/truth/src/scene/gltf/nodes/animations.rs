@@ -106,12 +106,12 @@ fn changes(
             notes.add("weights", "animations of morph targets are not played".to_owned());
             continue;
         }
-        let of = changed.entry(node).or_default();
+        let node_changes = changed.entry(node).or_default();
         let sampled = (data, input, output, between);
         match channel.target.path.as_str() {
-            "translation" => of.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
-            "rotation" => of.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|why| refused(&why))?),
-            "scale" => of.size = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
+            "translation" => node_changes.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
+            "rotation" => node_changes.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|why| refused(&why))?),
+            "scale" => node_changes.size = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
             _ => return Err(refused("changes what is not one of glTF")),
         }
     }

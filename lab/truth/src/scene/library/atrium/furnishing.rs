@@ -165,18 +165,18 @@ fn lion() -> Vec<MeshBuilder> {
     let mut head = mesh("lion", RELIEF);
     head.surface(MIDDLE, [48, 128], |s, t| {
         let (sin, cos) = (TAU * t).sin_cos();
-        let at = RADIUS * s * Vec2::new(cos, sin);
-        (Vec3::new(-lion_relief(at / RADIUS), at.y, -at.x), at)
+        let point = RADIUS * s * Vec2::new(cos, sin);
+        (Vec3::new(-lion_relief(point / RADIUS), point.y, -point.x), point)
     });
     vec![plate, head]
 }
 
 /// Height of the lion's head above the plate in metres, over the unit disc with y up.
-fn lion_relief(at: Vec2) -> f32 {
-    let r = at.length();
-    let angle = atan2(at.y, at.x);
+fn lion_relief(point: Vec2) -> f32 {
+    let r = point.length();
+    let angle = atan2(point.y, point.x);
     let lump = |x: f32, y: f32, width: f32, height: f32| {
-        let d = Vec2::new((at.x.abs() - x) / width, (at.y - y) / height);
+        let d = Vec2::new((point.x.abs() - x) / width, (point.y - y) / height);
         (-d.length_squared()).exp()
     };
     let border = 0.07 * smoothstep(0.88, 0.90, r) * smoothstep(1.0, 0.985, r);
@@ -184,7 +184,7 @@ fn lion_relief(at: Vec2) -> f32 {
     let tiers = 0.5 + 0.5 * (r * 22.0 + 1.5 * (angle * 13.0).sin()).sin();
     let hair = smoothstep(0.46, 0.56, r) * (0.07 * locks + 0.03 * tiers);
     let mane = smoothstep(0.87, 0.70, r) * (0.08 + hair);
-    let face = Vec2::new(at.x * 1.1, at.y * 0.9 - 0.02).length();
+    let face = Vec2::new(point.x * 1.1, point.y * 0.9 - 0.02).length();
     let skull = 0.17 * smoothstep(0.52, 0.36, face) + 0.08 * smoothstep(0.45, 0.1, face);
     let ears = 0.10 * lump(0.36, 0.40, 0.09, 0.10);
     let brows = 0.06 * lump(0.18, 0.22, 0.13, 0.055);

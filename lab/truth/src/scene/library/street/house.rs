@@ -165,8 +165,11 @@ fn openings(front: &Front) -> Vec<Opening> {
 /// The parts of the side walls that rise above lower neighbours.
 fn gables(wall: &mut MeshBuilder, front: &Front) {
     for (a, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
-        let at = |y: f32, out: f32| front.face.at(a, y, out);
-        wall.polygon(&[at(0.0, 0.0), at(front.height, 0.0), at(front.height, -DEPTH_M), at(0.0, -DEPTH_M)], facing);
+        let point = |y: f32, out: f32| front.face.at(a, y, out);
+        wall.polygon(
+            &[point(0.0, 0.0), point(front.height, 0.0), point(front.height, -DEPTH_M), point(0.0, -DEPTH_M)],
+            facing,
+        );
     }
     let roof = |a: f32, out: f32| front.face.at(a, front.height, out);
     let [from, to] = front.span;

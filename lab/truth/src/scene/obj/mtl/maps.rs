@@ -52,11 +52,11 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
     let mut options = MapOptions { multiplier: 1.0, transformed: false };
     let whole = take_options(rest, &mut options);
     let bare = without_comment(whole);
-    let is_option = |at: &usize| {
+    let is_option = |offset: &usize| {
         let mut ignored = options;
-        take_options(bare[*at..].trim_start(), &mut ignored).len() < bare[*at..].trim_start().len()
+        take_options(bare[*offset..].trim_start(), &mut ignored).len() < bare[*offset..].trim_start().len()
     };
-    let tail = bare.match_indices(" -").map(|(at, _)| at).find(is_option);
+    let tail = bare.match_indices(" -").map(|(offset, _)| offset).find(is_option);
     let (head, tail) = tail.map_or((bare, ""), |place| bare.split_at(place));
     let last = bare.split_whitespace().next_back().unwrap_or(bare);
     let folder = place.path.parent().unwrap_or(Path::new(""));
