@@ -1,7 +1,8 @@
-//! Comments that a stranger understands: each begins with its subject or with what its item does. Beginnings that point at
-//! something else ("The same", "Those", "Of") are kept out of code, shaders and tests.
+//! Comments and names that a stranger understands. A comment begins with its subject or with what its item does: beginnings that
+//! point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests. A variable has a noun for its name.
 
 use crate::common::repository;
+use proc_macro2::{TokenStream, TokenTree};
 use std::path::{Path, PathBuf};
 
 /// Folders and files with comments.
@@ -16,6 +17,13 @@ const EXTENSIONS: &[&str] = &["rs", "c", "h", "glsl", "frag", "vert", "comp"];
 
 /// Beginnings that leave open what a comment is about.
 const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The same", "What there ", "Whether there "];
+
+/// Words that no variable is called: they say nothing of what it is.
+const NO_NAMES: [&str; 2] = ["of", "at"];
+
+/// Words of Rust before which a name is that of a variable.
+const BEFORE_A_VARIABLE: [&str; 12] =
+    ["else", "for", "if", "in", "let", "match", "move", "mut", "ref", "return", "unsafe", "while"];
 
 /// The text of the comment on a line, and whether code stands before it.
 fn comment(line: &str) -> Option<(&str, bool)> {
@@ -56,18 +64,90 @@ fn add(path: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-#[test]
-fn comments_begin_with_their_subject() {
+/// The lines of Rust on which a variable has one of the names. Methods may have them, and so may the words of a macro, which follow
+/// another word.
+fn variables(tokens: TokenStream, found: &mut Vec<usize>) {
+    let mut before: Option<TokenTree> = None;
+    for token in tokens {
+        match &token {
+            TokenTree::Group(group) => variables(group.stream(), found),
+            TokenTree::Ident(name) if NO_NAMES.iter().any(|word| name == word) => {
+                let is_variable = match &before {
+                    Some(TokenTree::Ident(word)) => BEFORE_A_VARIABLE.iter().any(|keyword| word == keyword),
+                    Some(TokenTree::Punct(mark)) => !['.', ':', '@'].contains(&mark.as_char()),
+                    _ => true,
+                };
+                found.extend(is_variable.then(|| name.span().start().line));
+            }
+            TokenTree::Literal(text) => {
+                let text = text.to_string();
+                let is_captured = |word: &str| text.contains(&format!("{{{word}}}")) || text.contains(&format!("{{{word}:"));
+                found.extend(NO_NAMES.iter().any(|word| is_captured(word)).then(|| token.span().start().line));
+            }
+            _ => {}
+        }
+        before = Some(token);
+    }
+}
+
+/// The lines of a shader, or of C, on which one of the names stands outside comments.
+fn names_in_shader(text: &str) -> Vec<usize> {
+    let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
+    let is_name = |word: &str| NO_NAMES.contains(&word);
+    let has_name = |line: &str| code(line).split(|c: char| !c.is_alphanumeric() && c != '_').any(is_name);
+    text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && has_name(line)).map(|(n, _)| n + 1).collect()
+}
+
+/// Fails with the places that a check finds in files with comments, if it finds any.
+fn check(what: &str, lines: impl Fn(&Path, &str) -> Vec<usize>) {
     let mut files = Vec::new();
     PLACES.iter().for_each(|place| add(&repository().join(place), &mut files));
     assert!(files.len() > 400, "only {} files", files.len());
     let mut wrong = Vec::new();
     for path in files {
         let name = path.strip_prefix(repository()).unwrap().to_string_lossy().replace('\\', "/");
-        let lines = unclear(&std::fs::read_to_string(&path).unwrap());
-        wrong.extend(lines.iter().map(|line| format!("{name}:{line}")));
+        let text = std::fs::read_to_string(&path).unwrap();
+        wrong.extend(lines(&path, &text).iter().map(|line| format!("{name}:{line}")));
     }
-    assert!(wrong.is_empty(), "comments begin with {UNCLEAR:?}:\n{}", wrong.join("\n"));
+    assert!(wrong.is_empty(), "{what}:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn comments_begin_with_their_subject() {
+    check(&format!("comments begin with {UNCLEAR:?}"), |_, text| unclear(text));
+}
+
+#[test]
+fn variables_have_nouns_for_names() {
+    check(&format!("variables are called {NO_NAMES:?}"), |path, text| match path.extension().and_then(|e| e.to_str()) {
+        Some("rs") => {
+            let mut found = Vec::new();
+            variables(text.parse().unwrap_or_else(|e| panic!("{}: {e}", path.display())), &mut found);
+            found
+        }
+        Some("glsl" | "frag" | "vert" | "comp") => names_in_shader(text),
+        _ => Vec::new(),
+    });
+}
+
+#[test]
+fn variables_are_told_from_methods_and_words_of_macros() {
+    for (text, lines) in [
+        ("let of = 1;", &[1][..]),
+        ("fn show(\n  at: Vec2) {}", &[2]),
+        ("all.map(|of| of + 1)", &[1, 1]),
+        ("let Some(at) = x.find('a') else { return };", &[1]),
+        ("Share::of(ray.at(0.5))", &[]),
+        ("fn of(self) -> u32 { 1 }", &[]),
+        ("reading! { Constants of reading, whole }", &[]),
+        ("println!(\"{at:?} of all\")", &[1]),
+        ("// let of = 1;\nlet name = \"of\";", &[]),
+    ] {
+        let mut found = Vec::new();
+        variables(text.parse().unwrap(), &mut found);
+        assert_eq!(found, lines, "{text}");
+    }
+    assert_eq!(names_in_shader("#include \"at.glsl\"\nivec2 at = p; // of it\nint state = look(at);\n"), [2, 3]);
 }
 
 #[test]

@@ -55,8 +55,12 @@ fn check_same(what: &str, mut make: impl FnMut([StageChoice; 2]) -> Made) {
 }
 
 /// What a frame of the method alone makes of a G-buffer.
-fn alone(gpu: &Gpu, images: &GBufferImages, (camera, reflectors): (&Camera, Reflectors), of: (&Setup, Wants)) -> Made {
-    let (setup, wants) = of;
+fn alone(
+    gpu: &Gpu,
+    images: &GBufferImages,
+    (camera, reflectors): (&Camera, Reflectors),
+    (setup, wants): (&Setup, Wants),
+) -> Made {
     let method = unified::INFO.alone(gpu, setup, wants).unwrap();
     let mut context = FrameContext::new(gpu).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();

@@ -48,7 +48,12 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         }
         ["levels-asked", program, other] => levels_asked(folder, [program, other]),
         ["history-price", program, camera, roughness] => history_price(folder, [program, camera, roughness]),
-        ["effect-over", program, other, roughness] => effect_over(folder, [program, other], roughness),
+        ["effect-over", program, other, roughness] => {
+            least_over(folder, ["times.csv", "least_ms"], [program, other], roughness)
+        }
+        ["rmse-over", program, other, roughness] => {
+            least_over(folder, ["errors.csv", "rmse"], [program, other], roughness)
+        }
         ["own-errors"] => own_rays::errors(folder),
         ["own-on-screen", own, figure] => own_rays::on_screen(folder, own, figure),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
@@ -219,19 +224,19 @@ fn levels_asked(folder: &Path, programs: [&str; 2]) -> Result<String> {
     Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
 }
 
-/// The least time of the effect by one program over that by another, on the views that both were timed on: median, least, greatest.
-fn effect_over(folder: &Path, programs: [&str; 2], roughness: &str) -> Result<String> {
-    let times = |program: &str| -> Result<BTreeMap<String, f64>> {
-        let mut times = BTreeMap::new();
-        for row in rows(folder, "times.csv", &[("program", program), ("roughness", roughness)])? {
-            let time = number(&row, "least_ms")?;
-            let least = times.entry(format!("{} {}", row["scene"].to_lowercase(), row["view"])).or_insert(time);
-            *least = least.min(time);
+/// The least number of a column by one program over that by another, on the views that both measured: median, least, greatest.
+fn least_over(folder: &Path, [file, column]: [&str; 2], programs: [&str; 2], roughness: &str) -> Result<String> {
+    let numbers = |program: &str| -> Result<BTreeMap<String, f64>> {
+        let mut numbers = BTreeMap::new();
+        for row in rows(folder, file, &[("program", program), ("roughness", roughness)])? {
+            let measured = number(&row, column)?;
+            let least = numbers.entry(format!("{} {}", row["scene"].to_lowercase(), row["view"])).or_insert(measured);
+            *least = least.min(measured);
         }
-        Ok(times)
+        Ok(numbers)
     };
-    let (own, other) = (times(programs[0])?, times(programs[1])?);
-    let ratios: Vec<f64> = own.iter().filter_map(|(view, time)| Some(time / other.get(view)?)).collect();
+    let (own, other) = (numbers(programs[0])?, numbers(programs[1])?);
+    let ratios: Vec<f64> = own.iter().filter_map(|(view, number)| Some(number / other.get(view)?)).collect();
     median_and_range(&ratios)
 }
 
