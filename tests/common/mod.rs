@@ -11,6 +11,7 @@ pub mod images;
 
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::methods::setup::CaptureSide;
 use ssct::methods::{self, EffectParams, Setup, Wants};
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
@@ -261,6 +262,11 @@ pub fn clutter() -> Scene {
     ];
     b.0.area_lights = shapes.map(|shape| AreaLight { shape, radiance: Vec3::new(1.0, 0.9, 0.7) }).to_vec();
     b.0
+}
+
+/// A setup whose captures, if it has any, have as few texels as one may ask for: drawing them at their usual size takes a second.
+pub fn with_small_captures(setup: &Setup) -> Setup {
+    setup.with(|p: &mut EffectParams| p.capture_side = CaptureSide::Side128)
 }
 
 /// How [`clutter`] is seen.

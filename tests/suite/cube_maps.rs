@@ -2,7 +2,7 @@
 //! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
 //! screen-space method a map shows where the method fades.
 
-use crate::common::{Builder, Shown, camera, clutter, clutter_camera, gpu, show};
+use crate::common::{Builder, Shown, camera, clutter, clutter_camera, gpu, show, with_small_captures};
 use ash::vk;
 use glam::{DVec2, DVec3, Vec3};
 use ssct::error::Error;
@@ -305,6 +305,7 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     for fallback in [Fallback::Pccm, Fallback::Environment, Fallback::Captures] {
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let setup = Setup::on_screen(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+            let setup = with_small_captures(&setup);
             let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, materials.clone()).unwrap();
             let shown = Shown { image: render(&mut stage, &shot, true).unwrap(), camera };
             gpu.check_validation().unwrap();

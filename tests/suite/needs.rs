@@ -12,10 +12,11 @@ const SIZE: [u32; 2] = [64, 36];
 
 /// Whether a method's reflection is black in every view of a scene.
 fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
+    let setup = common::with_small_captures(&Setup::new(SIZE));
     scene.views.iter().all(|view| {
         let materials = Globals::default().materials(scene, view);
         let camera = view.camera(scene, SIZE);
-        let shot = Shot::new(stage, method, &Setup::new(SIZE), Wants::REFLECTION, camera, materials).unwrap();
+        let shot = Shot::new(stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
         let made = image::render(stage, &shot, false).unwrap();
         made.reflection.texels().all(|t| t[..3] == [0.0; 3])
     })

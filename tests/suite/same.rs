@@ -2,7 +2,7 @@
 //! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
 //! a process of its own.
 
-use crate::common::{clutter, clutter_camera, expected_failures, gpu, repository};
+use crate::common::{clutter, clutter_camera, expected_failures, gpu, repository, with_small_captures};
 use sha2::{Digest, Sha256};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
@@ -34,7 +34,7 @@ fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
     let mut all = BTreeMap::new();
     for method in METHODS {
-        let setup = Setup::new(EXTENT);
+        let setup = with_small_captures(&Setup::new(EXTENT));
         let made = if method.is_screen_space() {
             let made = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
             hash(&[&made.reflection, &made.composite])

@@ -2,7 +2,7 @@
 //! same names, and in compute shaders nothing over the whole image is drawn. `unified` with stages of its own is in `unified_stages`.
 
 use crate::common::engine::bits;
-use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted};
+use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, with_small_captures};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::timing::PassWork;
@@ -83,6 +83,7 @@ fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Want
 /// Setups of a method that between them have all of its programs.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
+    let usual = with_small_captures(&usual);
     let mut all: Vec<(Setup, Wants)> = method
         .sweep(&usual)
         .into_iter()

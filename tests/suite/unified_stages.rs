@@ -127,12 +127,16 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
 }
 
 /// What the last of some frames of the whole effect makes.
-fn effect(gpu: &Gpu, scene: &Scene, view: &str, setup: &Setup, (roughness, frames): (Option<f32>, usize)) -> Made {
+fn effect(
+    stage: &mut Stage,
+    (scene, view): (&Scene, &str),
+    setup: &Setup,
+    (roughness, frames): (Option<f32>, usize),
+) -> Made {
     let view = scene.view(view).unwrap();
-    let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = Globals { roughness, ..Globals::default() }.materials(scene, view);
     let camera = view.camera(scene, setup.extent);
-    let shot = Shot::new(&mut stage, &unified::INFO, setup, Wants::HITS, camera, materials).unwrap();
+    let shot = Shot::new(stage, &unified::INFO, setup, Wants::HITS, camera, materials).unwrap();
     for _ in 1..frames {
         stage.run(&shot, Mode::Plain).unwrap();
     }
@@ -151,6 +155,7 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let eye = scene.view("puddles").unwrap().eye;
     let places = [eye + Vec3::Y, eye - Vec3::new(1.0, 0.0, 2.0)];
     scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
     type Change = fn(&mut EffectParams);
     let cases: [(&str, Change, usize); 5] = [
         ("captures", |p| p.beyond = BeyondScreen::Captures, 1),
@@ -168,7 +173,7 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
             let setup = Setup::on_screen([127, 61]).with(change);
             check_same(&format!("{name}, roughness {roughness:?}"), |stages| {
-                let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, *frames));
+                let made = effect(&mut stage, (&scene, "puddles"), &in_stages(&setup, stages), (roughness, *frames));
                 let follows = made.1.iter().any(|pass| pass.starts_with("follow"));
                 assert_eq!(follows, name.starts_with("captures"), "{:?}", made.1);
                 made
@@ -182,12 +187,13 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
 fn among_triangles_both_stages_see_the_same_on_the_screen() {
     let gpu = gpu();
     let scene = crate::common::built_in("street");
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
     for hit_color in [HitColor::Triangles, HitColor::Screen] {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
             let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (First::Screen, hit_color);
             let setup = Setup::new([127, 61]).with(set);
             check_same(&format!("{hit_color:?}, roughness {roughness:?}"), |stages| {
-                let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, 1));
+                let made = effect(&mut stage, (&scene, "puddles"), &in_stages(&setup, stages), (roughness, 1));
                 let has_chain = made.1.iter().any(|pass| pass.starts_with("color"));
                 assert_eq!(has_chain, hit_color == HitColor::Screen, "{:?}", made.1);
                 made
