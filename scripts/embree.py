@@ -26,8 +26,8 @@ from embreex.mesh_construction import TriangleMesh
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders-glsl"
 # What a hit is coloured by, and in its place numbers of the walk alone: the place on the triangle, found at its end.
-COLORED = "vec3 color = ColorMet(ray, met, width);"
-WALKED = "vec3 color = vec3(met.t, met.weight);"
+COLORED = "vec3 color = HitColor(ray, hit, width);"
+WALKED = "vec3 color = vec3(hit.t, hit.weight);"
 
 
 def run(command, **environment):

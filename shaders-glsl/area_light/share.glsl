@@ -38,7 +38,7 @@ float Angle(vec3 a, vec3 b) {
     return atan(length(cross(a, b)), dot(a, b));
 }
 
-float Between(float from, float to, float m) {
+float ShareBetween(float from, float to, float m) {
     return max(Phi(G(to, m)) - Phi(G(from, m)), 0.0);
 }
 
@@ -50,8 +50,8 @@ float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
     if (e1 <= 0.0)
         return 0.0;
     float e = asin(clamp(dot(r, n), -1.0, 1.0));
-    float all = Between(e0 - e, e1 - e, m);
-    return all > 1e-3 ? Between(-e, e1 - e, m) / all : e1 / (e1 - e0);
+    float all = ShareBetween(e0 - e, e1 - e, m);
+    return all > 1e-3 ? ShareBetween(-e, e1 - e, m) / all : e1 / (e1 - e0);
 }
 
 float Elevation(vec3 p, vec3 n) {
@@ -74,11 +74,11 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     float g = G(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);
-    return Between(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
+    return ShareBetween(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
 }
 
 // The angle from one vector to another around an axis that stands on both.
-float Along(vec3 from, vec3 to, vec3 axis) {
+float AngleAround(vec3 from, vec3 to, vec3 axis) {
     return atan(dot(cross(from, to), axis), dot(from, to));
 }
 
@@ -91,7 +91,7 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     // Along the great circle of the segment, from the direction nearest to the ray.
     vec3 nearest = r - dot(r, normal) * normal;
     nearest = length(nearest) > 1e-6 ? normalize(nearest) : normalize(a + b);
-    float to_a = Along(nearest, a, normal), to_b = Along(nearest, b, normal);
+    float to_a = AngleAround(nearest, a, normal), to_b = AngleAround(nearest, b, normal);
     if (to_b < to_a) { // the segment passes behind
         float arc = Angle(a, b);
         if (abs(to_a) < abs(to_b))
@@ -116,8 +116,8 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     if (flat_ends) {
         // A flat end is an ellipse, which reaches so far along the great circle, on either side of its middle.
         vec3 rim = radius * normalize(cross(normal, b - a));
-        vec4 reach = vec4(Along(a, a - rim, normal), Along(a, a + rim, normal),
-                          Along(b, b - rim, normal), Along(b, b + rim, normal));
+        vec4 reach = vec4(AngleAround(a, a - rim, normal), AngleAround(a, a + rim, normal),
+                          AngleAround(b, b - rim, normal), AngleAround(b, b + rim, normal));
         vec2 middles = vec2(to_a, to_b), half_angles = vec2(s_a, s_b);
         // The nearer end may cover the other one, and the ray may pass it there.
         vec2 off = middles / max(0.5 * abs(reach.yw - reach.xz), 1e-6);
@@ -128,7 +128,7 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
         to = max(max(rims.x, rims.y), max(rims.z, rims.w));
     }
     float e_a = Elevation(a, n), e_b = Elevation(b, n);
-    return Between(x - s, x + s, m) * Between(from, to, m)
+    return ShareBetween(x - s, x + s, m) * ShareBetween(from, to, m)
         * AboveHorizon(r, n, min(e_a - s_a, e_b - s_b), max(e_a + s_a, e_b + s_b), m);
 }
 

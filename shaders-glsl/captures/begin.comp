@@ -26,7 +26,7 @@ void main() {
     if (BEHIND && texelFetch(reflection_buffer, pixel, 0).a >= 1.0)
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth) * captures.view_unit;
-    vec3 sight = Sight(point);
+    vec3 sight = ViewDirection(point);
     float along = dot(sight, normal);
     // From below its surface a pixel reflects nothing.
     if (along >= 0.0)
@@ -35,6 +35,6 @@ void main() {
     // A mirror's footprint is the pixel's, which has widened since the eye; a lobe's is the thesis's cone (4.2.4).
     float widened = ORTHOGRAPHIC ? FAR_EYE : length(point);
     bool is_mirror = material.y <= 0.0;
-    Push(uvec2(pixel), point, direction, is_mirror ? widened : 0.0,
-         is_mirror ? PixelSpread() : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
+    PushLostRay(uvec2(pixel), point, direction, is_mirror ? widened : 0.0,
+                is_mirror ? PixelSpread() : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
 }

@@ -35,8 +35,8 @@ vec3 ToView(vec3 world) {
 
 // What is seen of the sky along a direction in world axes. The sky is smooth across the edges of its faces, and is looked
 // up as six images: a device without hardware for cube maps pays several times as much for seamless edges.
-vec3 Sky(vec3 direction) {
-    return Sound(textureLod(environment, CubePlace(direction), 0.0).rgb);
+vec3 SampleSkyWorld(vec3 direction) {
+    return Sound(textureLod(environment, CubeFaceUv(direction), 0.0).rgb);
 }
 
 #endif

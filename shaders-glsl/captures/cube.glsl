@@ -23,14 +23,14 @@ vec3 FromFace(vec3 v, int face) {
 }
 
 // The face in which a direction lies.
-int FaceOf(vec3 v) {
+int CubeFace(vec3 v) {
     vec3 a = abs(v);
     return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1) : a.y >= a.z ? (v.y >= 0.0 ? 2 : 3) : v.z >= 0.0 ? 4 : 5;
 }
 
 // Where a direction of world axes meets a cube map: texture coordinates, and the face.
-vec3 CubePlace(vec3 v) {
-    int face = FaceOf(v);
+vec3 CubeFaceUv(vec3 v) {
+    int face = CubeFace(v);
     vec3 q = ToFace(v, face);
     return vec3(q.xy / q.z * vec2(0.5, -0.5) + 0.5, float(face));
 }

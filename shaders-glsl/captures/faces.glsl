@@ -29,8 +29,8 @@ float FaceDepth(float z) {
 }
 
 // Whether a capture sees a point relative to its place: it lies before the back of the block there.
-bool Sees(int capture, vec3 o) {
-    int face = FaceOf(o);
+bool CaptureSees(int capture, vec3 o) {
+    int face = CubeFace(o);
     vec3 q = ToFace(o, face);
     face_layer = 6 * capture + face;
     q.z = max(q.z, 1e-6);
@@ -46,7 +46,7 @@ bool Sees(int capture, vec3 o) {
 #define FOLLOW_LOST 2 // went behind something, or too near to the capture's place
 #define FOLLOW_ON 3   // left a face by its side
 
-struct Followed {
+struct CaptureTrace {
     int how;    // FOLLOW_*
     vec3 place; // relative to the capture's place, world axes: where the hit is, or where the ray was lost
 };
@@ -64,7 +64,7 @@ vec3 FacePoint(Ray ray, float s) {
 // `before` is the thickness of the block at the border of the face before, and comes back as that of the block at which
 // this one is left: what stands across a border is a surface's joint, which is as thick as the blocks on both sides.
 // `exhausted` is set by a walk that runs out of steps, which cannot be.
-Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
+CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
     float depth = FaceDepth(q.z);
@@ -77,7 +77,7 @@ Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float be
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
     side = vec3(0.0);
     if (!(depth < 1.0))
-        return Followed(FOLLOW_LOST, q);
+        return CaptureTrace(FOLLOW_LOST, q);
     ivec2 ahead = Ahead(ray);
     // Most rays come to a face in free space.
     Walk walk = Walk(pixel, min(FACE_LEVEL, unified.top_level), 0.0, depth, 0);
@@ -101,7 +101,7 @@ Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float be
             if (!in_front && along <= 0.0)
                 is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, normal, ahead)
                                              : walk.entry_depth < deepest;
-            s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
+            s = is_behind ? walk.entry : FrontCrossing(ray, walk, ahead, block.x);
             how = is_behind ? FOLLOW_LOST : FOLLOW_HIT;
         }
         walk.level = 0;
@@ -119,25 +119,25 @@ Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float be
         side = sides.x <= sides.y ? vec3(ray.inverse.x > 0.0 ? 1.0 : -1.0, 0.0, 0.0)
                                   : vec3(0.0, ray.inverse.y > 0.0 ? -1.0 : 1.0, 0.0);
     }
-    return Followed(how, FacePoint(ray, s));
+    return CaptureTrace(how, FacePoint(ray, s));
 }
 
 // Through a capture, from a point relative to its place that it sees, along a unit direction.
-Followed Follow(int capture, vec3 o, vec3 direction, inout bool exhausted) {
-    int face = FaceOf(o);
-    Followed result = Followed(FOLLOW_LOST, o);
+CaptureTrace TraceCapture(int capture, vec3 o, vec3 direction, inout bool exhausted) {
+    int face = CubeFace(o);
+    CaptureTrace result = CaptureTrace(FOLLOW_LOST, o);
     float before = 0.0;
     // A line crosses each of the six planes between faces once at most.
     for (int i = 0; i < 7; ++i) {
         face_layer = 6 * capture + face;
         vec3 side;
-        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), exhausted, before, side);
+        result = TraceFace(ToFace(result.place, face), ToFace(direction, face), exhausted, before, side);
         result.place = FromFace(result.place, face);
         if (result.how != FOLLOW_ON)
             return result;
-        face = FaceOf(FromFace(side, face));
+        face = CubeFace(FromFace(side, face));
     }
-    return Followed(FOLLOW_LOST, result.place);
+    return CaptureTrace(FOLLOW_LOST, result.place);
 }
 
 #endif

@@ -25,53 +25,53 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 #endif
 
 // What a ray saw.
-struct Saw {
+struct RayResult {
     vec3 color;
-    bool shows;  // false where nothing is known and another reflection shows instead
-    vec3 place;  // where it ended, relative to the eye, world axes
-    int code;    // PATH_*
-    uint met;    // the number of a triangle, or NO_TRIANGLE
+    bool shows;    // false where nothing is known and another reflection shows instead
+    vec3 place;    // where it ended, relative to the eye, world axes
+    int code;      // PATH_*
+    uint triangle; // the number of a triangle, or NO_TRIANGLE
 };
 
 #ifndef MIRRORS
-uvec2 Told(LostRay ray, vec3 place, uint met) {
-    return uvec2(floatBitsToUint((ray.before + distance(ray.start, place)) / captures.view_unit), met);
+uvec2 PackRayEnd(LostRay ray, vec3 place, uint triangle) {
+    return uvec2(floatBitsToUint((ray.before + distance(ray.start, place)) / captures.view_unit), triangle);
 }
 #endif
 
-void Finish(LostRay ray, Saw saw) {
+void StoreRayResult(LostRay ray, RayResult result) {
     ivec2 pixel = ivec2(ray.pixel.xy);
     // A point far along the ray stands for the sky.
     precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
-    vec3 place = saw.code == PATH_SKY ? far : saw.place;
+    vec3 place = result.code == PATH_SKY ? far : result.place;
 #ifdef MIRRORS
-    bool is_known = saw.code == PATH_SKY || saw.code >= PATH_TRIANGLE;
-    if (saw.shows) {
+    bool is_known = result.code == PATH_SKY || result.code >= PATH_TRIANGLE;
+    if (result.shows) {
         if (COMPOSITE) {
             float reflectivity = imageLoad(material_buffer, pixel).x;
-            vec3 finished = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * saw.color;
+            vec3 finished = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * result.color;
             imageStore(composite_image, pixel, vec4(min(finished, GREATEST_HALF), 1.0));
         }
         if (REFLECTION)
-            imageStore(reflection_image, pixel, vec4(saw.color, 1.0));
+            imageStore(reflection_image, pixel, vec4(result.color, 1.0));
     }
     if (HITS)
-        imageStore(hits_image, pixel, vec4(is_known ? place : vec3(-1.0), float(saw.code)));
+        imageStore(hits_image, pixel, vec4(is_known ? place : vec3(-1.0), float(result.code)));
 #elif defined(NARROW)
-    if (saw.shows) {
+    if (result.shows) {
         uvec4 words = imageLoad(seen_image, pixel);
         words.y &= 0x7fffffffu; // the sign says that it missed
-        words.z = packHalf2x16(saw.color.rg);
-        words.w = packHalf2x16(vec2(saw.color.b, 1.0));
+        words.z = packHalf2x16(result.color.rg);
+        words.w = packHalf2x16(vec2(result.color.b, 1.0));
         imageStore(seen_image, pixel, words);
-        TellEnd(pixel, Told(ray, place, saw.met));
+        StoreRayEnd(pixel, PackRayEnd(ray, place, result.triangle));
     }
 #else
-    if (saw.shows) {
+    if (result.shows) {
         float density = abs(imageLoad(place_image, pixel).w);
         imageStore(place_image, pixel, vec4(ToView(place) / captures.view_unit, density));
-        imageStore(seen_image, pixel, vec4(saw.color, 1.0));
-        TellEnd(2 * pixel, Told(ray, place, saw.met));
+        imageStore(seen_image, pixel, vec4(result.color, 1.0));
+        StoreRayEnd(2 * pixel, PackRayEnd(ray, place, result.triangle));
     }
 #endif
 }

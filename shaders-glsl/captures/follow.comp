@@ -25,7 +25,7 @@ layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour; 0 where
 #include "captures/faces.glsl"
 
 // How a ray ended.
-struct Answer {
+struct CaptureRayEnd {
     int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_UNFINISHED, which cannot be
     vec3 place;     // where it hit or was lost, relative to the eye, world axes
     int capture;    // that shows what the ray sees there: for an unknown end, what most likely hides it
@@ -33,84 +33,84 @@ struct Answer {
 };
 
 // A bit for each capture.
-uint AllCaptures() {
+uint AllCapturesMask() {
     return (1u << uint(captures.count)) - 1u;
 }
 
-// The nearest capture to a point relative to the eye of those that have a bit in `among`; -1 if none has. The loop does not end at a
-// number of a uniform block, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
-int Nearest(vec3 point, uint among) {
+// The nearest capture to a point relative to the eye of those that have a bit in `candidates`; -1 if none has. The loop does not
+// end at a number of a uniform block, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
+int NearestCapture(vec3 point, uint candidates) {
     int nearest = -1;
     float least = NEVER;
-    for (; among != 0u; among &= among - 1u) {
-        int k = findLSB(among);
-        precise vec3 o = point - captures.places[k].xyz;
+    for (; candidates != 0u; candidates &= candidates - 1u) {
+        int capture = findLSB(candidates);
+        precise vec3 o = point - captures.places[capture].xyz;
         float squared = Dot(o, o);
-        nearest = squared < least ? k : nearest;
+        nearest = squared < least ? capture : nearest;
         least = min(squared, least);
     }
     return nearest;
 }
 
 // The nearest one of them that sees the point; -1 if none does.
-int NearestThatSees(vec3 point, uint among) {
-    int k = Nearest(point, among);
-    while (k >= 0 && !Sees(k, point - captures.places[k].xyz)) {
-        among &= ~(1u << k);
-        k = Nearest(point, among);
+int NearestSeeingCapture(vec3 point, uint candidates) {
+    int capture = NearestCapture(point, candidates);
+    while (capture >= 0 && !CaptureSees(capture, point - captures.places[capture].xyz)) {
+        candidates &= ~(1u << capture);
+        capture = NearestCapture(point, candidates);
     }
-    return k;
+    return capture;
 }
 
 // Whether a point relative to the eye lies outside the scene's bounds, which a ray that begins inside leaves for good.
-bool IsOutside(vec3 point) {
+bool IsOutsideScene(vec3 point) {
     return any(lessThan(point, captures.least.xyz)) || any(greaterThan(point, captures.greatest.xyz));
 }
 
-Answer FollowRay(LostRay ray) {
-    Answer answer = Answer(PATH_UNKNOWN, ray.start, -1, 0.0);
+CaptureRayEnd TraceCaptures(LostRay ray) {
+    CaptureRayEnd ray_end = CaptureRayEnd(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
-    uint among = AllCaptures();
+    uint candidates = AllCapturesMask();
     bool exhausted = false;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
-    for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
-        if (IsOutside(point)) {
-            answer.code = PATH_SKY;
+    for (int i = 0; i < 2 * CAPTURE_SLOTS && ray_end.code == PATH_UNKNOWN; ++i) {
+        if (IsOutsideScene(point)) {
+            ray_end.code = PATH_SKY;
             break;
         }
-        int k = NearestThatSees(point, among);
-        if (k < 0)
+        int capture = NearestSeeingCapture(point, candidates);
+        if (capture < 0)
             break;
-        vec3 place = captures.places[k].xyz;
-        Followed followed = Follow(k, point - place, ray.direction, exhausted);
-        precise vec3 there = followed.place + place;
+        vec3 place = captures.places[capture].xyz;
+        CaptureTrace traced = TraceCapture(capture, point - place, ray.direction, exhausted);
+        precise vec3 there = traced.place + place;
         float distance = Dot(there - ray.start, ray.direction);
         precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
         bool has_moved = distance > least;
-        bool has_ended = followed.how == FOLLOW_HIT || followed.how == FOLLOW_SKY;
-        among = (has_moved ? AllCaptures() : among) & ~(1u << k);
+        bool has_ended = traced.how == FOLLOW_HIT || traced.how == FOLLOW_SKY;
+        candidates = (has_moved ? AllCapturesMask() : candidates) & ~(1u << capture);
         point = has_moved || has_ended ? there : point;
-        answer.code = followed.how == FOLLOW_HIT ? PATH_CAPTURE + k
-                    : followed.how == FOLLOW_SKY ? PATH_SKY
-                                                 : PATH_UNKNOWN;
+        ray_end.code = traced.how == FOLLOW_HIT ? PATH_CAPTURE + capture
+                     : traced.how == FOLLOW_SKY ? PATH_SKY
+                                                : PATH_UNKNOWN;
     }
-    answer.code = exhausted ? PATH_UNFINISHED : answer.code;
-    answer.place = point;
-    answer.distance = Dot(point - ray.start, ray.direction);
-    answer.capture = answer.code >= PATH_CAPTURE ? answer.code - PATH_CAPTURE : max(Nearest(point, AllCaptures()), 0);
-    return answer;
+    ray_end.code = exhausted ? PATH_UNFINISHED : ray_end.code;
+    ray_end.place = point;
+    ray_end.distance = Dot(point - ray.start, ray.direction);
+    ray_end.capture = ray_end.code >= PATH_CAPTURE ? ray_end.code - PATH_CAPTURE : max(NearestCapture(point, AllCapturesMask()), 0);
+    return ray_end;
 }
 
 // What a ray sees: the capture's lit colour there, as wide as the ray's footprint, with the sky along the ray. One look
 // for every end, since a device may take both ways of a branch.
-vec3 Shown(Answer answer, LostRay ray) {
-    vec3 o = answer.place - captures.places[answer.capture].xyz;
+vec3 CaptureColor(CaptureRayEnd ray_end, LostRay ray) {
+    vec3 o = ray_end.place - captures.places[ray_end.capture].xyz;
     vec3 a = abs(o);
     float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
-    float footprint = ray.spread * (ray.before + answer.distance);
-    vec4 seen = textureLod(color_cubes, vec4(o, float(answer.capture)), max(log2(footprint / texel), 0.0));
-    seen = answer.code == PATH_SKY ? vec4(0.0) : seen;
-    return Sound(seen.rgb) + (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
+    float footprint = ray.spread * (ray.before + ray_end.distance);
+    vec4 seen = textureLod(color_cubes, vec4(o, float(ray_end.capture)), max(log2(footprint / texel), 0.0));
+    seen = ray_end.code == PATH_SKY ? vec4(0.0) : seen;
+    return Sound(seen.rgb) + (1.0 - clamp(seen.a, 0.0, 1.0)) * SampleSkyWorld(ray.direction);
 }
 
 void main() {
@@ -118,7 +118,7 @@ void main() {
     if (index >= lost_counts.count)
         return;
     LostRay ray = lost.rays[index];
-    Answer answer = FollowRay(ray);
-    bool is_known = answer.code == PATH_SKY || answer.code >= PATH_CAPTURE;
-    Finish(ray, Saw(Shown(answer, ray), is_known || !OVER, answer.place, answer.code, NO_TRIANGLE));
+    CaptureRayEnd ray_end = TraceCaptures(ray);
+    bool is_known = ray_end.code == PATH_SKY || ray_end.code >= PATH_CAPTURE;
+    StoreRayResult(ray, RayResult(CaptureColor(ray_end, ray), is_known || !OVER, ray_end.place, ray_end.code, NO_TRIANGLE));
 }

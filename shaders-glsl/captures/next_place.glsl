@@ -1,4 +1,4 @@
-// The next free place of a list.
+// The next free index of a list.
 
 #ifndef CAPTURES_NEXT_PLACE_GLSL
 #define CAPTURES_NEXT_PLACE_GLSL
@@ -6,16 +6,16 @@
 #define LIST_ACCESS
 #include "captures/counts.glsl"
 
-// Takes a place on the list, whose dispatch has a workgroup for `to_a_group` entries. It may lie beyond the room that there is.
-uint NextPlace(uint to_a_group) {
-    uint place = atomicAdd(lost_counts.count, 1u);
-    if (place % to_a_group == 0u)
+// Takes an index of the list, whose dispatch has a workgroup for `to_a_group` entries. It may lie beyond the room that there is.
+uint ReserveListIndex(uint to_a_group) {
+    uint index = atomicAdd(lost_counts.count, 1u);
+    if (index % to_a_group == 0u)
         atomicAdd(lost_counts.groups[0], 1u);
-    if (place == 0u) {
+    if (index == 0u) {
         lost_counts.groups[1] = 1u;
         lost_counts.groups[2] = 1u;
     }
-    return place;
+    return index;
 }
 
 #endif

@@ -7,8 +7,8 @@
 #include "captures/lost.glsl"
 
 // `start` in view space and metres, `direction` in view space and of any length; the rest as LostRay has it.
-void Push(uvec2 pixel, vec3 start, vec3 direction, float before, float spread, uint triangle) {
-    uint index = NextPlace(uint(LOST_GROUP));
+void PushLostRay(uvec2 pixel, vec3 start, vec3 direction, float before, float spread, uint triangle) {
+    uint index = ReserveListIndex(uint(LOST_GROUP));
     if (index >= uint(lost.rays.length()))
         return;
     vec3 along = ToWorld(direction);

@@ -14,14 +14,14 @@
 
 // Whether a ray that hit nothing ended in the sky.
 bool EndsInSky(Ray ray, Hit hit) {
-    return FOLLOWED && hit.code == PATH_MISS && WhyMissed(ray) == PATH_MISS_SKY;
+    return FOLLOWED && hit.code == PATH_MISS && MissCode(ray) == PATH_MISS_SKY;
 }
 
 #ifdef CONFIRMED
 // Puts a ray on the list from where it begins; `spread` says by how much its footprint widens with each metre.
-void PushFromPixel(uvec2 pixel, Ray ray, float spread) {
+void PushPixelRay(uvec2 pixel, Ray ray, float spread) {
     precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
-    Push(pixel, begin, ray.direction, 0.0, spread, TriangleAt(ray.pixel));
+    PushLostRay(pixel, begin, ray.direction, 0.0, spread, TriangleAt(ray.pixel));
 }
 #endif
 
@@ -32,10 +32,10 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     if (!FOLLOWED || hit.code == PATH_HI_Z)
         return;
     precise float depth = ray.depth + hit.s * ray.rate.z;
-    precise vec2 at = ray.start + hit.s * ray.rate.xy;
+    precise vec2 position = ray.start + hit.s * ray.rate.xy;
     precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
-    precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
-    Push(pixel, start, ray.direction, before + distance(begin, start), spread, NO_TRIANGLE);
+    precise vec3 start = ViewPoint(position, max(depth, 0.0)) * captures.view_unit;
+    PushLostRay(pixel, start, ray.direction, before + distance(begin, start), spread, NO_TRIANGLE);
 #endif
 }
 

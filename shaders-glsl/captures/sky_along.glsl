@@ -6,8 +6,8 @@
 #include "captures/captures.glsl"
 
 // The sky along a ray.
-vec3 SkyAlong(vec3 direction) {
-    return Sky(ToWorld(direction));
+vec3 SampleSkyView(vec3 direction) {
+    return SampleSkyWorld(ToWorld(direction));
 }
 
 // Whether a texel of the lit colour shows nothing but sky.

@@ -17,15 +17,15 @@ layout(binding = 6, rgba16f) uniform coherent image2D level_6;
 layout(binding = 7, rgba16f) uniform writeonly image2D level_7;
 
 // (An array of images would need a feature that not every device has.)
-#define MAKE(here, below) \
+#define MAKE(level, below) \
     { \
-        ivec2 size = imageSize(here), below_size = imageSize(below); \
+        ivec2 size = imageSize(level), below_size = imageSize(below); \
         for (int i = int(gl_LocalInvocationIndex); i < size.x * size.y; i += int(gl_WorkGroupSize.x)) { \
             ivec2 texel = ivec2(i % size.x, i / size.x); \
-            Corners four = CornersOf(texel, size, below_size); \
-            vec4 a = imageLoad(below, four.low), b = imageLoad(below, ivec2(four.high.x, four.low.y)); \
-            vec4 c = imageLoad(below, ivec2(four.low.x, four.high.y)), d = imageLoad(below, four.high); \
-            imageStore(here, texel, Between(four, a, b, c, d)); \
+            BilinearTexels corners = FindBilinearTexels(texel, size, below_size); \
+            vec4 a = imageLoad(below, corners.low), b = imageLoad(below, ivec2(corners.high.x, corners.low.y)); \
+            vec4 c = imageLoad(below, ivec2(corners.low.x, corners.high.y)), d = imageLoad(below, corners.high); \
+            imageStore(level, texel, MixBilinear(corners, a, b, c, d)); \
         } \
         memoryBarrierImage(); \
         barrier(); \

@@ -10,7 +10,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, rgba16f) uniform readonly image2D finest; // a is 0 where sky is, else 1
 layout(binding = 1, rgba16f) uniform writeonly image2D coarser;
 
-vec4 Lit(ivec2 pixel) {
+vec4 LoadWithoutSky(ivec2 pixel) {
     vec4 color = imageLoad(finest, pixel);
     return color.a == 0.0 ? vec4(0.0) : color;
 }
@@ -19,8 +19,8 @@ void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy), size = imageSize(coarser);
     if (any(greaterThanEqual(texel, size)))
         return;
-    Corners four = CornersOf(texel, size, imageSize(finest));
-    vec4 a = Lit(four.low), b = Lit(ivec2(four.high.x, four.low.y));
-    vec4 c = Lit(ivec2(four.low.x, four.high.y)), d = Lit(four.high);
-    imageStore(coarser, texel, Between(four, a, b, c, d));
+    BilinearTexels corners = FindBilinearTexels(texel, size, imageSize(finest));
+    vec4 a = LoadWithoutSky(corners.low), b = LoadWithoutSky(ivec2(corners.high.x, corners.low.y));
+    vec4 c = LoadWithoutSky(ivec2(corners.low.x, corners.high.y)), d = LoadWithoutSky(corners.high);
+    imageStore(coarser, texel, MixBilinear(corners, a, b, c, d));
 }

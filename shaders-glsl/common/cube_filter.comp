@@ -34,12 +34,12 @@ float RadicalInverse(uint i) {
 }
 
 void main() {
-    uvec3 at = gl_GlobalInvocationID;
+    uvec3 cube_texel = gl_GlobalInvocationID;
     ivec2 size = imageSize(filtered);
-    if (any(greaterThanEqual(at.xy, uvec2(size)))) {
+    if (any(greaterThanEqual(cube_texel.xy, uvec2(size)))) {
         return;
     }
-    vec3 axis = normalize(FaceDirection(at.z, (vec2(at.xy) + 0.5) / vec2(size) * 2.0 - 1.0));
+    vec3 axis = normalize(FaceDirection(cube_texel.z, (vec2(cube_texel.xy) + 0.5) / vec2(size) * 2.0 - 1.0));
     vec3 x = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
     vec3 y = cross(axis, x);
     float side = float(textureSize(source, 0).x);
@@ -58,5 +58,5 @@ void main() {
         float level = 0.5 * log2(1.0 / (float(lobe.samples) * density * texel));
         sum += textureLod(source, direction, max(level, 0.0)).rgb;
     }
-    imageStore(filtered, ivec3(at), vec4(sum / float(lobe.samples), 1.0));
+    imageStore(filtered, ivec3(cube_texel), vec4(sum / float(lobe.samples), 1.0));
 }

@@ -33,24 +33,24 @@ bool discarded = false;
 // Leaves the texel as it is.
 #define DISCARD { discarded = true; return; }
 
-vec4 Stored(float value) {
+vec4 ToTexel(float value) {
     return vec4(value);
 }
 
-vec4 Stored(vec2 value) {
+vec4 ToTexel(vec2 value) {
     return vec4(value, 0.0, 0.0);
 }
 
-vec4 Stored(vec4 value) {
+vec4 ToTexel(vec4 value) {
     return value;
 }
 
-uvec4 Stored(uint value) {
+uvec4 ToTexel(uint value) {
     return uvec4(value);
 }
 
 // What SHADE stores beside its first output.
-#define STORE(name) imageStore(name##_image, OUTPUT_TEXEL, Stored(name));
+#define STORE(name) imageStore(name##_image, OUTPUT_TEXEL, ToTexel(name));
 #define STORE_IF(wanted, name) if (wanted) STORE(name)
 
 // The main function of a source with several outputs: the first of them, and what is stored beside it. A thread may stand beyond the

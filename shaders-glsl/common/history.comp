@@ -13,47 +13,47 @@ layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba32ui) uniform writeonly uimage2D guide_image;
 layout(binding = 13, rgba16f) uniform writeonly image2D color_image; // any image of this format without COMPOSITE
 
-shared Sums sums[GROUP_SIDE * GROUP_SIDE];
+shared BlockSums sums[GROUP_SIDE * GROUP_SIDE];
 
 // The sum of a value and its neighbour's, rounded as fragment shaders sum by differences (history.frag).
-vec4 Both(vec4 own, vec4 other, float outward) {
+vec4 AddNeighbour(vec4 own, vec4 other, float outward) {
     precise vec4 difference = outward > 0.0 ? own - other : other - own;
     precise vec4 sum = own + (own - outward * difference);
     return sum;
 }
 
-Sums WithNeighbour(Sums own, int offset, float outward) {
+BlockSums AddNeighbourSums(BlockSums own, int offset, float outward) {
     int index = int(gl_LocalInvocationIndex);
     sums[index] = own;
     barrier();
-    Sums other = sums[index - int(outward) * offset];
+    BlockSums other = sums[index - int(outward) * offset];
     barrier();
-    return Sums(Both(own.first, other.first, outward), Both(own.second, other.second, outward));
+    return BlockSums(AddNeighbour(own.first, other.first, outward), AddNeighbour(own.second, other.second, outward));
 }
 
-Sums OverBlock(ivec2 pixel, Sums own) {
-    vec2 outward = OutwardOf(pixel);
-    return WithNeighbour(WithNeighbour(own, 1, outward.x), GROUP_SIDE, outward.y);
+BlockSums SumOverBlock(ivec2 pixel, BlockSums own) {
+    vec2 outward = DirectionOutOfBlock(pixel);
+    return AddNeighbourSums(AddNeighbourSums(own, 1, outward.x), GROUP_SIDE, outward.y);
 }
 
 // The barriers keep a compiler from holding the values in registers after all. Nobody else reads them.
-void SetAside(Sums values) {
+void SpillValues(BlockSums values) {
     sums[gl_LocalInvocationIndex] = values;
     memoryBarrierShared();
 }
 
-Sums TakenBack() {
+BlockSums ReloadValues() {
     memoryBarrierShared();
     return sums[gl_LocalInvocationIndex];
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    Averaged averaged = Average(pixel);
+    AccumulatedPixel accumulated = AccumulatePixel(pixel);
     if (any(greaterThanEqual(pixel, history.size)))
         return;
-    imageStore(reflection_image, pixel, averaged.reflection);
-    imageStore(guide_image, pixel, averaged.guide);
+    imageStore(reflection_image, pixel, accumulated.reflection);
+    imageStore(guide_image, pixel, accumulated.guide);
     if (COMPOSITE)
-        imageStore(color_image, pixel, averaged.color);
+        imageStore(color_image, pixel, accumulated.color);
 }

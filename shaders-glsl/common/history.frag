@@ -12,31 +12,31 @@ layout(location = 1) out uvec4 out_guide;
 layout(location = 2) out vec4 out_color; // where it is wanted
 
 // The pixels of a block are shaded in step. Nothing is fused, so that history.comp sums to the same bits.
-vec4 OverBlock(ivec2 pixel, vec4 v) {
-    vec2 outward = OutwardOf(pixel);
+vec4 SumOverBlock(ivec2 pixel, vec4 v) {
+    vec2 outward = DirectionOutOfBlock(pixel);
     precise vec4 both = v + (v - outward.x * dFdxFine(v));
     precise vec4 all = both + (both - outward.y * dFdyFine(both));
     return all;
 }
 
-Sums OverBlock(ivec2 pixel, Sums own) {
-    return Sums(OverBlock(pixel, own.first), OverBlock(pixel, own.second));
+BlockSums SumOverBlock(ivec2 pixel, BlockSums own) {
+    return BlockSums(SumOverBlock(pixel, own.first), SumOverBlock(pixel, own.second));
 }
 
-Sums set_aside;
+BlockSums spilled;
 
-void SetAside(Sums values) {
-    set_aside = values;
+void SpillValues(BlockSums values) {
+    spilled = values;
 }
 
-Sums TakenBack() {
-    return set_aside;
+BlockSums ReloadValues() {
+    return spilled;
 }
 
 void main() {
-    Averaged averaged = Average(ivec2(gl_FragCoord.xy));
-    out_reflection = averaged.reflection;
-    out_guide = averaged.guide;
+    AccumulatedPixel accumulated = AccumulatePixel(ivec2(gl_FragCoord.xy));
+    out_reflection = accumulated.reflection;
+    out_guide = accumulated.guide;
     if (COMPOSITE)
-        out_color = averaged.color;
+        out_color = accumulated.color;
 }

@@ -33,28 +33,28 @@ struct Guide {
 
 // A byte of the mean lag replaces the last one of the depth, which is precise enough with 16 bits. The other stands in the last byte of
 // the number that tells reflections apart.
-uvec4 Pack(Guide g, uint alone) {
+uvec4 PackGuide(Guide g, uint hash) {
     uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
     uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
     uint more = packHalf2x16(vec2(0.0, g.inverse)) | square << 10 | age;
-    return uvec4((depth & ~255u) | (lag & 255u), packSnorm2x16(Octahedral(g.normal)), more, alone | (lag >> 8));
+    return uvec4((depth & ~255u) | (lag & 255u), packSnorm2x16(EncodeOctahedral(g.normal)), more, hash | (lag >> 8));
 }
 
-Guide Unpack(uvec4 words) {
+Guide UnpackGuide(uvec4 words) {
     vec2 lag = MOST_LAG * unpackSnorm4x8((words.x & 255u) | (words.w & 255u) << 8).xy;
     float age = float(words.z & 1023u) / AGE_STEPS, root = float(words.z >> 10 & 63u) / SQUARE_STEPS;
     float depth = uintBitsToFloat(words.x & ~255u), inverse = unpackHalf2x16(words.z).y;
-    return Guide(depth, AlongOctahedral(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
+    return Guide(depth, DecodeOctahedralUnnormalized(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
 }
 
 // A number of 24 bits that tells reflections apart; its last byte is zero.
-uint Alone(vec4 reflection) {
+uint ReflectionHash(vec4 reflection) {
     uint first = packHalf2x16(reflection.rg), second = packHalf2x16(reflection.ba);
     return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;
 }
 
-Guide GuideAt(ivec2 pixel) {
-    return Unpack(imageLoad(guide_before, clamp(pixel, ivec2(0), history.size - 1)));
+Guide LoadGuide(ivec2 pixel) {
+    return UnpackGuide(imageLoad(guide_before, clamp(pixel, ivec2(0), history.size - 1)));
 }
 
 #endif

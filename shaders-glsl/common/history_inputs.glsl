@@ -41,7 +41,7 @@ layout(binding = 1) uniform sampler2D depth_buffer;                      // reve
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer;     // view space
 layout(binding = 3, rgba16f) uniform readonly image2D reflection_buffer; // of this frame: colour, and fade in a
 layout(binding = 4, rg16f) uniform readonly image2D material_buffer;     // reflectivity, roughness
-layout(binding = 5, rgba16f) uniform readonly image2D color_before;      // Averaged of the frame before
+layout(binding = 5, rgba16f) uniform readonly image2D color_before;      // AccumulatedPixel of the frame before
 layout(binding = 6, rgba32ui) uniform readonly uimage2D guide_before;
 layout(binding = 7, rg32ui) uniform readonly uimage2D ends_image;     // where rays ended (unified/ends.glsl)
 layout(binding = 8, r32ui) uniform readonly uimage2D triangle_buffer; // of each pixel; one texel where none is known
@@ -60,20 +60,20 @@ vec3 Unproject(mat4 m, vec2 position, float depth) {
     return h / (m[2].w * depth + m[3].w);
 }
 
-bool IsOn(ivec2 pixel) {
+bool IsOnScreen(ivec2 pixel) {
     return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, history.size));
 }
 
 // Where a projection shows a point, in pixels; outside if it is behind the eye.
-vec2 PositionBy(mat4 view_to_clip, vec3 seen) {
-    vec4 clip = view_to_clip * vec4(seen, 1.0);
+vec2 ProjectToPixels(mat4 view_to_clip, vec3 point) {
+    vec4 clip = view_to_clip * vec4(point, 1.0);
     vec2 position = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * history.resolution;
     return clip.w > 0.0 ? clamp(position, vec2(-BEYOND), history.beyond) : vec2(-BEYOND);
 }
 
 // Where a point was seen in the frame before.
-vec2 Position(vec3 seen) {
-    return PositionBy(history.view_to_clip_before, seen);
+vec2 ProjectToPreviousPixels(vec3 point) {
+    return ProjectToPixels(history.view_to_clip_before, point);
 }
 
 #endif

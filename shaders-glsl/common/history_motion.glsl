@@ -16,7 +16,7 @@
 #define SHOWN 0.05
 
 // The mover that a triangle is of; -1 for what stands still.
-int MoverOf(uint triangle) {
+int FindMover(uint triangle) {
     int mover = -1;
     if (!MOVERS)
         return mover;
@@ -28,7 +28,7 @@ int MoverOf(uint triangle) {
 }
 
 // Where a point (w = 1) or a direction (w = 0) that goes along with a mover was, in the view space of the frame before.
-vec3 Before(vec3 v, float w, int mover) {
+vec3 ToPreviousView(vec3 v, float w, int mover) {
     vec3 before = (history.view_to_view_before * vec4(v, w)).xyz;
     if (!MOVERS)
         return before;
@@ -40,12 +40,12 @@ vec3 Before(vec3 v, float w, int mover) {
 // Where a point of the surface that a pixel shows was in the view space of the frame before, by the motion that the caller
 // knows. `seen` is where the point is seen now, `still` where it would have been at rest. The motion says where it was seen,
 // but not how far away: as far as the frame before shows there, if a history of that is kept.
-vec3 Moved(vec2 seen, ivec2 pixel, vec3 still) {
+vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
     vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
-    float beside = distance(seen + way, Position(still));
+    float beside = distance(seen + way, ProjectToPreviousPixels(still));
     vec2 before = clamp(seen + way, vec2(-BEYOND), history.beyond);
     ivec2 shows = ivec2(floor(before));
-    float kept = IsOn(shows) ? GuideAt(shows).depth : 0.0;
+    float kept = IsOnScreen(shows) ? LoadGuide(shows).depth : 0.0;
     float shown = kept > 0.0 ? Unproject(history.clip_to_view_before, before, kept).z : still.z;
     float reach = SAME_DEPTH * Reach(still.z, history.clip_to_view_before);
     float z = clamp(shown, still.z - reach, still.z + reach);
@@ -57,14 +57,14 @@ vec3 Moved(vec2 seen, ivec2 pixel, vec3 still) {
 }
 
 // Where a reflected point was that may be of a thing that moves. The caller knows the motion of what the screen shows.
-vec3 MovedEnd(vec3 end, vec3 still) {
-    vec2 seen = PositionBy(history.view_to_clip, end);
+vec3 PreviousReflectedPoint(vec3 end, vec3 still) {
+    vec2 seen = ProjectToPixels(history.view_to_clip, end);
     ivec2 pixel = ivec2(floor(seen));
     ivec2 inside = clamp(pixel, ivec2(0), history.size - 1);
     float depth = texelFetch(depth_buffer, inside, 0).r;
     float z = Unproject(history.clip_to_view, seen, depth).z;
-    bool is_shown = IsOn(pixel) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
-    return is_shown ? Moved(seen, inside, still) : still;
+    bool is_shown = IsOnScreen(pixel) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
+    return is_shown ? PreviousPointByMotion(seen, inside, still) : still;
 }
 
 uint TriangleAt(ivec2 pixel) {

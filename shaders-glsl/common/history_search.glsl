@@ -29,18 +29,18 @@ float Luminance(vec3 color) {
 
 // A reflection in a form of which means may be taken: its colour, black for a miss, and in a the luminance that is left
 // of it after its fade.
-vec4 Linear(vec4 reflection) {
+vec4 EncodeForMean(vec4 reflection) {
     vec3 color = Sound(reflection.rgb);
     return vec4(color, Luminance(color) * reflection.a);
 }
 
-vec4 FromLinear(vec4 mean) {
+vec4 DecodeMean(vec4 mean) {
     float whole = Luminance(mean.rgb);
     return vec4(Sound(mean.rgb), whole > 0.0 ? clamp(mean.a / whole, 0.0, 1.0) : 0.0);
 }
 
 // A pixel's surface and what it reflects, in the view space of the frame before.
-struct Sought {
+struct HistoryQuery {
     vec3 surface;
     vec3 normal;
     vec3 end;      // the reflected point itself
@@ -49,108 +49,109 @@ struct Sought {
 };
 
 // Whether a pixel of the frame before, whose point is `there`, showed the surface that is sought.
-bool ShowsSurface(ivec2 pixel, Guide guide, vec3 there, Sought sought) {
-    float off = abs(dot(there - sought.surface, sought.normal));
+bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) {
+    float off = abs(dot(there - query.surface, query.normal));
     bool same_plane = off < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
-    float facing = dot(guide.normal, sought.normal), squared = dot(guide.normal, guide.normal);
+    float facing = dot(guide.normal, query.normal), squared = dot(guide.normal, guide.normal);
     bool same_normal = facing * abs(facing) > SAME_NORMAL * SAME_NORMAL * squared;
-    return guide.age > 0.0 && same_plane && same_normal && IsOn(pixel);
+    return guide.age > 0.0 && same_plane && same_normal && IsOnScreen(pixel);
 }
 
 // How much of what a pixel of the frame before showed is what is sought, and how far its average points past that.
-float Agrees(ivec2 pixel, Guide guide, Sought sought, out Lag lag) {
+float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
-    float agrees = ShowsSurface(pixel, guide, there, sought) ? 1.0 : 0.0;
-    vec3 to = sought.end - there;
-    vec3 mirrored = MirrorDirection(Sight(there), guide.normal);
+    float agrees = ShowsSameSurface(pixel, guide, there, query) ? 1.0 : 0.0;
+    vec3 to = query.end - there;
+    vec3 mirrored = MirrorDirection(ViewDirection(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
     // Nothing is added where nothing moved. If every averaged frame that pointed past by v now points past by v + more, the mean of the
     // square v * v becomes that of v * v + 2 v * more + more * more.
-    vec3 more = (sought.inverse > 0.0 ? sqrt(sought.power) : 0.0) * beside;
+    vec3 more = (query.inverse > 0.0 ? sqrt(query.power) : 0.0) * beside;
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));
-    float outside = 0.5 * sought.power * dot(beside, beside);
+    float outside = 0.5 * query.power * dot(beside, beside);
     // How far away what it reflected was.
-    float nearer = (guide.inverse / max(sought.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
+    float nearer = (guide.inverse / max(query.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
     nearer *= nearer;
     float known = 1.0 / ((1.0 + outside + outside * outside) * (1.0 + nearer * nearer));
-    return sought.inverse > 0.0 ? agrees * known : agrees;
+    return query.inverse > 0.0 ? agrees * known : agrees;
 }
 
-float AgreesAt(vec2 position, Sought sought) {
+float HistoryAgreementAt(vec2 position, HistoryQuery query) {
     ivec2 pixel = ivec2(floor(position));
     Lag lag;
-    return Agrees(pixel, GuideAt(pixel), sought, lag);
+    return HistoryAgreement(pixel, LoadGuide(pixel), query, lag);
 }
 
 // A history that was found.
-struct Found {
-    vec4 color; // Linear
+struct HistorySample {
+    vec4 color; // of EncodeForMean
     float age;
     float agreement; // the part of it that agrees; 0 for none
     Lag lag;
 };
 
-const Found NOTHING = Found(vec4(0.0), 0.0, 0.0, Lag(vec3(0.0), 0.0));
+const HistorySample NO_HISTORY = HistorySample(vec4(0.0), 0.0, 0.0, Lag(vec3(0.0), 0.0));
 
 // What the frame before showed of what is sought, around a position in pixels.
-Found At(vec2 position, Sought sought) {
+HistorySample SampleHistory(vec2 position, HistoryQuery query) {
     position -= 0.5;
     vec2 first = floor(position), part = position - first;
-    Found found = NOTHING;
+    HistorySample sampled = NO_HISTORY;
     // Colours are loaded once nothing else is needed of the guides.
     vec4 weights = vec4(0.0);
     SEARCH_LOOP for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 pixel = ivec2(first) + next;
         vec2 near = mix(1.0 - part, part, vec2(next));
-        Guide guide = GuideAt(pixel);
+        Guide guide = LoadGuide(pixel);
         Lag lag;
-        float weight = near.x * near.y * Agrees(pixel, guide, sought, lag);
-        found.age += weight * guide.age;
-        found.agreement += weight;
-        found.lag.mean += weight * lag.mean;
-        found.lag.square += weight * lag.square;
+        float weight = near.x * near.y * HistoryAgreement(pixel, guide, query, lag);
+        sampled.age += weight * guide.age;
+        sampled.agreement += weight;
+        sampled.lag.mean += weight * lag.mean;
+        sampled.lag.square += weight * lag.square;
         weights = mix(weights, vec4(weight), equal(ivec4(i), ivec4(0, 1, 2, 3)));
     }
     SEARCH_LOOP for (int i = 0; i < 4; ++i) {
         ivec2 pixel = ivec2(first) + ivec2(i & 1, i >> 1);
         vec2 of_row = i < 2 ? weights.xy : weights.zw;
         vec4 color = imageLoad(color_before, clamp(pixel, ivec2(0), history.size - 1));
-        found.color += ((i & 1) == 0 ? of_row.x : of_row.y) * Linear(color);
+        sampled.color += ((i & 1) == 0 ? of_row.x : of_row.y) * EncodeForMean(color);
     }
-    float whole = found.agreement;
-    Lag lag = Lag(found.lag.mean / whole, found.lag.square / whole);
-    return whole > LEAST_SHARE ? Found(found.color / whole, found.age / whole, whole, lag) : NOTHING;
+    float whole = sampled.agreement;
+    Lag lag = Lag(sampled.lag.mean / whole, sampled.lag.square / whole);
+    return whole > LEAST_SHARE ? HistorySample(sampled.color / whole, sampled.age / whole, whole, lag) : NO_HISTORY;
 }
 
 // What a pixel itself showed, where nothing moved. Its lag stays that along its own two Tangents.
-Found AtRest(ivec2 pixel, Guide guide, Sought sought) {
+HistorySample LoadHistoryAtRest(ivec2 pixel, Guide guide, HistoryQuery query) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
-    Found found = Found(Linear(imageLoad(color_before, pixel)), guide.age, 1.0, Lag(vec3(guide.lag, 0.0), guide.square));
-    return ShowsSurface(pixel, guide, there, sought) ? found : NOTHING;
+    HistorySample sampled = HistorySample(EncodeForMean(imageLoad(color_before, pixel)), guide.age, 1.0,
+                                          Lag(vec3(guide.lag, 0.0), guide.square));
+    return ShowsSameSurface(pixel, guide, there, query) ? sampled : NO_HISTORY;
 }
 
 // Where a plane mirror with a point and a normal, of any length, shows what is sought.
-vec2 InPlane(vec3 point, vec3 normal, Sought sought) {
-    float before_plane = dot(sought.end - point, normal) / max(dot(normal, normal), 1e-30);
-    return Position(sought.end - 2.0 * before_plane * normal);
+vec2 PlaneMirrorPosition(vec3 point, vec3 normal, HistoryQuery query) {
+    float before_plane = dot(query.end - point, normal) / max(dot(normal, normal), 1e-30);
+    return ProjectToPreviousPixels(query.end - 2.0 * before_plane * normal);
 }
 
 // From a pixel of the frame before to where the plane that touches the surface there would have mirrored what is sought. False where
 // the pixel showed another surface.
-bool WayFrom(ivec2 pixel, Sought sought, out vec2 way) {
-    Guide guide = GuideAt(pixel);
+bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
+    Guide guide = LoadGuide(pixel);
     vec2 middle = vec2(pixel) + 0.5;
     vec3 there = Unproject(history.clip_to_view_before, middle, guide.depth);
-    way = InPlane(there, guide.normal, sought) - middle;
-    return ShowsSurface(pixel, guide, there, sought);
+    way = PlaneMirrorPosition(there, guide.normal, query) - middle;
+    return ShowsSameSurface(pixel, guide, there, query);
 }
 
 // Where a mirror showed what is sought, curved or not: at the place whose own plane leads back to it. From `on_surface`, the plane
 // there leads to `in_plane`. How this way changes from pixel to pixel says how the mirror is curved, and one step of Newton's method
 // ends where no way is left. Where the pixels around tell of no such change, as where a map turns the normals, it is `in_plane`.
-vec2 InMirror(vec2 on_surface, vec2 in_plane, Sought sought) {
+vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
     vec2 way = in_plane - on_surface;
     ivec2 pixel = ivec2(floor(on_surface));
     vec4 sums = vec4(0.0), differences = vec4(0.0); // of the ways from both pixels along x, and along y
@@ -159,7 +160,7 @@ vec2 InMirror(vec2 on_surface, vec2 in_plane, Sought sought) {
         bool is_along_y = i > 1, is_behind = (i & 1) == 1;
         int offset = is_behind ? BESIDE : -BESIDE;
         vec2 from;
-        bool shows = WayFrom(pixel + (is_along_y ? ivec2(0, offset) : ivec2(offset, 0)), sought, from);
+        bool shows = PlaneMirrorOffset(pixel + (is_along_y ? ivec2(0, offset) : ivec2(offset, 0)), query, from);
         same = same && shows;
         vec4 own = is_along_y ? vec4(0.0, 0.0, from) : vec4(from, 0.0, 0.0);
         sums += own;

@@ -3,20 +3,20 @@
 #ifndef COMMON_LINEAR_BLIT_GLSL
 #define COMMON_LINEAR_BLIT_GLSL
 
-struct Corners {
+struct BilinearTexels {
     ivec2 low, high;
     vec2 part; // of the way from low to high
 };
 
 // `size` and `below` are the sizes of the next level and of the level that is blitted.
-Corners CornersOf(ivec2 texel, ivec2 size, ivec2 below) {
+BilinearTexels FindBilinearTexels(ivec2 texel, ivec2 size, ivec2 below) {
     vec2 place = max((vec2(texel) + 0.5) * (vec2(below) / vec2(size)) - 0.5, 0.0);
     ivec2 low = ivec2(place);
-    return Corners(low, min(low + 1, below - 1), place - vec2(low));
+    return BilinearTexels(low, min(low + 1, below - 1), place - vec2(low));
 }
 
 // The mean of what stands at low, right of it, below it, and at high.
-vec4 Between(Corners corners, vec4 a, vec4 b, vec4 c, vec4 d) {
+vec4 MixBilinear(BilinearTexels corners, vec4 a, vec4 b, vec4 c, vec4 d) {
     return mix(mix(a, b, corners.part.x), mix(c, d, corners.part.x), corners.part.y);
 }
 

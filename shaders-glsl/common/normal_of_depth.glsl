@@ -24,7 +24,7 @@ vec3 NormalOfDepth(ivec2 pixel, float depth) {
     vec3 point = ViewPoint(pixel, depth);
     vec3 across = cross(StepAlong(ivec2(1, 0), pixel, depth, point), StepAlong(ivec2(0, 1), pixel, depth, point));
     float squared = dot(across, across);
-    vec3 sight = Sight(point);
+    vec3 sight = ViewDirection(point);
     vec3 normal = squared > 0.0 ? across * inversesqrt(squared) : -normalize(sight);
     return dot(normal, sight) > 0.0 ? -normal : normal;
 }

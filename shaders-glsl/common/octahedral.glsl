@@ -4,21 +4,21 @@
 #define COMMON_OCTAHEDRAL_GLSL
 
 // The octahedral map of the unit sphere (Cigolle et al. 2014).
-vec2 Octahedral(vec3 v) {
+vec2 EncodeOctahedral(vec3 v) {
     v /= abs(v.x) + abs(v.y) + abs(v.z);
     vec2 folded = 1.0 - abs(v.yx);
     return v.z >= 0.0 ? v.xy : vec2(v.x >= 0.0 ? folded.x : -folded.x, v.y >= 0.0 ? folded.y : -folded.y);
 }
 
 // A vector along the unit vector, as long as the octahedron is wide there.
-vec3 AlongOctahedral(vec2 o) {
+vec3 DecodeOctahedralUnnormalized(vec2 o) {
     float z = 1.0 - abs(o.x) - abs(o.y);
     float fold = max(-z, 0.0);
     return vec3(o.x + (o.x >= 0.0 ? -fold : fold), o.y + (o.y >= 0.0 ? -fold : fold), z);
 }
 
-vec3 FromOctahedral(vec2 o) {
-    return normalize(AlongOctahedral(o));
+vec3 DecodeOctahedral(vec2 o) {
+    return normalize(DecodeOctahedralUnnormalized(o));
 }
 
 #endif

@@ -28,7 +28,7 @@ ReflectingPixel FetchReflectingPixel(vec2 frag_coord) {
     vec3 position = h.xyz / h.w;
     vec3 normal = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
     found.position = (camera.view_to_world * vec4(position, 1.0)).xyz;
-    found.reflection = normalize(mat3(camera.view_to_world) * reflect(normalize(Sight(position)), normal));
+    found.reflection = normalize(mat3(camera.view_to_world) * reflect(normalize(ViewDirection(position)), normal));
     found.roughness = material.g;
     return found;
 }

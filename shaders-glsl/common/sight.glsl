@@ -10,7 +10,7 @@ layout(constant_id = 15) const bool ORTHOGRAPHIC = false; // rays of sight are p
 #endif
 
 // The direction in view space, of any length, in which a point of it is seen.
-vec3 Sight(vec3 point) {
+vec3 ViewDirection(vec3 point) {
     return ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : point;
 }
 

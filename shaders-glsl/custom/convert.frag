@@ -52,7 +52,7 @@ void main() {
         else if (encoding == 1)
             value.xyz = n * 0.5 + 0.5;
         else {
-            vec2 flat_map = n == vec3(0.0) ? vec2(0.0) : Octahedral(n);
+            vec2 flat_map = n == vec3(0.0) ? vec2(0.0) : EncodeOctahedral(n);
             value.xy = encoding == 2 ? flat_map : flat_map * 0.5 + 0.5;
         }
     }

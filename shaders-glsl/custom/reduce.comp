@@ -13,24 +13,24 @@ layout(constant_id = 0) const bool MAXIMUM = false;
 layout(constant_id = 1) const bool COPY = false;    // the finest level: nothing is reduced
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = imageSize(level);
-    if (any(greaterThanEqual(at, size)))
+    if (any(greaterThanEqual(texel, size)))
         return;
     ivec2 most = textureSize(below, 0) - 1;
     float found;
     if (COPY) {
-        found = texelFetch(below, min(at, most), 0).r;
+        found = texelFetch(below, min(texel, most), 0).r;
     } else {
-        found = texelFetch(below, min(2 * at, most), 0).r;
+        found = texelFetch(below, min(2 * texel, most), 0).r;
         // The last texel takes what no other covers.
-        ivec2 last = mix(min(2 * at + 1, most), most, equal(at, size - 1));
-        for (int y = 2 * at.y; y <= last.y; ++y) {
-            for (int x = 2 * at.x; x <= last.x; ++x) {
+        ivec2 last = mix(min(2 * texel + 1, most), most, equal(texel, size - 1));
+        for (int y = 2 * texel.y; y <= last.y; ++y) {
+            for (int x = 2 * texel.x; x <= last.x; ++x) {
                 float depth = texelFetch(below, ivec2(x, y), 0).r;
                 found = MAXIMUM ? max(found, depth) : min(found, depth);
             }
         }
     }
-    imageStore(level, at, vec4(found));
+    imageStore(level, texel, vec4(found));
 }

@@ -53,9 +53,9 @@ vec3 Normal(ivec2 pixel, float depth) {
         float squared = dot(normal, normal);
         normal = squared > NO_NORMAL ? normal * inversesqrt(squared) : vec3(0.0);
     } else if (NORMAL_KIND == NORMAL_OCTAHEDRAL) {
-        normal = FromOctahedral(stored.xy);
+        normal = DecodeOctahedral(stored.xy);
     } else if (NORMAL_KIND == NORMAL_OCTAHEDRAL_UNORM) {
-        normal = FromOctahedral(stored.xy * 2.0 - 1.0);
+        normal = DecodeOctahedral(stored.xy * 2.0 - 1.0);
     }
     return mat3(import_block.normal_to_view) * normal;
 }

@@ -61,7 +61,7 @@ bool IsPeeled() {
 // one, for seconds. One repeat a pixel is the last level as well.
 // A surface without coordinates has one point in every pixel. The anisotropic filter of lavapipe since Mesa 24 divides
 // zero by zero there and gives 0 (Vulkan: the ratio of anisotropy is 1), so that neighbours are set apart.
-vec2 Place() {
+vec2 SamplingUv() {
     vec2 repeats = fwidthCoarse(in_uv);
     if (repeats == vec2(0.0)) {
         return in_uv + POINT_WIDTH * max(abs(in_uv), vec2(1.0)) * vec2(uvec2(gl_FragCoord.xy) & 1u);
@@ -71,7 +71,7 @@ vec2 Place() {
 
 void main() {
     // Sampled before the discard, so that every quad has its derivatives.
-    vec2 uv = Place();
+    vec2 uv = SamplingUv();
     vec4 albedo = texture(albedo_map, uv);
     vec3 mapped = texture(normal_map, uv).xyz * 2.0 - 1.0;
     float reflectivity = texture(reflectivity_map, uv).r;

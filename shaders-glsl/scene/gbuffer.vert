@@ -16,17 +16,17 @@ layout(location = 2) out vec4 out_tangent;  // view space; w is the bitangent's 
 layout(location = 3) flat out uint out_first_triangle; // the number of the mesh's first triangle among the scene's
 
 // A direction turned by the mesh's quaternion; the same to the bit if that is (0, 0, 0, 1).
-vec3 Turned(vec3 v) {
+vec3 RotateToWorld(vec3 v) {
     return v + 2.0 * cross(draw.turn.xyz, cross(draw.turn.xyz, v) + draw.turn.w * v);
 }
 
 void main() {
     gl_Position = draw.world_to_clip * vec4(position, 1.0);
-    out_normal = mat3(camera.world_to_view) * Turned(normal);
+    out_normal = mat3(camera.world_to_view) * RotateToWorld(normal);
     out_uv = uv;
     // The one instance of a mesh has this number.
     out_first_triangle = uint(gl_InstanceIndex);
     // A mirrored view turns the handedness of a tangent space round.
     mat3 turn = mat3(camera.world_to_view);
-    out_tangent = vec4(turn * Turned(tangent.xyz), tangent.w * sign(determinant(turn)));
+    out_tangent = vec4(turn * RotateToWorld(tangent.xyz), tangent.w * sign(determinant(turn)));
 }

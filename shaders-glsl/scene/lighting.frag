@@ -26,7 +26,7 @@ SHADE(out_color) {
 
     if (depth <= 0.0 || albedo.a < 0.5) {
         vec4 along = camera.clip_to_view * vec4(ndc, 0.5, 1.0);
-        vec3 direction = mat3(camera.view_to_world) * Sight(along.xyz / along.w);
+        vec3 direction = mat3(camera.view_to_world) * ViewDirection(along.xyz / along.w);
         out_color = vec4(SKY_APART ? vec3(0.0) : textureLod(environment, direction, 0.0).rgb, 0.0);
         return;
     }

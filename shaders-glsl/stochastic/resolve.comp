@@ -24,7 +24,7 @@ layout(constant_id = 0) const bool OVER = false; // another reflection shows whe
 #define GREATEST_WEIGHT 4.0
 
 // The place from which the pixel gathers its n-th ray; the first is its own.
-ivec2 Neighbour(ivec2 pixel, int n, float turned) {
+ivec2 NeighbourPixel(ivec2 pixel, int n, float turned) {
     float share = float(n) / float(max(stochastic.gathered - 1, 1));
     float angle = turned + GOLDEN_ANGLE * float(n);
     vec2 offset = stochastic.radius * sqrt(share) * vec2(cos(angle), sin(angle));
@@ -53,9 +53,9 @@ void main() {
         int gathered = roughness <= 0.0 ? 1 : stochastic.gathered;
         float turned = TAU * GradientNoise(vec2(pixel) + 5.588238 * float(stochastic.turn & 63));
         for (int n = 0; n < gathered; ++n) {
-            ivec2 at = n == 0 ? pixel : Neighbour(pixel, n, turned);
-            vec4 place = texelFetch(place_buffer, at, 0);
-            vec4 seen = texelFetch(seen_buffer, at, 0);
+            ivec2 neighbour = n == 0 ? pixel : NeighbourPixel(pixel, n, turned);
+            vec4 place = texelFetch(place_buffer, neighbour, 0);
+            vec4 seen = texelFetch(seen_buffer, neighbour, 0);
             bool is_hit = place.w > 0.0;
             vec3 away = is_hit ? place.xyz - point : place.xyz;
             float squared = dot(away, away);

@@ -25,7 +25,7 @@ float GradientNoise(vec2 pixel) {
 }
 
 // Two numbers between 0 and 1 for a ray of a pixel: the R2 sequence (Roberts 2018), begun elsewhere in each pixel.
-vec2 Draw(ivec2 pixel, int turn) {
+vec2 RaySample2D(ivec2 pixel, int turn) {
     vec2 begins = vec2(GradientNoise(vec2(pixel)), GradientNoise(vec2(pixel.yx) + vec2(47.0, 17.0)));
     return fract(begins + SequencePoint(turn));
 }

@@ -32,7 +32,7 @@ OUTPUT(1, rgba16f, vec4, out_color); // lit colour there, and fade in a; a miss 
 OUTPUT(2, rgba32f, vec4, out_hit);   // of a mirror: texture coordinates, standard depth, PATH_*
 
 // Where a ray ended.
-struct End {
+struct RayEnd {
     int code;      // PATH_*
     bool hits;
     bool shows;    // what it hits, or the sky that it goes to, is seen from the pixel: not from behind the pixel's normal
@@ -45,7 +45,7 @@ struct End {
 // The lit colour of the screen at a place in full resolution, whatever surfaces are around it. Each of the four pixels around the place
 // is sky or not. Those that are can be left out, so that the sky is looked up once: a device that takes both ways of a branch pays
 // for every look.
-vec3 ColorBetween(vec2 position, vec3 along) {
+vec3 SampleScreenBilinear(vec2 position, vec3 along) {
     vec2 corner = position - 0.5;
     vec2 first = floor(corner);
     vec2 part = corner - first;
@@ -62,7 +62,7 @@ vec3 ColorBetween(vec2 position, vec3 along) {
 #endif
 
 // From a pixel along a direction in view space, of unit length.
-End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
+RayEnd TraceDirection(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
 #ifdef EXACT
     bool faces = true;
     Ray ray = RayAlong(pixel, depth, direction);
@@ -70,10 +70,10 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mir
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
-    bool is_far = GoesFar(ray, hit);
-    Mirrored seen = MirroredAt(hit, ViewPoint(ray.start, depth), normal, ray.direction, SkyAlong(direction));
-    bool shows = faces && (hits || (is_far && seen.is_sky));
-    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, shows, hit.position, hit.depth, seen.color);
+    bool is_far = LeavesThroughFarPlane(ray, hit);
+    ScreenHitColor screen_hit = SampleScreenHit(hit, ViewPoint(ray.start, depth), normal, ray.direction, SampleSkyView(direction));
+    bool shows = faces && (hits || (is_far && screen_hit.is_sky));
+    return RayEnd(hit.code == PATH_MISS ? MissCode(ray) : hit.code, hits, shows, hit.position, hit.depth, screen_hit.color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
     vec3 V_ss = Project(Unproject(P_ss) + direction * thesis.reflection_offset) - P_ss;
@@ -81,7 +81,7 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mir
     vec3 hit = RayTrace(P_ss, V_ss, path);
     bool hits = hit != INVALID_RAY;
     vec2 position = hit.xy * thesis.resolution;
-    return End(int(path), hits, hits, position, 1.0 - hit.z, ColorBetween(position, SkyAlong(direction)));
+    return RayEnd(int(path), hits, hits, position, 1.0 - hit.z, SampleScreenBilinear(position, SampleSkyView(direction)));
 #endif
 }
 
@@ -106,7 +106,7 @@ SHADE_ALL(out_place, STORE(out_color) STORE_IF(HITS, out_hit)) {
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     vec3 mirror = MirrorDirection(point, normal);
     // A mirror has one direction.
-    vec2 u = is_mirror ? vec2(0.0) : Draw(pixel, stochastic.turn);
+    vec2 u = is_mirror ? vec2(0.0) : RaySample2D(pixel, stochastic.turn);
     float power = LobePower(material.y);
     float log_rest = log2(1.0 - u.x * stochastic.part);
     float density = is_mirror ? LOG_DENSITY_BIAS : LogDensity(power, log_rest);
@@ -118,7 +118,7 @@ SHADE_ALL(out_place, STORE(out_color) STORE_IF(HITS, out_hit)) {
     bool above = dot(direction, normal) > 0.0;
     if (!above && !(HITS && is_mirror))
         return;
-    End end = WalkAlong(pixel, depth, direction, normal, is_mirror);
+    RayEnd end = TraceDirection(pixel, depth, direction, normal, is_mirror);
     if (end.shows && above) {
         vec2 uv = end.position * unified.pixel_to_clip;
         out_place = vec4(ViewPoint(end.position, end.depth), density);

@@ -7,20 +7,20 @@
 #include "triangles/begin.glsl"
 
 // What a ray saw, and where it ended.
-struct Among {
+struct TriangleRayResult {
     vec3 color;
-    vec3 place; // relative to the eye, world axes; for the sky a point far along the ray
-    int code;   // PATH_TRIANGLE or PATH_SKY
-    uint met;   // number of the triangle; NO_TRIANGLE for the sky
+    vec3 place;    // relative to the eye, world axes; for the sky a point far along the ray
+    int code;      // PATH_TRIANGLE or PATH_SKY
+    uint triangle; // number of the triangle; NO_TRIANGLE for the sky
 };
 
 // What a ray sees that meets a triangle or nothing; `width` measures its footprint there.
-Among SeeMet(TreeRay ray, Met met, bool leaves, float width) {
-    bool is_met = met.id != NO_TRIANGLE;
-    vec3 color = ColorMet(ray, met, width);
-    precise vec3 place = ray.origin + (is_met ? met.t : SKY_DISTANCE) * ray.direction - triangles.eye;
-    uint number = is_met ? met.id & ~ASKS_MATERIAL : NO_TRIANGLE;
-    return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY, number);
+TriangleRayResult ShadeHit(TreeRay ray, TriangleHit hit, bool is_outward, float width) {
+    bool is_hit = hit.id != NO_TRIANGLE;
+    vec3 color = HitColor(ray, hit, width);
+    precise vec3 place = ray.origin + (is_hit ? hit.t : SKY_DISTANCE) * ray.direction - triangles.eye;
+    uint number = is_hit ? hit.id & ~ASKS_MATERIAL : NO_TRIANGLE;
+    return TriangleRayResult(is_outward ? color : vec3(0.0), place, is_hit ? PATH_TRIANGLE : PATH_SKY, number);
 }
 
 // The width of a ray's footprint that measures `spread` for each metre from where the ray begins: as in the references, all
@@ -31,10 +31,10 @@ float FootprintWidth(float spread, float metres) {
 
 #ifndef CONFIRMED
 
-// What a ray sees that begins on a pixel's triangle; `leaves` is that of BeginRay.
-Among See(TreeRay ray, bool leaves, float spread) {
-    Met met = Closest(ray);
-    return SeeMet(ray, met, leaves, FootprintWidth(spread, met.t));
+// What a ray sees that begins on a pixel's triangle; `is_outward` is that of SpawnRay.
+TriangleRayResult TraceTriangles(TreeRay ray, bool is_outward, float spread) {
+    TriangleHit hit = ClosestHit(ray);
+    return ShadeHit(ray, hit, is_outward, FootprintWidth(spread, hit.t));
 }
 
 #endif

@@ -7,7 +7,7 @@
 #include "triangles/color.glsl"
 
 // Whether a number is that of a triangle with an area, and the slot of its corners; else slot 0.
-bool FindSlot(uint triangle, out uint slot) {
+bool FindTriangleSlot(uint triangle, out uint slot) {
     bool is_known = triangle < uint(triangles.count);
     slot = Attribute(is_known ? triangle : 0u, 2).w;
     is_known = is_known && slot != NO_TRIANGLE;
@@ -21,10 +21,10 @@ bool FindSlot(uint triangle, out uint slot) {
 // and the differences, products and the other addition by 5 half units of each edge's part (Higham, "Accuracy and Stability of
 // Numerical Algorithms", 2002, section 3.1).
 vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, out vec3 error) {
-    int at = triangles.corners + 3 * int(slot);
-    vec3 a = uintBitsToFloat(Geometry(at).xyz);
-    precise vec3 along_b = uintBitsToFloat(Geometry(at + 1).xyz) - a;
-    precise vec3 along_c = uintBitsToFloat(Geometry(at + 2).xyz) - a;
+    int corner = triangles.corners + 3 * int(slot);
+    vec3 a = uintBitsToFloat(Geometry(corner).xyz);
+    precise vec3 along_b = uintBitsToFloat(Geometry(corner + 1).xyz) - a;
+    precise vec3 along_c = uintBitsToFloat(Geometry(corner + 2).xyz) - a;
     precise vec3 eye = ORTHOGRAPHIC ? triangles.eye + from : triangles.eye;
     precise vec3 from_eye = a - eye;
     vec3 normal = cross(along_b, along_c);
@@ -40,17 +40,17 @@ vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, o
 }
 
 // A ray from a pixel's point, which lies at `start` from the eye along the axes of the world. `triangle` is the one that
-// the pixel shows, or NO_TRIANGLE: then the ray begins at the point itself. `leaves` is false for a ray that leads below
+// the pixel shows, or NO_TRIANGLE: then the ray begins at the point itself. `is_outward` is false for a ray that leads below
 // the triangle that it begins on, where there is nothing to see (docs/definitions.md, "Surfaces").
-TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
+TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward) {
     vec3 flat_normal, error;
     uint slot;
-    bool is_known = FindSlot(triangle, slot);
+    bool is_known = FindTriangleSlot(triangle, slot);
     // Parallel rays of sight begin anywhere along themselves, and best near the triangle.
     vec3 sight = ORTHOGRAPHIC ? captures.view_to_world[2].xyz : start;
     vec3 point = PointOfTriangle(slot, start, sight, flat_normal, error);
     float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
-    leaves = !is_known || side * dot(flat_normal, sight) < 0.0;
+    is_outward = !is_known || side * dot(flat_normal, sight) < 0.0;
     // Once for the point, and once for the corners of what lies beside it in the same plane.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
@@ -62,8 +62,8 @@ TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
     // A rasteriser also rounds where corners lie on the screen, and a pixel that stands for a block has the depth of the block's
     // first. Either places the point beside the surface.
     depth_error += triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : length(start));
-    return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
-                   is_known ? 0.0 : depth_error);
+    return MakeTreeRay(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
+                       is_known ? 0.0 : depth_error);
 }
 
 #endif

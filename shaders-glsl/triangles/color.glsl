@@ -14,34 +14,34 @@
 #include "triangles/walk.glsl"
 #include "triangles/screen_color.glsl"
 
-vec3 Between(vec3 weights, vec3 a, vec3 b, vec3 c) {
+vec3 InterpolateCorners(vec3 weights, vec3 a, vec3 b, vec3 c) {
     return weights.x * a + weights.y * b + weights.z * c;
 }
 
 // A unit vector of three numbers of ten bits each.
-vec3 UnitVector(uint word) {
+vec3 UnpackUnitVector(uint word) {
     ivec3 parts = ivec3(int(word << 22), int(word << 12), int(word << 2)) >> 22;
     return vec3(parts) * (1.0 / 511.0);
 }
 
-vec2 PlaceOnMaps(vec3 weights, uvec4 first, uvec4 second) {
+vec2 InterpolateUv(vec3 weights, uvec4 first, uvec4 second) {
     return weights.x * uintBitsToFloat(first.xy) + weights.y * uintBitsToFloat(first.zw)
          + weights.z * uintBitsToFloat(second.xy);
 }
 
-vec3 Weights(Met met) {
-    return vec3(1.0 - met.weight.x - met.weight.y, met.weight);
+vec3 BarycentricWeights(TriangleHit hit) {
+    return vec3(1.0 - hit.weight.x - hit.weight.y, hit.weight);
 }
 
 // Whether a surface whose material decides that at each hit stops the ray: it has no hole there, and is seen from in front
 // if it has but one side.
-bool StopsRay(Met met) {
-    uint id = met.id & ~ASKS_MATERIAL;
+bool StopsRay(TriangleHit hit) {
+    uint id = hit.id & ~ASKS_MATERIAL;
     uint word = Attribute(id, 0).w;
     uvec4 mask = Material(word, 2);
-    vec2 place = PlaceOnMaps(Weights(met), Attribute(id, 1), Attribute(id, 2));
-    bool hole = ImageAt(mask.zw, mask.x >> MASK_SHIFT, place, 0.0).x < 0.5;
-    return !hole && !(met.side < 0.0 && (mask.x & MATERIAL_SINGLE_SIDED) != 0u);
+    vec2 place = InterpolateUv(BarycentricWeights(hit), Attribute(id, 1), Attribute(id, 2));
+    bool hole = SampleImage(mask.zw, mask.x >> MASK_SHIFT, place, 0.0).x < 0.5;
+    return !hole && !(hit.side < 0.0 && (mask.x & MATERIAL_SINGLE_SIDED) != 0u);
 }
 
 #ifdef RAY_QUERY
@@ -49,47 +49,49 @@ bool StopsRay(Met met) {
 #elif !defined(CONFIRMED)
 
 // The nearest triangle that stops the ray. One after the other, those that let it through are left behind.
-Met Closest(TreeRay ray) {
+TriangleHit ClosestHit(TreeRay ray) {
     if (!ASKS)
-        return WalkTree(ray);
-    Met met;
+        return TraverseTree(ray);
+    TriangleHit hit;
     bool passes = true;
     while (passes) {
-        met = WalkTree(ray);
-        passes = met.id != NO_TRIANGLE && (met.id & ASKS_MATERIAL) != 0u && !StopsRay(met);
-        ray.after = met;
+        hit = TraverseTree(ray);
+        passes = hit.id != NO_TRIANGLE && (hit.id & ASKS_MATERIAL) != 0u && !StopsRay(hit);
+        ray.after = hit;
     }
-    return met;
+    return hit;
 }
 
 #endif
 
 // The colour that a ray sees, over a footprint that measures `width` metres across it where it ends.
-vec3 ColorMet(TreeRay ray, Met met, float width) {
-    bool is_met = met.id != NO_TRIANGLE;
-    uint id = is_met ? met.id & ~ASKS_MATERIAL : 0u;
+vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
+    bool is_hit = hit.id != NO_TRIANGLE;
+    uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;
     uvec4 first = Attribute(id, 0), second = Attribute(id, 1), third = Attribute(id, 2), fourth = Attribute(id, 3);
     uvec4 colors = Material(first.w, 0), maps = Material(first.w, 1), more = Material(first.w, 2);
-    vec3 weights = Weights(met);
-    vec2 place = PlaceOnMaps(weights, second, third);
-    float repeats = width * uintBitsToFloat(third.z) * inversesqrt(max(abs(met.side), LEAST_FACING));
-    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * ImageAt(maps.xy, more.x >> ALBEDO_SHIFT, place, repeats);
-    vec3 normal = normalize(Between(weights, UnitVector(first.x), UnitVector(first.y), UnitVector(first.z)));
+    vec3 weights = BarycentricWeights(hit);
+    vec2 place = InterpolateUv(weights, second, third);
+    float repeats = width * uintBitsToFloat(third.z) * inversesqrt(max(abs(hit.side), LEAST_FACING));
+    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, more.x >> ALBEDO_SHIFT, place, repeats);
+    vec3 normal = normalize(InterpolateCorners(weights, UnpackUnitVector(first.x), UnpackUnitVector(first.y),
+                                               UnpackUnitVector(first.z)));
     float deviation = uintBitsToFloat(more.y);
     if (deviation > 0.0) {
-        vec3 along = Between(weights, UnitVector(fourth.x), UnitVector(fourth.y), UnitVector(fourth.z));
+        vec3 along = InterpolateCorners(weights, UnpackUnitVector(fourth.x), UnpackUnitVector(fourth.y),
+                                        UnpackUnitVector(fourth.z));
         vec4 tangent = vec4(along, (first.w >> 31) != 0u ? -1.0 : 1.0);
-        vec3 mapped = ImageAt(maps.zw, more.x >> NORMAL_SHIFT, place, repeats).xyz * 2.0 - 1.0;
+        vec3 mapped = SampleImage(maps.zw, more.x >> NORMAL_SHIFT, place, repeats).xyz * 2.0 - 1.0;
         normal = ShadingNormal(normal, tangent, mapped, deviation);
     }
-    normal = met.side >= 0.0 ? normal : -normal;
+    normal = hit.side >= 0.0 ? normal : -normal;
     float emission = uintBitsToFloat(colors.w) * albedo.a;
-    vec3 lit = LitColor(albedo.rgb, emission, ray.origin + met.t * ray.direction, normal);
-    bool is_surface = is_met && (more.x & MATERIAL_SKY) == 0u;
+    vec3 lit = LitColor(albedo.rgb, emission, ray.origin + hit.t * ray.direction, normal);
+    bool is_surface = is_hit && (more.x & MATERIAL_SKY) == 0u;
     vec3 shown;
-    if (SCREEN_COLORS && is_surface && OnScreen(ray, met, width, shown))
+    if (SCREEN_COLORS && is_surface && SampleScreenColor(ray, hit, width, shown))
         lit = shown;
-    return is_surface ? Sound(lit) : Sky(ray.direction);
+    return is_surface ? Sound(lit) : SampleSkyWorld(ray.direction);
 }
 
 #endif

@@ -9,30 +9,30 @@
 #include "triangles/pixel.glsl"
 
 // A ray that hits a pixel, and what it meets of the pixel's triangle.
-struct Confirmed {
+struct ConfirmedHit {
     TreeRay ray;
-    Met met;
-    bool leaves; // see BeginRay
+    TriangleHit hit;
+    bool is_outward; // see SpawnRay
 };
 
 // Whether a ray that hits a pixel meets its triangle.
-bool Confirm(Ray ray, ivec2 pixel, out Confirmed confirmed) {
-    confirmed.ray = TreeRayOf(ray, confirmed.leaves);
+bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
+    confirmed.ray = TreeRayFromPixel(ray, confirmed.is_outward);
     uint slot;
-    bool is_known = FindSlot(TriangleAt(pixel), slot);
-    Met met = NOTHING;
-    Meet(confirmed.ray, int(slot), met);
-    bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
-    bool is_met = is_known && met.id != NO_TRIANGLE && (!asks || StopsRay(met));
-    met.id = is_met ? met.id : NO_TRIANGLE;
-    confirmed.met = met;
-    return is_met || !confirmed.leaves;
+    bool is_known = FindTriangleSlot(TriangleAt(pixel), slot);
+    TriangleHit hit = NO_HIT;
+    UpdateNearestHit(confirmed.ray, int(slot), hit);
+    bool asks = ASKS && (hit.id & ASKS_MATERIAL) != 0u;
+    bool is_hit = is_known && hit.id != NO_TRIANGLE && (!asks || StopsRay(hit));
+    hit.id = is_hit ? hit.id : NO_TRIANGLE;
+    confirmed.hit = hit;
+    return is_hit || !confirmed.is_outward;
 }
 
 // What a ray sees that was confirmed. A shader asks for it where nothing else of the ray is needed any more: colours take most
 // of the registers.
-Among SeeConfirmed(Confirmed confirmed, float spread) {
-    return SeeMet(confirmed.ray, confirmed.met, confirmed.leaves, FootprintWidth(spread, confirmed.met.t));
+TriangleRayResult ShadeConfirmedHit(ConfirmedHit confirmed, float spread) {
+    return ShadeHit(confirmed.ray, confirmed.hit, confirmed.is_outward, FootprintWidth(spread, confirmed.hit.t));
 }
 
 #endif

@@ -21,7 +21,7 @@ struct Doubt {
 };
 
 // Pixels to a workgroup that follows their rays.
-uint PixelsToAGroup() {
+uint PixelsPerGroup() {
     return uint(OWN_GROUP / max(OWN_RAYS, 1));
 }
 

@@ -25,8 +25,8 @@ void main() {
     if (index >= lost_counts.count)
         return;
     LostRay ray = lost.rays[index];
-    bool leaves;
-    TreeRay tree_ray = BeginRay(ray.start, ray.direction, ray.pixel.z, leaves);
-    Among seen = See(tree_ray, leaves, ray.spread);
-    Finish(ray, Saw(seen.color, true, seen.place, seen.code, seen.met));
+    bool is_outward;
+    TreeRay tree_ray = SpawnRay(ray.start, ray.direction, ray.pixel.z, is_outward);
+    TriangleRayResult result = TraceTriangles(tree_ray, is_outward, ray.spread);
+    StoreRayResult(ray, RayResult(result.color, true, result.place, result.code, result.triangle));
 }

@@ -6,10 +6,10 @@
 #include "triangles/among.glsl"
 #include "triangles/pixel.glsl"
 
-Among SeeFrom(Ray ray, float spread) {
-    bool leaves;
-    TreeRay tree_ray = TreeRayOf(ray, leaves);
-    return See(tree_ray, leaves, spread);
+TriangleRayResult TraceTrianglesFromPixel(Ray ray, float spread) {
+    bool is_outward;
+    TreeRay tree_ray = TreeRayFromPixel(ray, is_outward);
+    return TraceTriangles(tree_ray, is_outward, spread);
 }
 
 #endif

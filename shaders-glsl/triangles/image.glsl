@@ -7,18 +7,18 @@
 #include "triangles/scene.glsl"
 
 // From sRGB, within 0.002 of the exact curve (a cubic fit with f(0) = 0 and f(1) = 1).
-vec3 Linear(vec3 c) {
+vec3 LinearFromSrgb(vec3 c) {
     return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878);
 }
 
-vec4 Texel(int base, ivec2 size, ivec2 at) {
-    return unpackUnorm4x8(ImageWord(base + at.y * size.x + at.x));
+vec4 LoadImageTexel(int base, ivec2 size, ivec2 texel) {
+    return unpackUnorm4x8(ImageWord(base + texel.y * size.x + texel.x));
 }
 
 // A map at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of it along a side: bilinear in
 // the level whose texels are nearest to that in size. `map` is its place and size, as a material has them; the words at its
 // place say where each level begins. `described` is MAP_LEVELS bits of how many levels there are, and whether it is sRGB.
-vec4 ImageAt(uvec2 map, uint described, vec2 uv, float repeats) {
+vec4 SampleImage(uvec2 map, uint described, vec2 uv, float repeats) {
     uvec2 whole = uvec2(map.y & 0xffffu, map.y >> 16);
     float levels = float(described & MAP_LEVELS);
     float texels = max(repeats * sqrt(float(whole.x * whole.y)), 1.0);
@@ -33,13 +33,13 @@ vec4 ImageAt(uvec2 map, uint described, vec2 uv, float repeats) {
     high -= ivec2(greaterThanEqual(high, size)) * size;
     low = clamp(low, ivec2(0), size - 1);
     high = clamp(high, ivec2(0), size - 1);
-    vec4 a = Texel(base, size, low), b = Texel(base, size, ivec2(high.x, low.y));
-    vec4 c = Texel(base, size, ivec2(low.x, high.y)), d = Texel(base, size, high);
+    vec4 a = LoadImageTexel(base, size, low), b = LoadImageTexel(base, size, ivec2(high.x, low.y));
+    vec4 c = LoadImageTexel(base, size, ivec2(low.x, high.y)), d = LoadImageTexel(base, size, high);
     if ((described & MAP_SRGB) != 0u) {
-        a.rgb = Linear(a.rgb);
-        b.rgb = Linear(b.rgb);
-        c.rgb = Linear(c.rgb);
-        d.rgb = Linear(d.rgb);
+        a.rgb = LinearFromSrgb(a.rgb);
+        b.rgb = LinearFromSrgb(b.rgb);
+        c.rgb = LinearFromSrgb(c.rgb);
+        d.rgb = LinearFromSrgb(d.rgb);
     }
     return mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
 }

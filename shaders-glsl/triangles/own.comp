@@ -28,26 +28,26 @@ shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for 
 
 // A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the lobe;
 // around the middle, one ray lies a golden angle behind the other. Each pixel has the pattern at another place.
-vec2 OwnPoint(ivec2 pixel, int ray) {
+vec2 OwnRaySample(ivec2 pixel, int ray) {
     vec2 shift = SequencePoint(pixel.x + 3331 * pixel.y) + SequencePoint(unified.turn);
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
 }
 
-vec4 OwnColor(ivec2 pixel, int ray) {
+vec4 TraceOwnRay(ivec2 pixel, int ray) {
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
-    Lobe lobe = LobeOf(ViewPoint(vec2(pixel) + 0.5, depth), normal, imageLoad(material_buffer, pixel).g);
-    End end;
-    Seen seen = LookInLobe(pixel, pixel, depth, lobe, OwnPoint(pixel, ray), float(OWN_RAYS), 1.0, end);
-    return vec4(seen.color.rgb, seen.is_hit ? seen.color.a : -1.0);
+    Lobe lobe = MakeLobe(ViewPoint(vec2(pixel) + 0.5, depth), normal, imageLoad(material_buffer, pixel).g);
+    RayEnd end;
+    LobeSample lobe_sample = TraceLobeSample(pixel, pixel, depth, lobe, OwnRaySample(pixel, ray), float(OWN_RAYS), 1.0, end);
+    return vec4(lobe_sample.color.rgb, lobe_sample.is_hit ? lobe_sample.color.a : -1.0);
 }
 
 // The mean of what a pixel's rays saw, whose colours begin at `first`, and of what its neighbours' rays did.
 #ifdef ON_SCREEN
 
-// A miss is black, and the fade is that of the hits, as in Reflection (unified/gathered.glsl). Over another reflection a miss is nothing,
-// so that colours count by their fade.
-vec4 MeanOf(Doubt doubt, uint first) {
+// A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/gathered.glsl). Over another reflection a miss is
+// nothing, so that colours count by their fade.
+vec4 MeanWithNeighbours(Doubt doubt, uint first) {
     vec4 own = vec4(0.0);
     float hits = 0.0;
     for (uint i = first; i < first + uint(OWN_RAYS); ++i) {
@@ -67,7 +67,7 @@ vec4 MeanOf(Doubt doubt, uint first) {
 
 #else
 
-vec4 MeanOf(Doubt doubt, uint first) {
+vec4 MeanWithNeighbours(Doubt doubt, uint first) {
     vec3 sum = doubt.rays * doubt.color.rgb;
     for (uint i = first; i < first + uint(OWN_RAYS); ++i)
         sum += colors[i].rgb;
@@ -78,19 +78,19 @@ vec4 MeanOf(Doubt doubt, uint first) {
 
 void main() {
     uint thread = gl_LocalInvocationIndex;
-    uint index = gl_WorkGroupID.x * PixelsToAGroup() + thread / uint(OWN_RAYS);
+    uint index = gl_WorkGroupID.x * PixelsPerGroup() + thread / uint(OWN_RAYS);
     int ray = int(thread % uint(OWN_RAYS));
-    bool is_listed = thread < PixelsToAGroup() * uint(OWN_RAYS)
+    bool is_listed = thread < PixelsPerGroup() * uint(OWN_RAYS)
                   && index < min(lost_counts.count, uint(doubts.pixels.length()));
     Doubt doubt = UnpackDoubt(doubts.pixels[is_listed ? index : 0u]);
-    colors[thread] = is_listed ? OwnColor(doubt.pixel, ray) : vec4(0.0);
+    colors[thread] = is_listed ? TraceOwnRay(doubt.pixel, ray) : vec4(0.0);
     barrier();
     if (!is_listed || ray != 0)
         return;
-    vec4 mean = MeanOf(doubt, thread);
+    vec4 mean = MeanWithNeighbours(doubt, thread);
     vec4 reflection = vec4(min(Sound(mean.rgb), GREATEST_HALF), min(Sound(mean.a), 1.0));
     vec4 color = ScreenColor(doubt.pixel);
     float reflectivity = imageLoad(material_buffer, doubt.pixel).r;
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
-    Store(doubt.pixel, COMPOSITE ? color : reflection, reflection);
+    StorePixel(doubt.pixel, COMPOSITE ? color : reflection, reflection);
 }

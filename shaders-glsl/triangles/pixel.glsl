@@ -12,11 +12,11 @@ uint TriangleAt(ivec2 pixel) {
     return imageLoad(triangle_buffer, min(pixel, imageSize(triangle_buffer) - 1)).x;
 }
 
-// `leaves` is that of BeginRay.
-TreeRay TreeRayOf(Ray ray, out bool leaves) {
+// `is_outward` is that of SpawnRay.
+TreeRay TreeRayFromPixel(Ray ray, out bool is_outward) {
     vec3 start = ToWorld(ViewPoint(ray.start, ray.depth) * captures.view_unit);
     vec3 along = ToWorld(ray.direction);
-    return BeginRay(start, along * inversesqrt(dot(along, along)), TriangleAt(ray.pixel), leaves);
+    return SpawnRay(start, along * inversesqrt(dot(along, along)), TriangleAt(ray.pixel), is_outward);
 }
 
 #endif

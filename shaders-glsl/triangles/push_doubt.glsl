@@ -7,9 +7,9 @@
 #include "triangles/doubt.glsl"
 
 void PushDoubt(Doubt doubt) {
-    uint place = NextPlace(PixelsToAGroup());
-    if (place < uint(doubts.pixels.length()))
-        doubts.pixels[place] = PackDoubt(doubt);
+    uint index = ReserveListIndex(PixelsPerGroup());
+    if (index < uint(doubts.pixels.length()))
+        doubts.pixels[index] = PackDoubt(doubt);
 }
 
 #endif

@@ -8,8 +8,8 @@
 layout(binding = 31) uniform accelerationStructureEXT ray_structure; // of the corners in geometry, in their order
 
 // The nearest triangle that stops the ray.
-Met Closest(TreeRay ray) {
-    Met best = NOTHING;
+TriangleHit ClosestHit(TreeRay ray) {
+    TriangleHit best = NO_HIT;
     // A query's ray must be finite; a walk meets no box with any other.
     float size = dot(abs(ray.origin), vec3(1.0)) + dot(abs(ray.direction), vec3(1.0));
     if (!(size < NEVER))
@@ -17,11 +17,11 @@ Met Closest(TreeRay ray) {
     rayQueryEXT query;
     rayQueryInitializeEXT(query, ray_structure, gl_RayFlagsNoOpaqueEXT, 0xffu, ray.origin, 0.0, ray.direction, NEVER);
     while (rayQueryProceedEXT(query)) {
-        Met met = best;
-        Meet(ray, rayQueryGetIntersectionPrimitiveIndexEXT(query, false), met);
-        bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
-        if (met.id != best.id && (!asks || StopsRay(met))) {
-            best = met;
+        TriangleHit hit = best;
+        UpdateNearestHit(ray, rayQueryGetIntersectionPrimitiveIndexEXT(query, false), hit);
+        bool asks = ASKS && (hit.id & ASKS_MATERIAL) != 0u;
+        if (hit.id != best.id && (!asks || StopsRay(hit))) {
+            best = hit;
             rayQueryConfirmIntersectionEXT(query);
         }
     }

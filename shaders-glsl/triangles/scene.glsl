@@ -55,7 +55,7 @@ uint ImageWord(int i) {
     return IMAGE_TEXELS ? imageLoad(image_texels, i).x : images.words[i];
 }
 
-// Attributes of a triangle: vector 0 has the normals of its corners (UnitVector) and its material, with the bitangent's
+// Attributes of a triangle: vector 0 has the normals of its corners (UnpackUnitVector) and its material, with the bitangent's
 // sign in the highest bit; 1 and 2 have their texture coordinates, then repeats of a map to a metre along the
 // surface, and the slot of its corners; 3 has the tangents.
 uvec4 Attribute(uint triangle, int vector) {

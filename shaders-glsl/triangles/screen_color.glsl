@@ -16,7 +16,7 @@ layout(binding = 15) uniform sampler2D screen_depth; // reversed; 0 is sky
 // Sums are precise, so that both stages of a shader see the same colour.
 
 // Where on the screen a point of view space is seen, in continuous pixel coordinates.
-vec2 PositionOf(vec3 view) {
+vec2 ProjectToScreen(vec3 view) {
     precise vec2 off_axis = ORTHOGRAPHIC ? view.xy : view.xy / view.z;
     precise vec2 centred = off_axis / unified.pixel_to_view + unified.shift;
     precise vec2 doubled = vec2(float(unified.size.x) + centred.x, float(unified.size.y) - centred.y);
@@ -27,26 +27,26 @@ vec2 PositionOf(vec3 view) {
 // its place, in the level of the colours whose texels are nearest to the footprint in size. A texel counts if the pixel in its
 // middle lies in the plane of the triangle, and if no sky is part of it. False if no texel counts, or if the screen shows the
 // other side of the triangle.
-bool OnScreen(TreeRay ray, Met met, float width, out vec3 color) {
+bool SampleScreenColor(TreeRay ray, TriangleHit hit, float width, out vec3 color) {
     color = vec3(0.0);
-    int corner = triangles.corners + 3 * int(Attribute(met.id & ~ASKS_MATERIAL, 2).w);
+    int corner = triangles.corners + 3 * int(Attribute(hit.id & ~ASKS_MATERIAL, 2).w);
     vec3 a = uintBitsToFloat(Geometry(corner).xyz);
     precise vec3 along_b = uintBitsToFloat(Geometry(corner + 1).xyz) - a;
     precise vec3 along_c = uintBitsToFloat(Geometry(corner + 2).xyz) - a;
     vec3 flat_normal = CrossInOrder(along_b, along_c);
-    precise vec3 place = ray.origin + met.t * ray.direction - triangles.eye;
+    precise vec3 place = ray.origin + hit.t * ray.direction - triangles.eye;
     vec3 view = ToView(place);
     vec3 normal = ToView(flat_normal * inversesqrt(max(DotInOrder(flat_normal, flat_normal), 1e-38)));
-    vec3 sight = Sight(view);
+    vec3 sight = ViewDirection(view);
     float facing = DotInOrder(normal, sight) * inversesqrt(max(DotInOrder(sight, sight), 1e-38));
-    vec2 position = PositionOf(view);
+    vec2 position = ProjectToScreen(view);
     bool inside = view.z > 0.0 && all(greaterThanEqual(position, vec2(0.0))) && all(lessThan(position, vec2(unified.size)));
     if (!inside || facing * DotInOrder(flat_normal, ray.direction) <= 0.0)
         return false;
 
     // A footprint that stretches along the surface as the ray slants shrinks on the screen as the sight does.
     float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : view.z);
-    float stretch = max(abs(facing), LEAST_FACING) / max(abs(met.side), LEAST_FACING);
+    float stretch = max(abs(facing), LEAST_FACING) / max(abs(hit.side), LEAST_FACING);
     float pixels = max(width / pixel * sqrt(stretch), 1.0);
     int level = int(min(log2(pixels) + 0.5, float(textureQueryLevels(screen_color) - 1)));
     // Some drivers take textureSize of one thread's level for all threads around it.
@@ -62,9 +62,9 @@ bool OnScreen(TreeRay ray, Met met, float width, out vec3 color) {
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
         ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
-        ivec2 at = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
-        float depth = texelFetch(screen_depth, at, 0).r;
-        vec2 middle = vec2(at) + 0.5;
+        ivec2 middle_pixel = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
+        float depth = texelFetch(screen_depth, middle_pixel, 0).r;
+        vec2 middle = vec2(middle_pixel) + 0.5;
         // Along the pixel's own ray, from the plane of the triangle to the surface that the pixel shows.
         vec3 seen = ViewPoint(middle, depth) * captures.view_unit;
         vec3 along = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : ViewRay(middle);

@@ -14,7 +14,7 @@
 #include "triangles/scene.glsl"
 
 // What a ray meets.
-struct Met {
+struct TriangleHit {
     float t;     // metres along a unit direction
     uint id;     // number of the triangle, with ASKS_MATERIAL; NO_TRIANGLE for none
     vec2 weight; // of its second and third corner
@@ -28,14 +28,14 @@ struct TreeRay {
     vec3 direction; // unit
     uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
     float off;      // metres by which a plane must lie off its start to be met
-    Met after;
+    TriangleHit after;
 };
 
-const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
+const TriangleHit NO_HIT = TriangleHit(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
 
 // A ray whose start is rounded by up to `error` metres.
-TreeRay RayFrom(vec3 origin, vec3 direction, uint own, float error) {
-    Met before_all = Met(0.0, NO_TRIANGLE, vec2(0.0), 1.0);
+TreeRay MakeTreeRay(vec3 origin, vec3 direction, uint own, float error) {
+    TriangleHit before_all = TriangleHit(0.0, NO_TRIANGLE, vec2(0.0), 1.0);
     return TreeRay(origin, direction, own, error + 12.0 * ROUNDING * triangles.extent, before_all);
 }
 
@@ -51,7 +51,7 @@ vec3 CrossInOrder(vec3 a, vec3 b) {
     return cross;
 }
 
-bool IsAfter(float t, uint id, Met than) {
+bool IsFarther(float t, uint id, TriangleHit than) {
     return t > than.t || (t == than.t && id > than.id);
 }
 
@@ -62,13 +62,13 @@ bool IsAfter(float t, uint id, Met than) {
 // tell its plane from the ray's own: one beside the triangle that the ray begins on, or over it. The distance to a plane is
 // the mean of three products of four roundings each, of lengths up to the scene's extent, so that it errs by up to a dozen
 // half units of that.
-bool MeetsAt(TreeRay ray, int slot, out Met met) {
-    int at = triangles.corners + 3 * slot;
-    uvec4 first = Geometry(at);
+bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
+    int corner = triangles.corners + 3 * slot;
+    uvec4 first = Geometry(corner);
     precise vec3 a = uintBitsToFloat(first.xyz) - ray.origin;
-    uvec4 second = Geometry(at + 1);
+    uvec4 second = Geometry(corner + 1);
     precise vec3 b = uintBitsToFloat(second.xyz) - ray.origin;
-    precise vec3 c = uintBitsToFloat(Geometry(at + 2).xyz) - ray.origin;
+    precise vec3 c = uintBitsToFloat(Geometry(corner + 2).xyz) - ray.origin;
     float u = DotInOrder(ray.direction, CrossInOrder(c, b));
     float v = DotInOrder(ray.direction, CrossInOrder(a, c));
     float w = DotInOrder(ray.direction, CrossInOrder(b, a));
@@ -83,20 +83,20 @@ bool MeetsAt(TreeRay ray, int slot, out Met met) {
     float beyond = area < 0.0 ? -reach : reach;
     bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
                && beyond > ray.off * whole && first.w != ray.own;
-    met = Met(t, first.w, weight, area / whole);
-    return inside && (!ASKS || IsAfter(t, first.w, ray.after));
+    hit = TriangleHit(t, first.w, weight, area / whole);
+    return inside && (!ASKS || IsFarther(t, first.w, ray.after));
 }
 
 // Whether what is met comes before something else: nearer, or as near and of a smaller number.
-bool ComesBefore(Met met, float t, uint id) {
-    return met.t < t || (met.t == t && met.id < id);
+bool IsNearer(TriangleHit hit, float t, uint id) {
+    return hit.t < t || (hit.t == t && hit.id < id);
 }
 
-// Meets a triangle if it comes before what was met so far.
-void Meet(TreeRay ray, int slot, inout Met best) {
-    Met met;
-    if (MeetsAt(ray, slot, met) && ComesBefore(met, best.t, best.id))
-        best = met;
+// Takes the hit on a triangle for the best one if it comes before that.
+void UpdateNearestHit(TreeRay ray, int slot, inout TriangleHit best) {
+    TriangleHit hit;
+    if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, best.t, best.id))
+        best = hit;
 }
 
 #if !defined(CONFIRMED) && !defined(RAY_QUERY)
@@ -107,19 +107,19 @@ uint Byte(uint word, int i) {
 
 // Four children of a node: the bits of those that the ray meets before `nearest`, in the order in which it should look at
 // them.
-uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint octant, float nearest) {
+uint IntersectChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint octant, float nearest) {
     uint inner = ((meta & meta << 1 & 0x10101010u) >> 4) * 0xffu;
     uint places = (meta ^ octant & inner) & 0x1f1f1f1fu;
     uint bits = meta >> 5 & 0x07070707u;
-    uint met = 0u;
+    uint hits = 0u;
     for (int i = 0; i < 4; ++i) {
         vec3 near = fma(vec3(Byte(low.x, i), Byte(low.y, i), Byte(low.z, i)), step, base);
         vec3 far = fma(vec3(Byte(high.x, i), Byte(high.y, i), Byte(high.z, i)), step, base);
-        float enters = max(max(near.x, near.y), max(near.z, 0.0));
-        float leaves = min(min(far.x, far.y), min(far.z, nearest));
-        met |= enters <= leaves ? Byte(bits, i) << Byte(places, i) : 0u;
+        float entry = max(max(near.x, near.y), max(near.z, 0.0));
+        float exit = min(min(far.x, far.y), min(far.z, nearest));
+        hits |= entry <= exit ? Byte(bits, i) << Byte(places, i) : 0u;
     }
-    return met;
+    return hits;
 }
 
 // The stacks of all threads, the same place of each beside the others. In registers, as an array of a thread's own is held, they
@@ -128,7 +128,7 @@ const int WALKERS = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 shared uvec2 stacks[WALK_ROOM * WALKERS];
 
 // The nearest triangle that the ray meets after `after`.
-Met WalkTree(TreeRay ray) {
+TriangleHit TraverseTree(TreeRay ray) {
     // What was met so far. Where on its triangle that is will be found again at the end, so that the walk need not hold it.
     float nearest = NEVER;
     uint nearest_id = NO_TRIANGLE;
@@ -164,19 +164,19 @@ Met WalkTree(TreeRay ray) {
             x = back.x ? x.zwxy : x;
             y = back.y ? y.zwxy : y;
             z = back.z ? z.zwxy : z;
-            uint met = MetChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, nearest)
-                     | MetChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, nearest);
-            group = uvec2(kinds.x, met & 0xff000000u | head.w >> 24);
-            leaves = uvec2(kinds.y, met & 0x00ffffffu);
+            uint hits = IntersectChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, nearest)
+                      | IntersectChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, nearest);
+            group = uvec2(kinds.x, hits & 0xff000000u | head.w >> 24);
+            leaves = uvec2(kinds.y, hits & 0x00ffffffu);
         }
         while (leaves.y != 0u) {
             int bit = findMSB(leaves.y);
             leaves.y &= ~(1u << bit);
             int slot = int(leaves.x) + bit;
-            Met met;
-            if (MeetsAt(ray, slot, met) && ComesBefore(met, nearest, nearest_id)) {
-                nearest = met.t;
-                nearest_id = met.id;
+            TriangleHit hit;
+            if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, nearest, nearest_id)) {
+                nearest = hit.t;
+                nearest_id = hit.id;
                 nearest_slot = slot;
             }
         }
@@ -187,9 +187,9 @@ Met WalkTree(TreeRay ray) {
             group = stacks[top];
         }
     }
-    Met best = NOTHING;
+    TriangleHit best = NO_HIT;
     if (nearest_id != NO_TRIANGLE)
-        Meet(ray, nearest_slot, best);
+        UpdateNearestHit(ray, nearest_slot, best);
     return best;
 }
 

@@ -4,8 +4,8 @@
 #define UNIFIED_BLOCKS_GLSL
 
 // From a block's pixel to the outside of the block, along each axis: 1 or -1.
-ivec2 Outward(ivec2 at) {
-    return 2 * (at & 1) - 1;
+ivec2 DirectionOutOfBlock(ivec2 texel) {
+    return 2 * (texel & 1) - 1;
 }
 
 #endif

@@ -23,7 +23,7 @@ void main() {
         for (int list = 0; list < LISTS; ++list) {
             counts[DrawArguments(list) + 1] = 1;
             for (int halve = 0; halve < 2; ++halve) {
-                int parts = GroupsToATile(halve);
+                int parts = GroupsPerTile(halve);
                 counts[DispatchArguments(list, halve)] = uint(parts * parts);
             }
         }
@@ -35,7 +35,7 @@ void main() {
     for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
             vec2 material = imageLoad(material_buffer, ivec2(x, y)).xy;
-            found |= Reflects(material) ? 1u << ListOf(material) : 0u;
+            found |= Reflects(material) ? 1u << TileListOf(material) : 0u;
         }
     }
     imageStore(listed_image, tile, uvec4(found));

@@ -11,22 +11,22 @@ layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each t
 #define CELLS_TO_A_TILE (TILE_SIDE / 2) // along a side
 
 // The tile of a cell with a wide lobe, which is drawn, and whether those beside it are.
-struct TilesAround {
+struct NeighbourTiles {
     ivec2 home;
     bool across, along, corner;
 } drawn;
 
-bool IsListed(ivec2 tile) {
-    ivec2 at = clamp(tile, ivec2(0), TileCount() - 1);
-    return (imageLoad(listed_image, at).r >> WIDE_LIST & 1u) != 0u;
+bool IsWideTile(ivec2 tile) {
+    ivec2 clamped_tile = clamp(tile, ivec2(0), TileCount() - 1);
+    return (imageLoad(listed_image, clamped_tile).r >> WIDE_LIST & 1u) != 0u;
 }
 
 // Before IsDrawn: around a cell, the tiles to a side, 1 or -1 along each axis.
-void LookAround(ivec2 cell, ivec2 side) {
+void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     if (WHOLE)
         return;
     ivec2 home = cell / CELLS_TO_A_TILE;
-    drawn = TilesAround(home, IsListed(home + ivec2(side.x, 0)), IsListed(home + ivec2(0, side.y)), IsListed(home + side));
+    drawn = NeighbourTiles(home, IsWideTile(home + ivec2(side.x, 0)), IsWideTile(home + ivec2(0, side.y)), IsWideTile(home + side));
 }
 
 // A cell of the home tile or of one to that side.

@@ -7,12 +7,12 @@
 
 layout(constant_id = 13) const bool TELLS = false; // the ends are wanted
 
-// The distance from where the ray began, in units of ViewPoint, as bits; and what it met (EndOf). 0 for a ray that missed.
+// The distance from where the ray began, in units of ViewPoint, as bits; and what it met (PackRayEnd). 0 for a ray that missed.
 layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // any image of this format without TELLS
 
-void TellEnd(ivec2 pixel, uvec2 told) {
+void StoreRayEnd(ivec2 pixel, uvec2 ray_end) {
     if (TELLS)
-        imageStore(ends_image, pixel, uvec4(told, 0u, 0u));
+        imageStore(ends_image, pixel, uvec4(ray_end, 0u, 0u));
 }
 
 #endif

@@ -16,22 +16,22 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 // values. The threads of a compute program share memory instead, and round their values in the same way.
 
 // A ray as it is gathered. All is 0 for no ray.
-struct Gathered {
+struct NeighbourRay {
     vec4 key;   // what its weight goes by; 0 in w for no ray, negative for a miss
     vec4 color; // of the hit, and its fade in a
 };
 
 // A pixel's or a cell's reflection is a weighted mean of rays.
-struct Sum {
+struct RaySum {
     vec4 color;    // and fade
     float weight;  // of all rays
     float hits;    // of those that hit
     float squares; // of the weights of all rays
 };
 
-const Sum NO_RAYS = Sum(vec4(0.0), 0.0, 0.0, 0.0);
+const RaySum NO_RAYS = RaySum(vec4(0.0), 0.0, 0.0, 0.0);
 
-void Add(inout Sum sum, float weight, bool hit, vec4 color) {
+void AddRay(inout RaySum sum, float weight, bool hit, vec4 color) {
     float hits = hit ? weight : 0.0;
     sum.weight += weight;
     sum.color += hits * color;
@@ -41,7 +41,7 @@ void Add(inout Sum sum, float weight, bool hit, vec4 color) {
 
 // Reflection colour, and its fade in a. What rays missed is black. Over another reflection it is not: what the
 // rays hit has its own colour, and fades by how many miss. The product is the same, by the fade that 16 bits hold.
-vec4 Reflection(Sum sum) {
+vec4 ReflectionFromSum(RaySum sum) {
     if (!(sum.hits > 0.0))
         return vec4(0.0);
     vec4 reflection = vec4(sum.color.rgb / sum.weight, sum.color.a / sum.hits);

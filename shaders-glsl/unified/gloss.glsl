@@ -30,12 +30,12 @@ struct Lobe {
 };
 
 // The lobe of a pixel, of whose point the direction alone counts.
-Lobe LobeOf(vec3 point, vec3 normal, float roughness) {
-    return Lobe(normal, MirrorDirection(Sight(point), normal), LobePower(roughness));
+Lobe MakeLobe(vec3 point, vec3 normal, float roughness) {
+    return Lobe(normal, MirrorDirection(ViewDirection(point), normal), LobePower(roughness));
 }
 
 // What a ray saw.
-struct Seen {
+struct LobeSample {
     bool is_hit;
     float density; // that it was sampled with: see LogDensity
     vec4 color;    // of the hit, and its fade in a; a miss is 0
@@ -53,16 +53,16 @@ float FootprintLevel(vec3 point, vec3 there, float density, float share) {
 // How much two lobes of a power have in common, around the mirror directions of two unit normals that are a chord
 // apart: the integral of their product over that of one's square. Normals that are d apart turn the directions by
 // 2 d, and for Gaussian lobes of variance 1 / alpha that is exp(-alpha d^2).
-float Overlap(vec3 chord, float power) {
+float LobeOverlap(vec3 chord, float power) {
     return exp2(-LOG2_E * power * dot(chord, chord));
 }
 
 // The point of the pattern that is a pixel's or a cell's: of side x side points, dealt out so that each square of that
 // side holds all; point i of the rank-1 lattice with the generator (1, g), at a place in its stratum. With each frame of a
 // history the points are dealt out otherwise, and stand at another place.
-vec2 LatticePoint(ivec2 at, int side, int g, vec2 place) {
+vec2 LatticePoint(ivec2 texel, int side, int g, vec2 place) {
     int n = side * side;
-    int i = (at.x + side * at.y + unified.turn % n) % n;
+    int i = (texel.x + side * texel.y + unified.turn % n) % n;
     return (vec2(i, (i * g) % n) + fract(place + SequencePoint(unified.turn))) / float(n);
 }
 
@@ -73,14 +73,14 @@ vec2 LatticePoint(ivec2 at, int side, int g, vec2 place) {
 
 #define NO_RECORD uvec4(0)
 
-struct Record {
+struct RayRecord {
     vec3 mirror; // the lobe's middle, a unit vector
     float root;  // of alpha + 1; negative for a miss; 0 for no ray
     vec4 color;  // of the hit, and its fade in a; a miss is 0
 };
 
 uint PackMirror(vec3 mirror) {
-    return packSnorm2x16(Octahedral(mirror));
+    return packSnorm2x16(EncodeOctahedral(mirror));
 }
 
 // A record whose mirror is packed.
@@ -88,9 +88,9 @@ uvec4 PackRecord(uint mirror, float root, vec4 color) {
     return uvec4(mirror, floatBitsToUint(root), packHalf2x16(color.rg), packHalf2x16(color.ba));
 }
 
-Record Unpack(uvec4 words) {
-    return Record(FromOctahedral(unpackSnorm2x16(words.x)), uintBitsToFloat(words.y),
-                  vec4(unpackHalf2x16(words.z), unpackHalf2x16(words.w)));
+RayRecord UnpackRecord(uvec4 words) {
+    return RayRecord(DecodeOctahedral(unpackSnorm2x16(words.x)), uintBitsToFloat(words.y),
+                     vec4(unpackHalf2x16(words.z), unpackHalf2x16(words.w)));
 }
 
 #else
@@ -110,16 +110,16 @@ struct WideCell {
     bool is_mixed;   // some pixel of the cell has none
 };
 
-WideCell FindWide(ivec2 cell) {
+WideCell FindWideCell(ivec2 cell) {
     WideCell wide = WideCell(CellPixel(cell), 0.0, false);
     ivec2 turned = wide.pixel & 1;
     // Every pixel loads all four. Mesa 25 leaves out a load that no pixel inside the image waits for, though pixels beyond the
-    // border, whose normals count in the derivatives of Turn, do.
+    // border, whose normals count in BlockDifferences, do.
     for (int i = 0; i < 4; ++i) {
         ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
         vec2 material = imageLoad(material_buffer, p).rg;
         float depth = DepthAt(p);
-        bool is_wide = Reflects(material) && ListOf(material) == WIDE_LIST && depth > 0.0;
+        bool is_wide = Reflects(material) && TileListOf(material) == WIDE_LIST && depth > 0.0;
         wide.is_mixed = wide.is_mixed || !is_wide;
         if (is_wide && !(wide.roughness > 0.0)) {
             wide.pixel = p;

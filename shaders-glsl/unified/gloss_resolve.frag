@@ -19,12 +19,12 @@ layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not o
 #if defined(NARROW) || defined(CELLS)
 
 // What the other pixel along an axis has. `outward` is that of the pixel that asks, along this axis.
-Gathered AcrossX(Gathered r, int outward) {
-    return Gathered(r.key - float(outward) * dFdxFine(r.key), r.color - float(outward) * dFdxFine(r.color));
+NeighbourRay RayFromNeighbourX(NeighbourRay r, int outward) {
+    return NeighbourRay(r.key - float(outward) * dFdxFine(r.key), r.color - float(outward) * dFdxFine(r.color));
 }
 
-Gathered AcrossY(Gathered r, int outward) {
-    return Gathered(r.key - float(outward) * dFdyFine(r.key), r.color - float(outward) * dFdyFine(r.color));
+NeighbourRay RayFromNeighbourY(NeighbourRay r, int outward) {
+    return NeighbourRay(r.key - float(outward) * dFdyFine(r.key), r.color - float(outward) * dFdyFine(r.color));
 }
 
 #endif
@@ -34,48 +34,48 @@ Gathered AcrossY(Gathered r, int outward) {
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out vec4 out_surface;
 
-Gathered Load(ivec2 cell) {
-    ivec2 at = Nearest(cell);
-    return Load(at, IsDrawn(at));
+NeighbourRay LoadCellRay(ivec2 cell) {
+    ivec2 clamped_cell = ClampCell(cell);
+    return LoadCellRay(clamped_cell, IsDrawn(clamped_cell));
 }
 
 // Gathers a ray, and the one that the other cell of the block along y has in its place.
-void GatherBoth(inout CellSum sum, Here here, Gathered ray, int outward) {
-    Gather(sum, here, ray);
-    Gather(sum, here, AcrossY(ray, outward));
+void GatherWithNeighbour(inout CellSum sum, GatherPoint centre, NeighbourRay ray, int outward) {
+    GatherRay(sum, centre, ray);
+    GatherRay(sum, centre, RayFromNeighbourY(ray, outward));
 }
 
 // The rays of a row, the first of which is two cells inwards, and those that the other cell of the block along y has in their places.
-void GatherRows(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
+void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     // The other cell of the block along x hands on the rays between those that are loaded.
-    Gathered inner = Load(cell - ivec2(2 * outward.x, 0));
-    Gathered middle = Load(cell);
-    GatherBoth(sum, here, inner, outward.y);
-    GatherBoth(sum, here, AcrossX(middle, outward.x), outward.y);
-    GatherBoth(sum, here, middle, outward.y);
-    GatherBoth(sum, here, AcrossX(inner, outward.x), outward.y);
-    GatherBoth(sum, here, Load(cell + ivec2(2 * outward.x, 0)), outward.y);
+    NeighbourRay inner = LoadCellRay(cell - ivec2(2 * outward.x, 0));
+    NeighbourRay middle = LoadCellRay(cell);
+    GatherWithNeighbour(sum, centre, inner, outward.y);
+    GatherWithNeighbour(sum, centre, RayFromNeighbourX(middle, outward.x), outward.y);
+    GatherWithNeighbour(sum, centre, middle, outward.y);
+    GatherWithNeighbour(sum, centre, RayFromNeighbourX(inner, outward.x), outward.y);
+    GatherWithNeighbour(sum, centre, LoadCellRay(cell + ivec2(2 * outward.x, 0)), outward.y);
 }
 
 // Row by row and not in a loop, which SwiftShader of Chromium 156 compiles for minutes in gigabytes.
-void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward) {
+void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     ivec2 y = ivec2(0, 2 * outward.y);
-    GatherRows(sum, here, cell - y, outward);
-    GatherRows(sum, here, cell, outward);
-    Gathered inner = Load(cell + y - ivec2(2 * outward.x, 0));
-    Gathered middle = Load(cell + y);
-    Gather(sum, here, inner);
-    Gather(sum, here, AcrossX(middle, outward.x));
-    Gather(sum, here, middle);
-    Gather(sum, here, AcrossX(inner, outward.x));
-    Gather(sum, here, Load(cell + 2 * outward));
+    GatherTwoRows(sum, centre, cell - y, outward);
+    GatherTwoRows(sum, centre, cell, outward);
+    NeighbourRay inner = LoadCellRay(cell + y - ivec2(2 * outward.x, 0));
+    NeighbourRay middle = LoadCellRay(cell + y);
+    GatherRay(sum, centre, inner);
+    GatherRay(sum, centre, RayFromNeighbourX(middle, outward.x));
+    GatherRay(sum, centre, middle);
+    GatherRay(sum, centre, RayFromNeighbourX(inner, outward.x));
+    GatherRay(sum, centre, LoadCellRay(cell + 2 * outward));
 }
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
     // A reach of two cells can touch only these of the tiles beside this one.
-    LookAround(cell, 1 - 2 * ivec2(lessThan(cell & (CELLS_TO_A_TILE - 1), ivec2(2))));
-    Cell resolved = CellOf(cell);
+    LoadNeighbourTiles(cell, 1 - 2 * ivec2(lessThan(cell & (CELLS_TO_A_TILE - 1), ivec2(2))));
+    ResolvedCell resolved = ResolveCell(cell);
     out_reflection = resolved.reflection;
     out_surface = resolved.surface;
 }
@@ -87,35 +87,35 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 
 #ifdef NARROW
 
-Gathered OwnRay(ivec2 pixel) {
+NeighbourRay LoadPixelRay(ivec2 pixel) {
     // A block at the edge of an image of odd size reaches beyond the image.
     bool inside = all(lessThan(pixel, unified.size));
-    return Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+    return UnpackNeighbourRay(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
 }
 
-void GatherAround(inout Around around, Gathered own, ivec2 pixel) {
-    ivec2 outward = Outward(pixel);
-    Gathered across = AcrossX(own, outward.x);
-    Gather(around, own, across);
-    Gather(around, own, AcrossY(own, outward.y));
-    Gather(around, own, AcrossY(across, outward.y));
-    Gathered beside = Load(pixel + ivec2(outward.x, 0));
-    Gather(around, own, beside);
-    Gather(around, own, AcrossY(beside, outward.y));
-    Gathered under = Load(pixel + ivec2(0, outward.y));
-    Gather(around, own, under);
-    Gather(around, own, AcrossX(under, outward.x));
-    Gather(around, own, Load(pixel + outward));
+void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
+    ivec2 outward = DirectionOutOfBlock(pixel);
+    NeighbourRay across = RayFromNeighbourX(own, outward.x);
+    GatherRay(statistics, own, across);
+    GatherRay(statistics, own, RayFromNeighbourY(own, outward.y));
+    GatherRay(statistics, own, RayFromNeighbourY(across, outward.y));
+    NeighbourRay beside = LoadNeighbourRay(pixel + ivec2(outward.x, 0));
+    GatherRay(statistics, own, beside);
+    GatherRay(statistics, own, RayFromNeighbourY(beside, outward.y));
+    NeighbourRay under = LoadNeighbourRay(pixel + ivec2(0, outward.y));
+    GatherRay(statistics, own, under);
+    GatherRay(statistics, own, RayFromNeighbourX(under, outward.x));
+    GatherRay(statistics, own, LoadNeighbourRay(pixel + outward));
 }
 
 #endif
 
 void main() {
-    Shown shown;
-    if (!Show(ivec2(gl_FragCoord.xy), shown))
+    PixelOutput result;
+    if (!ShadePixel(ivec2(gl_FragCoord.xy), result))
         discard;
-    out_color = shown.color;
-    out_reflection = shown.reflection;
+    out_color = result.color;
+    out_reflection = result.reflection;
 }
 
 #endif

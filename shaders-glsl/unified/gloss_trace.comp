@@ -25,9 +25,9 @@ void main() {
     ivec2 pixel;
     if (!ThreadTexel(NARROW_LIST, 0, pixel) || !IsInside(pixel, 0))
         return;
-    uvec2 told;
-    imageStore(record_image, pixel, RecordOf(pixel, told));
-    TellEnd(pixel, told);
+    uvec2 ray_end;
+    imageStore(record_image, pixel, TraceNarrowPixel(pixel, ray_end));
+    StoreRayEnd(pixel, ray_end);
 }
 
 #else
@@ -37,25 +37,25 @@ layout(binding = 12, rgba16f) uniform writeonly image2D seen_image;
 
 shared vec3 units[GROUP_SIDE * GROUP_SIDE];
 
-void Turn(vec3 unit, out vec3 across, out vec3 along) {
-    uint at = gl_LocalInvocationIndex;
-    units[at] = unit;
+void BlockDifferences(vec3 unit, out vec3 across, out vec3 along) {
+    uint thread = gl_LocalInvocationIndex;
+    units[thread] = unit;
     barrier();
     uint right = 1u, lower = uint(GROUP_SIDE);
-    across = units[at | right] - units[at & ~right];
-    along = units[at | lower] - units[at & ~lower];
+    across = units[thread | right] - units[thread & ~right];
+    along = units[thread | lower] - units[thread & ~lower];
 }
 
 void main() {
     ivec2 cell;
     if (!ThreadTexel(WIDE_LIST, 1, cell))
         return;
-    CellRay traced = RayOf(cell);
+    CellRay traced = TraceWideCell(cell);
     if (!IsInside(cell, 1))
         return;
     imageStore(place_image, cell, traced.place);
     imageStore(seen_image, cell, traced.color);
-    TellEnd(2 * cell, traced.told);
+    StoreRayEnd(2 * cell, traced.ray_end);
 }
 
 #endif

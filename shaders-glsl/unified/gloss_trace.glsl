@@ -26,39 +26,39 @@ layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit
 #endif
 #endif
 
-// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction. `beside` says
+// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction. `is_near` says
 // that it ended on the screen, so near to where it began that neighbours see the same elsewhere (NEAR_HIT).
-struct End {
+struct RayEnd {
     vec3 place;
-    bool beside;
-    uint met; // the number of a triangle, or NO_TRIANGLE
-    bool touches; // beside, and on another surface than the one that reflects
+    bool is_near;
+    uint triangle; // the number of a triangle, or NO_TRIANGLE
+    bool touches;  // near, and on another surface than the one that reflects
 };
 
 // What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
 #if defined(AMONG_TRIANGLES)
 
-bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
-    Among seen = SeeFrom(ray, spread);
-    color = vec4(seen.color, 1.0);
-    end = End(ToView(seen.place) / captures.view_unit, false, seen.met, false);
+bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out RayEnd end) {
+    TriangleRayResult result = TraceTrianglesFromPixel(ray, spread);
+    color = vec4(result.color, 1.0);
+    end = RayEnd(ToView(result.place) / captures.view_unit, false, result.triangle, false);
     return true;
 }
 
 #elif defined(CONFIRMED)
 
-bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
+bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out RayEnd end) {
     Hit hit = Traverse(ray);
-    Confirmed confirmed;
+    ConfirmedHit confirmed;
     color = vec4(0.0);
-    end = End(ray.direction, false, NO_TRIANGLE, false);
-    if (!(hit.code == PATH_HI_Z && Confirm(ray, hit.pixel, confirmed))) {
-        PushFromPixel(uvec2(at), ray, spread);
+    end = RayEnd(ray.direction, false, NO_TRIANGLE, false);
+    if (!(hit.code == PATH_HI_Z && ConfirmHit(ray, hit.pixel, confirmed))) {
+        PushPixelRay(uvec2(record_texel), ray, spread);
         return false;
     }
-    Among seen = SeeConfirmed(confirmed, spread);
-    color = vec4(seen.color, 1.0);
-    end = End(ToView(seen.place) / captures.view_unit, false, seen.met, false);
+    TriangleRayResult result = ShadeConfirmedHit(confirmed, spread);
+    color = vec4(result.color, 1.0);
+    end = RayEnd(ToView(result.place) / captures.view_unit, false, result.triangle, false);
     return true;
 }
 
@@ -67,40 +67,40 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
 // The lit colour of the screen over a footprint as wide as the texels of a level of the chain. They have mixed surfaces, and all that
 // are around the place count. The share of a texel that is sky (1 - a) has the colour of `along`, which is the sky along the ray.
 // The level is a whole one: the mean of several rays hides the step between two.
-vec3 ColorOver(vec2 position, int level, vec3 along) {
+vec3 SampleColorChain(vec2 position, int level, vec3 along) {
     vec4 seen = textureLod(color_chain, position * unified.pixel_to_clip, float(level - 1));
     float sky = unified.sky != 0 ? max(1.0 - seen.a, 0.0) : 0.0;
     return Sound(seen.rgb) + sky * along;
 }
 
-bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out End end) {
+bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out RayEnd end) {
     Hit hit = Traverse(ray);
-    vec3 along = SkyAlong(ray.direction);
+    vec3 along = SampleSkyView(ray.direction);
     vec3 point = ViewPoint(ray.start, ray.depth);
     color = vec4(0.0);
-    end = End(ray.direction, false, NO_TRIANGLE, false);
+    end = RayEnd(ray.direction, false, NO_TRIANGLE, false);
     if (EndsInSky(ray, hit)) {
         color = vec4(along, 1.0);
         end.place = point + FAR_SKY * ray.direction;
         return true;
     }
-    PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    bool hits = hit.code == PATH_HI_Z, is_far = GoesFar(ray, hit);
+    PushIfLost(uvec2(record_texel), ray, hit, 0.0, spread);
+    bool hits = hit.code == PATH_HI_Z, is_far = LeavesThroughFarPlane(ray, hit);
     if (!hits && !is_far)
         return false;
-    Mirrored mirrored = MirroredAt(hit, point, normal, ray.direction, along);
-    if (!hits && !mirrored.is_sky)
+    ScreenHitColor screen_hit = SampleScreenHit(hit, point, normal, ray.direction, along);
+    if (!hits && !screen_hit.is_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
     if (hits)
-        end = End(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE, false);
+        end = RayEnd(there, max(away.x, away.y) < NEAR_HIT, NO_TRIANGLE, false);
     else
         end.place = point + FAR_SKY * ray.direction;
     int level = int(min(FootprintLevel(point, there, density, share) + 0.5, float(textureQueryLevels(color_chain))));
-    vec3 seen = level > 0 ? ColorOver(hit.position, level, along) : mirrored.color;
-    color = vec4(seen, Fade(hit.position * unified.pixel_to_clip));
-    end.touches = end.beside && !mirrored.is_its;
+    vec3 lit = level > 0 ? SampleColorChain(hit.position, level, along) : screen_hit.color;
+    color = vec4(lit, Fade(hit.position * unified.pixel_to_clip));
+    end.touches = end.is_near && !screen_hit.is_reflector;
     return true;
 }
 
@@ -109,29 +109,30 @@ bool Look(ivec2 at, Ray ray, vec3 normal, float spread, float density, float sha
 // The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of those that neighbours
 // gather, with which it has a part of its lobe in common. The lobe is covered by so many footprints; the smaller that
 // part is, the fewer, down to one in the middle that stands for the whole lobe.
-// `at` is the pixel or cell whose record the ray is for.
-Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part, out End end) {
+// `record_texel` is the pixel or cell whose record the ray is for.
+LobeSample TraceLobeSample(ivec2 record_texel, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part,
+                           out RayEnd end) {
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
     float log_rest = log2(1.0 - u.x);
     float density = LogDensity(lobe.power, log_rest);
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
-    Seen seen = Seen(false, density, vec4(0.0));
-    end = End(direction, false, NO_TRIANGLE, false);
+    LobeSample lobe_sample = LobeSample(false, density, vec4(0.0));
+    end = RayEnd(direction, false, NO_TRIANGLE, false);
     // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
-        return seen;
+        return lobe_sample;
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
     float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
     Ray ray = RayAlong(pixel, depth, direction);
-    seen.is_hit = Look(at, ray, lobe.normal, spread, density, share, seen.color, end);
-    return seen;
+    lobe_sample.is_hit = TraceGlossyRay(record_texel, ray, lobe.normal, spread, density, share, lobe_sample.color, end);
+    return lobe_sample;
 }
 
 // What a history is told of where a ray ended (unified/ends.glsl).
-uvec2 Told(vec3 point, Seen seen, End end) {
-    return seen.is_hit ? uvec2(floatBitsToUint(distance(point, end.place)), end.met) : uvec2(0u);
+uvec2 PackRayEnd(vec3 point, LobeSample lobe_sample, RayEnd end) {
+    return lobe_sample.is_hit ? uvec2(floatBitsToUint(distance(point, end.place)), end.triangle) : uvec2(0u);
 }
 
 #ifdef NARROW
@@ -147,24 +148,24 @@ const bool SPREADS = false;
 const float PATTERN_PART = SPREADS ? 1.0 : NARROW_PART;
 const float PATTERN_FOOTPRINTS = SPREADS ? 9.0 : NARROW_FOOTPRINTS;
 
-uvec4 RecordOf(ivec2 pixel, out uvec2 told) {
-    told = uvec2(0u);
+uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
+    ray_end = uvec2(0u);
     vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
-    bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;
+    bool narrow = Reflects(material) && TileListOf(material) == NARROW_LIST;
     if (!narrow || !(depth > 0.0) || !(dot(normal, normal) > 0.0))
         return NO_RECORD;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-    Lobe lobe = LobeOf(point, normal, material.g);
+    Lobe lobe = MakeLobe(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     // Packed before the ray is followed, since a walk has no register to spare.
     uint mirror = PackMirror(lobe.mirror);
     float root = sqrt(lobe.power);
-    End end;
-    Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * PATTERN_PART, u.y), PATTERN_FOOTPRINTS, 1.0, end);
-    told = Told(point, seen, end);
-    return PackRecord(mirror, seen.is_hit ? root : -root, seen.color);
+    RayEnd end;
+    LobeSample lobe_sample = TraceLobeSample(pixel, pixel, depth, lobe, vec2(u.x * PATTERN_PART, u.y), PATTERN_FOOTPRINTS, 1.0, end);
+    ray_end = PackRayEnd(point, lobe_sample, end);
+    return PackRecord(mirror, lobe_sample.is_hit ? root : -root, lobe_sample.color);
 }
 
 #else
@@ -179,28 +180,28 @@ const bool MARKS_NEAR = OWN_RAYS > 0;
 
 // How a unit vector turns from texel to texel: the differences along both axes within a block of 2 x 2, right less left
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
-void Turn(vec3 unit, out vec3 across, out vec3 along);
+void BlockDifferences(vec3 unit, out vec3 across, out vec3 along);
 
 // Where the ray of a point ended (ViewPoint's scale), put far away if it is near, or the direction of a miss.
-vec3 Place(vec3 point, End end) {
-    return end.beside ? point + FAR_AWAY * (end.place - point) : end.place;
+vec3 RecordedPlace(vec3 point, RayEnd end) {
+    return end.is_near ? point + FAR_AWAY * (end.place - point) : end.place;
 }
 
 struct CellRay {
     vec4 place; // and the ray's density; all is 0 for no ray
     vec4 color;
-    uvec2 told;
+    uvec2 ray_end;
 };
 
-// The ray of a cell. A cell beyond the border has none, but its thread must call this as well: Turn takes part of it.
-CellRay RayOf(ivec2 cell) {
+// The ray of a cell. A cell beyond the border has none, but its thread must call this as well, for BlockDifferences.
+CellRay TraceWideCell(ivec2 cell) {
     CellRay traced = CellRay(vec4(0.0), vec4(0.0), uvec2(0u));
-    WideCell wide = FindWide(cell);
+    WideCell wide = FindWideCell(cell);
     ivec2 pixel = wide.pixel;
     // The pixel of a cell at the edge that has no wide lobe may lie beyond the image.
     vec3 normal = all(lessThan(pixel, unified.size)) ? imageLoad(normal_buffer, pixel).xyz : vec3(0.0);
     vec3 turn_x, turn_y;
-    Turn(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
+    BlockDifferences(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
     if (wide.roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
         // Cells of one direction in squares side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
@@ -208,11 +209,12 @@ CellRay RayOf(ivec2 cell) {
         vec2 u = LatticePoint(cell, 5, 7, stratum);
         float depth = DepthAt(pixel);
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-        Lobe lobe = LobeOf(point, normal, wide.roughness);
-        float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
-        End end;
-        Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
-        traced = CellRay(vec4(Place(point, end), seen.is_hit ? seen.density : -seen.density), seen.color, Told(point, seen, end));
+        Lobe lobe = MakeLobe(point, normal, wide.roughness);
+        float common_part = 0.5 * (LobeOverlap(turn_x, lobe.power) + LobeOverlap(turn_y, lobe.power));
+        RayEnd end;
+        LobeSample lobe_sample = TraceLobeSample(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
+        traced = CellRay(vec4(RecordedPlace(point, end), lobe_sample.is_hit ? lobe_sample.density : -lobe_sample.density),
+                         lobe_sample.color, PackRayEnd(point, lobe_sample, end));
         traced.color.a += MARKS_NEAR && end.touches ? ENDED_NEAR : 0.0;
     }
     return traced;

@@ -19,7 +19,7 @@ layout(std430, binding = 10) readonly buffer Counts {
 };
 
 // The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is that of
-// GroupsToATile. A thread may stand beyond the border of the image.
+// GroupsPerTile. A thread may stand beyond the border of the image.
 bool ThreadTexel(int list, int halve, out ivec2 texel) {
     texel = ivec2(gl_GlobalInvocationID.xy);
     if (WHOLE)
@@ -29,7 +29,7 @@ bool ThreadTexel(int list, int halve, out ivec2 texel) {
         return false;
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[list * count.x * count.y + int(index)]);
-    int part = int(gl_WorkGroupID.x), parts = GroupsToATile(halve);
+    int part = int(gl_WorkGroupID.x), parts = GroupsPerTile(halve);
     ivec2 group = tile * parts + ivec2(part % parts, part / parts);
     texel = group * GROUP_SIDE + ivec2(gl_LocalInvocationID.xy);
     return true;

@@ -17,10 +17,10 @@ layout(binding = 13, rgba32f) uniform writeonly image2D hits_image; // any image
 
 void main() {
     ivec2 pixel;
-    Shown shown;
-    if (!ThreadTexel(MIRROR_LIST, 0, pixel) || !IsInside(pixel, 0) || !Show(pixel, shown))
+    PixelOutput result;
+    if (!ThreadTexel(MIRROR_LIST, 0, pixel) || !IsInside(pixel, 0) || !ShadePixel(pixel, result))
         return;
-    Store(pixel, shown.color, shown.reflection);
+    StorePixel(pixel, result.color, result.reflection);
     if (HITS)
-        imageStore(hits_image, pixel, shown.hit);
+        imageStore(hits_image, pixel, result.hit);
 }

@@ -12,11 +12,11 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 layout(location = 2) out vec4 out_hit;        // where it is wanted
 
 void main() {
-    Shown shown;
-    if (!Show(ivec2(gl_FragCoord.xy), shown))
+    PixelOutput result;
+    if (!ShadePixel(ivec2(gl_FragCoord.xy), result))
         discard;
-    out_color = shown.color;
-    out_reflection = shown.reflection;
+    out_color = result.color;
+    out_reflection = result.reflection;
     if (HITS)
-        out_hit = shown.hit;
+        out_hit = result.hit;
 }

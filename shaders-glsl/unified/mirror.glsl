@@ -32,7 +32,7 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 #endif
 #endif
 
-struct Shown {
+struct PixelOutput {
     vec4 color;      // lit colour + reflectivity * fade * reflection; or the reflection
     vec4 reflection; // colour, and fade in a; a miss is 0
     vec4 hit;        // with HITS: texture coordinates, standard depth, PATH_*
@@ -44,17 +44,17 @@ vec4 LitColorAt(ivec2 pixel) {
 }
 
 // False for a pixel that is left as it is.
-bool Show(ivec2 pixel, out Shown shown) {
+bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
-    shown.reflection = vec4(0.0);
-    shown.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
-    if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
+    result.reflection = vec4(0.0);
+    result.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
+    if (!WHOLE && (!traced || TileListOf(material) != MIRROR_LIST))
         return false;
     if (!traced) {
-        shown.color = LitColorAt(pixel);
+        result.color = LitColorAt(pixel);
         return true;
     }
     bool faces;
@@ -62,26 +62,26 @@ bool Show(ivec2 pixel, out Shown shown) {
     float spread = PixelSpread();
 #ifdef AMONG_TRIANGLES
     if (faces) {
-        Among seen = SeeFrom(ray, spread);
-        shown.reflection = vec4(seen.color, 1.0);
-        shown.hit = vec4(seen.place, float(seen.code));
+        TriangleRayResult triangle_result = TraceTrianglesFromPixel(ray, spread);
+        result.reflection = vec4(triangle_result.color, 1.0);
+        result.hit = vec4(triangle_result.place, float(triangle_result.code));
     }
-    shown.color = LitColorAt(pixel);
-    vec3 color = shown.color.rgb + material.x * shown.reflection.rgb;
-    shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;
+    result.color = LitColorAt(pixel);
+    vec3 color = result.color.rgb + material.x * result.reflection.rgb;
+    result.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), result.color.a) : result.reflection;
 #else
     Hit hit = Traverse(ray);
     bool is_hit = hit.code == PATH_HI_Z && faces;
     bool in_sky = faces && EndsInSky(ray, hit);
 #ifdef CONFIRMED
-    Among seen = Among(vec3(0.0), vec3(0.0), PATH_NONE, NO_TRIANGLE);
-    Confirmed confirmed;
-    bool shows = is_hit && Confirm(ray, hit.pixel, confirmed);
+    TriangleRayResult triangle_result = TriangleRayResult(vec3(0.0), vec3(0.0), PATH_NONE, NO_TRIANGLE);
+    ConfirmedHit confirmed;
+    bool shows = is_hit && ConfirmHit(ray, hit.pixel, confirmed);
     if (shows) {
-        seen = SeeConfirmed(confirmed, spread);
-        shown.reflection = vec4(seen.color, 1.0);
+        triangle_result = ShadeConfirmedHit(confirmed, spread);
+        result.reflection = vec4(triangle_result.color, 1.0);
     } else if (faces) {
-        PushFromPixel(uvec2(pixel), ray, spread);
+        PushPixelRay(uvec2(pixel), ray, spread);
     }
 #else
     // Handed on before anything is asked of the screen, while nothing else is held.
@@ -90,30 +90,30 @@ bool Show(ivec2 pixel, out Shown shown) {
         float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
         PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
-    bool is_far = GoesFar(ray, hit);
-    vec3 along = SkyAlong(ray.direction);
-    Mirrored mirrored = MirroredAt(hit, ViewPoint(ray.start, depth), normal, ray.direction, along);
-    bool shows = is_hit || in_sky || (faces && is_far && mirrored.is_sky);
+    bool is_far = LeavesThroughFarPlane(ray, hit);
+    vec3 along = SampleSkyView(ray.direction);
+    ScreenHitColor screen_hit = SampleScreenHit(hit, ViewPoint(ray.start, depth), normal, ray.direction, along);
+    bool shows = is_hit || in_sky || (faces && is_far && screen_hit.is_sky);
     if (shows) {
         float fade = Fade(hit.position * unified.pixel_to_clip);
-        shown.reflection = in_sky ? vec4(along, 1.0) : vec4(mirrored.color, fade);
+        result.reflection = in_sky ? vec4(along, 1.0) : vec4(screen_hit.color, fade);
     }
 #endif
-    shown.color = LitColorAt(pixel);
+    result.color = LitColorAt(pixel);
     if (shows) {
-        vec3 color = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;
-        shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;
+        vec3 color = result.color.rgb + material.x * result.reflection.a * result.reflection.rgb;
+        result.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), result.color.a) : result.reflection;
     }
     if (HITS) {
         precise vec2 uv = hit.position * unified.pixel_to_clip;
         precise float hit_depth = 1.0 - hit.depth;
         vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
-        int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
-        shown.hit = vec4(place, float(code));
+        int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? MissCode(ray) : hit.code;
+        result.hit = vec4(place, float(code));
 #ifdef CONFIRMED
         // A confirmed hit is known better than the screen shows it.
         if (shows)
-            shown.hit = vec4(seen.place, float(seen.code));
+            result.hit = vec4(triangle_result.place, float(triangle_result.code));
 #endif
     }
 #endif

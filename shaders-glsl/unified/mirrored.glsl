@@ -17,41 +17,41 @@ void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float
     counted += share;
 }
 
-struct Mirrored {
-    vec3 color;  // lit, between the four pixels around it that count; that of the pixel that was hit where none does
-    bool is_sky; // that pixel shows sky
-    bool is_its; // that pixel shows the surface that reflects
+struct ScreenHitColor {
+    vec3 color;        // lit, between the four pixels around it that count; that of the pixel that was hit where none does
+    bool is_sky;       // that pixel shows sky
+    bool is_reflector; // that pixel shows the surface that reflects
 };
 
 // `along` is the sky along the ray, which sky and what shows it have: it is looked up once, since a device that takes both ways of
 // a branch pays for every look. Loads stand before what they decide, so that the pixel that was hit is not loaded twice.
-Mirrored MirroredAt(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
+ScreenHitColor SampleScreenHit(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
     precise vec2 from_middle = hit.position - 0.5;
     vec2 low = floor(from_middle), part = from_middle - low;
     ivec2 last = unified.size - 1;
     float depths[4];
     float own = 0.0;
     for (int i = 0; i < 4; ++i) {
-        ivec2 here = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last);
-        depths[i] = BLOCK_AT(PixelTexel(here)).x;
-        own = here == hit.pixel ? depths[i] : own;
+        ivec2 pixel = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last);
+        depths[i] = BLOCK_AT(PixelTexel(pixel)).x;
+        own = pixel == hit.pixel ? depths[i] : own;
     }
-    Seeing from = SeeingFrom(point, normal, direction, hit.pixel, own);
+    VisibilityTest test = MakeVisibilityTest(point, normal, direction, hit.pixel, own);
     precise vec4 sum = vec4(0.0);
     precise float counted = 0.0;
     vec4 own_color = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 here = clamp(ivec2(low) + next, ivec2(0), last);
+        ivec2 pixel = clamp(ivec2(low) + next, ivec2(0), last);
         vec2 weight = mix(1.0 - part, part, vec2(next));
-        vec4 seen = ScreenColor(here);
-        AddTexel(sum, counted, seen, IsSeen(from, vec2(here) + 0.5, depths[i]), weight.x * weight.y);
-        own_color = here == hit.pixel ? seen : own_color;
+        vec4 seen = ScreenColor(pixel);
+        AddTexel(sum, counted, seen, IsVisibleAlongRay(test, vec2(pixel) + 0.5, depths[i]), weight.x * weight.y);
+        own_color = pixel == hit.pixel ? seen : own_color;
     }
     float whole = 1.0 / max(counted, 1e-6);
     vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
     vec3 alone = ShowsSky(own_color) ? along : Sound(own_color.rgb);
-    return Mirrored(counted > 0.0 ? between : alone, own < 0.0, from.is_its);
+    return ScreenHitColor(counted > 0.0 ? between : alone, own < 0.0, test.is_reflector);
 }
 
 #endif

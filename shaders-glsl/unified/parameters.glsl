@@ -35,7 +35,7 @@ bool Reflects(vec2 material) {
 
 // Tiles of pixels are what the classification finds and the passes are drawn over. A tile stands on the list of each
 // kind of reflector that it has a pixel of, on several if it has several. The list of a pixel that reflects:
-int ListOf(vec2 material) {
+int TileListOf(vec2 material) {
     return material.y > WIDE_ABOVE ? WIDE_LIST : material.y > 0.0 ? NARROW_LIST : MIRROR_LIST;
 }
 
@@ -54,7 +54,7 @@ ivec2 UnpackTile(uint word) {
 
 // Workgroups of a compute program along a side of a tile. `halve` is 1 where the images that the program writes have a
 // texel for 2 x 2 pixels, else 0.
-int GroupsToATile(int halve) {
+int GroupsPerTile(int halve) {
     return (TILE_SIDE >> halve) / GROUP_SIDE;
 }
 

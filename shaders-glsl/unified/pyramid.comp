@@ -41,23 +41,23 @@ float Reciprocal(float depth) {
 
 // How far behind a pixel its neighbour stands, as a share of the pixel's own view depth, or in depth if rays of sight are
 // parallel; negative where it stands before it.
-float Behind(float depth, vec2 neighbour) {
+float DepthBehind(float depth, vec2 neighbour) {
     precise float behind = (depth - neighbour.x) * neighbour.y;
     return mix(-NOTHING, behind, neighbour.y > 0.0);
 }
 
 // What a surface spans in depth across its pixel along an axis, from the neighbours to both sides. What stands far before both
 // is thinner than two pixels, and they say nothing of it.
-float Span(float depth, vec2 before, vec2 after) {
+float DepthSpan(float depth, vec2 before, vec2 after) {
     precise float thin = THIN * mix(1.0, unified.reach * unified.depth_offset, ORTHOGRAPHIC);
-    float a = Behind(depth, before), b = Behind(depth, after);
+    float a = DepthBehind(depth, before), b = DepthBehind(depth, after);
     float span = min(abs(a), abs(b));
     return mix(0.0, span, all(bvec2(span < NOTHING, min(a, b) <= thin)));
 }
 
 // Front and back of a pixel; each neighbour with its Reciprocal.
-vec2 Block(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
-    float x = Span(depth, left, right), y = Span(depth, up, down);
+vec2 DepthBlock(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
+    float x = DepthSpan(depth, left, right), y = DepthSpan(depth, up, down);
     // Behind what is seen in parallel; SHARE_OF_DEPTH is then of the reach.
     precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
     precise float parallel = depth - ((x + y) + least);
@@ -73,7 +73,7 @@ vec2 Union(vec2 a, vec2 b) {
 
 // A cell beyond the image or the levels is written outside of the image, where a write has no effect (Vulkan, "Texel Output
 // Coordinate Validation"): a branch for each write would hold a mask each.
-void Store(ivec2 cell, int level, vec2 block) {
+void StoreCell(ivec2 cell, int level, vec2 block) {
     bool inside = all(bvec3(level <= unified.top_level, lessThan(cell, unified.padded >> level)));
     imageStore(pyramid, mix(ivec2(-1), CellTexel(cell, level), bvec2(inside)), vec4(block, 0.0, 0.0));
 }
@@ -86,7 +86,7 @@ struct Rows {
 };
 
 // The depths of two by two pixels in textureGather's order, the first at p; sky beyond the image.
-vec4 Fetch(ivec2 p) {
+vec4 FetchDepths(ivec2 p) {
     // Where the four meet: no rounding can reach another texel.
     vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
     bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
@@ -98,48 +98,48 @@ vec4 Reciprocals(vec4 depths) {
 }
 
 Rows FetchRows(ivec2 p) {
-    vec4 left = Fetch(p), right = Fetch(p + ivec2(2, 0));
+    vec4 left = FetchDepths(p), right = FetchDepths(p + ivec2(2, 0));
     vec4 upper = vec4(left.wz, right.wz), lower = vec4(left.xy, right.xy);
     return Rows(upper, Reciprocals(upper), lower, Reciprocals(lower));
 }
 
 // The block of a pixel, to its place in the pyramid.
-vec2 Pixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
-    vec2 block = Block(depth, left, right, up, down);
-    Store(pixel, 0, block);
+vec2 BuildPixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
+    vec2 block = DepthBlock(depth, left, right, up, down);
+    StoreCell(pixel, 0, block);
     return block;
 }
 
-vec2 Upper(Rows rows, int x) {
+vec2 UpperPixel(Rows rows, int x) {
     return vec2(rows.upper_depth[x], rows.upper_reciprocal[x]);
 }
 
-vec2 Lower(Rows rows, int x) {
+vec2 LowerPixel(Rows rows, int x) {
     return vec2(rows.lower_depth[x], rows.lower_reciprocal[x]);
 }
 
 // Four pixels, the first of which is `pixel`, and the cell above them. They are in the middle of the lower row of `above` and of
 // the upper row of `below`.
-vec2 Quad(ivec2 pixel, Rows above, Rows below) {
-    vec2 first = Lower(above, 1), second = Lower(above, 2);
-    vec2 third = Upper(below, 1), fourth = Upper(below, 2);
-    vec2 top = Union(Pixel(pixel, first.x, Lower(above, 0), second, Upper(above, 1), third),
-                     Pixel(pixel + ivec2(1, 0), second.x, first, Lower(above, 3), Upper(above, 2), fourth));
-    vec2 bottom = Union(Pixel(pixel + ivec2(0, 1), third.x, Upper(below, 0), fourth, first, Lower(below, 1)),
-                        Pixel(pixel + 1, fourth.x, third, Upper(below, 3), second, Lower(below, 2)));
+vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
+    vec2 first = LowerPixel(above, 1), second = LowerPixel(above, 2);
+    vec2 third = UpperPixel(below, 1), fourth = UpperPixel(below, 2);
+    vec2 top = Union(BuildPixel(pixel, first.x, LowerPixel(above, 0), second, UpperPixel(above, 1), third),
+                     BuildPixel(pixel + ivec2(1, 0), second.x, first, LowerPixel(above, 3), UpperPixel(above, 2), fourth));
+    vec2 bottom = Union(BuildPixel(pixel + ivec2(0, 1), third.x, UpperPixel(below, 0), fourth, first, LowerPixel(below, 1)),
+                        BuildPixel(pixel + 1, fourth.x, third, UpperPixel(below, 3), second, LowerPixel(below, 2)));
     vec2 cell = Union(top, bottom);
-    Store(pixel >> 1, 1, cell);
+    StoreCell(pixel >> 1, 1, cell);
     return cell;
 }
 
 // A strip of 2 x 8 pixels from the one at p: what is above its upper half, and what is above its lower half. A strip is as narrow
 // as it can be, and a loop goes down along it, so that a thread holds few pixels at a time.
-vec4 Strip(ivec2 p) {
+vec4 BuildStrip(ivec2 p) {
     vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
     Rows above = FetchRows(p - 1);
     [[dont_unroll]] for (int row = 0; row < 8; row += 2) {
         Rows below = FetchRows(p + ivec2(-1, row + 1));
-        vec2 own = Quad(p + ivec2(0, row), above, below);
+        vec2 own = BuildQuad(p + ivec2(0, row), above, below);
         upper_half = mix(upper_half, cell, bvec2(row == 4));
         cell = mix(Union(cell, own), own, bvec2(row == 4));
         above = below;
@@ -153,13 +153,13 @@ void main() {
     ivec2 p = 64 * tile + 8 * local;
     vec2 cell = EMPTY_BLOCK;
     [[dont_unroll]] for (int x = 0; x < 8; x += 4) {
-        vec4 left = Strip(p + ivec2(x, 0)), right = Strip(p + ivec2(x + 2, 0));
+        vec4 left = BuildStrip(p + ivec2(x, 0)), right = BuildStrip(p + ivec2(x + 2, 0));
         vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
-        Store((p + ivec2(x, 0)) >> 2, 2, upper);
-        Store((p + ivec2(x, 4)) >> 2, 2, lower);
+        StoreCell((p + ivec2(x, 0)) >> 2, 2, upper);
+        StoreCell((p + ivec2(x, 4)) >> 2, 2, lower);
         cell = Union(cell, Union(upper, lower));
     }
-    Store(p >> 3, 3, cell);
+    StoreCell(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {
         int side = 64 >> level;
@@ -169,7 +169,7 @@ void main() {
             vec2 upper = Union(cells[below.y][below.x], cells[below.y][below.x + 1]);
             cell = Union(upper, Union(cells[below.y + 1][below.x], cells[below.y + 1][below.x + 1]));
             cells[CellRow(level) + local.y][local.x] = cell;
-            Store(side * tile + local, level, cell);
+            StoreCell(side * tile + local, level, cell);
         }
     }
 }

@@ -17,25 +17,26 @@ layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view spa
 layout(binding = 5, rgba32f) uniform readonly image2D place_image; // TraceWide
 layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
 
-struct Cell {
+struct ResolvedCell {
     vec4 reflection;
     vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none. Negative where
                   // no pixel can rely on what the cell gathered, if pixels may get rays of their own.
 };
 
 // The cell itself, or the nearest one that the image has.
-ivec2 Nearest(ivec2 cell) {
+ivec2 ClampCell(ivec2 cell) {
     return clamp(cell, ivec2(0), (unified.size - 1) >> 1);
 }
 
 // What the ray of a cell of the image saw, by its place and density (TraceWide). Of a cell that has not been drawn the
 // images hold anything.
-Gathered Load(ivec2 at, bool is_drawn) {
-    return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0),
-                    is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
+NeighbourRay LoadCellRay(ivec2 cell, bool is_drawn) {
+    return NeighbourRay(is_drawn ? imageLoad(place_image, cell) : vec4(0.0),
+                        is_drawn ? imageLoad(seen_image, cell) : vec4(0.0));
 }
 
-struct Here {
+// The lobe that a cell gathers rays for, and the point that it begins at.
+struct GatherPoint {
     vec3 point;
     Lobe lobe;
     float peak; // LogDensity in the middle of the lobe
@@ -43,7 +44,7 @@ struct Here {
 
 // The rays that a cell gathers.
 struct CellSum {
-    Sum rays;
+    RaySum rays;
     float nearest; // squared distance from here of the hit that is nearest
 };
 
@@ -51,18 +52,18 @@ struct CellSum {
 // 2 f / (f + q) is f / q where they agree, and never above 2, however little a neighbour expected what matters
 // here (the balance heuristic between the two pixels; Veach and Guibas 1995). Densities of different roughness
 // compare as they stand. The weight alone keeps foreign surfaces apart.
-void Gather(inout CellSum sum, Here here, Gathered ray) {
+void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray) {
     float density = ray.key.w;
-    vec3 to = density > 0.0 ? ray.key.xyz - here.point : ray.key.xyz;
+    vec3 to = density > 0.0 ? ray.key.xyz - centre.point : ray.key.xyz;
     // For wide lobes the cosine of an angle tells it well enough.
-    float log_cos = LogCos(1.0 - dot(to, here.lobe.mirror) * inversesqrt(dot(to, to)));
-    float weight = 2.0 / (1.0 + exp2(abs(density) - here.peak - LOG2_E * (here.lobe.power - 1.0) * log_cos));
+    float log_cos = LogCos(1.0 - dot(to, centre.lobe.mirror) * inversesqrt(dot(to, to)));
+    float weight = 2.0 / (1.0 + exp2(abs(density) - centre.peak - LOG2_E * (centre.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
     vec4 color = ray.color;
     bool ended_near = OWN_RAYS > 0 && color.a > 0.75 * ENDED_NEAR;
     color.a -= ended_near ? ENDED_NEAR : 0.0;
     // What was handed on may be a last bit below 0.
-    Add(sum.rays, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(color, 0.0));
+    AddRay(sum.rays, weight, density > 0.0 && dot(to, centre.lobe.normal) > 0.0, max(color, 0.0));
     sum.nearest = density > 0.0 ? min(sum.nearest, ended_near ? 0.0 : dot(to, to)) : sum.nearest;
 }
 
@@ -70,7 +71,7 @@ void Gather(inout CellSum sum, Here here, Gathered ray) {
 // are: 3 x 3 lie two cells apart from the cell itself. The others lie so from one of the three cells that a device shades in
 // step with it. Each of the first is followed by the one that the other cell along y hands on in its place, so that few rays are
 // held at a time. The file that includes this one defines it.
-void GatherAround(inout CellSum sum, Here here, ivec2 cell, ivec2 outward);
+void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward);
 
 // Whether a ray ended so near that the pixels around a point do not see alike. What stands there hides other things from one
 // pixel than from the next, which no weight of a neighbour's ray knows.
@@ -79,21 +80,21 @@ bool IsContact(vec3 point, float squared_distance) {
     return squared_distance < CONTACT * CONTACT * pixel * pixel;
 }
 
-Cell CellOf(ivec2 cell) {
-    WideCell wide = FindWide(cell);
+ResolvedCell ResolveCell(ivec2 cell) {
+    WideCell wide = FindWideCell(cell);
     ivec2 pixel = wide.pixel;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-    Lobe lobe = LobeOf(point, normal, wide.roughness);
-    Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
-    ivec2 outward = Outward(cell);
+    Lobe lobe = MakeLobe(point, normal, wide.roughness);
+    GatherPoint centre = GatherPoint(point, lobe, LogDensity(lobe.power, 0.0));
+    ivec2 outward = DirectionOutOfBlock(cell);
     CellSum sum = CellSum(NO_RAYS, FAR_SKY * FAR_SKY);
-    GatherAround(sum, here, cell, outward);
+    GatherNeighbours(sum, centre, cell, outward);
     bool shows = wide.roughness > 0.0;
     float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
     z = OWN_RAYS > 0 && (wide.is_mixed || IsContact(point, sum.nearest)) ? -z : z;
-    return Cell(shows ? Reflection(sum.rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
+    return ResolvedCell(shows ? ReflectionFromSum(sum.rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
 }
 
 #endif

@@ -26,7 +26,7 @@ layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 // How far the pixel that stands for a cell lies off the plane of a pixel, in tolerances, if rays of sight are parallel:
 // `beside` is by how much its distance across the view says so, and `facing` is the cosine at which the plane is seen. Its
 // depth is read again: 16 bits tell z less well than the height of the image, of which the tolerance is a share.
-float OffPlane(ivec2 cell, float depth, float beside, float facing) {
+float PlaneDistance(ivec2 cell, float depth, float beside, float facing) {
     float there = DepthAt(min(CellPixel(cell), unified.size - 1));
     return (beside + facing * (depth - there) / unified.depth_offset) / unified.reach;
 }
@@ -35,11 +35,11 @@ float OffPlane(ivec2 cell, float depth, float beside, float facing) {
 // pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
 // `agreement` is the part of these cells that is of the pixel's surface. It is 0 in a cell on which no pixel can rely: at the
 // edge of what reflects, and where something stands so near that neighbours do not see alike.
-vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power, out float agreement) {
+vec4 UpsampleCells(ivec2 pixel, float depth, vec3 normal, float power, out float agreement) {
     ivec2 last = (unified.size - 1) >> 1;
     ivec2 cell = pixel >> 1;
-    ivec2 outward = Outward(pixel);
-    LookAround(cell, outward);
+    ivec2 outward = DirectionOutOfBlock(pixel);
+    LoadNeighbourTiles(cell, outward);
     // Seen `away` pixels from here, a point at view depth z' lies off the pixel's plane by a share of the tolerance
     // that is (facing + dot(turn, away)) z' / z - facing.
     float facing = dot(normal, ViewRay(vec2(pixel) + 0.5)) / PLANE_TOLERANCE;
@@ -49,23 +49,23 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power, out float agreemen
     float agreed = 0.0, all = 0.0;
     bool is_unreliable = false;
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = clamp(cell + outward * ivec2(i & 1, i >> 1), ivec2(0), last);
-        bool is_drawn = IsDrawn(at);
-        vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
+        ivec2 sampled_cell = clamp(cell + outward * ivec2(i & 1, i >> 1), ivec2(0), last);
+        bool is_drawn = IsDrawn(sampled_cell);
+        vec4 surface = is_drawn ? imageLoad(cell_surface, sampled_cell) : vec4(0.0);
         is_unreliable = is_unreliable || (i == 0 && surface.w < 0.0);
         surface.w = abs(surface.w);
-        vec2 away = vec2(CellPixel(at) - pixel);
+        vec2 away = vec2(CellPixel(sampled_cell) - pixel);
         vec2 near = CELL_REACH - abs(away);
         float off = ORTHOGRAPHIC
-            ? OffPlane(at, depth, dot(turn, away), facing)
+            ? PlaneDistance(sampled_cell, depth, dot(turn, away), facing)
             : (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
-        float same = Overlap(normal - surface.xyz, power);
+        float same = LobeOverlap(normal - surface.xyz, power);
         float squared = off * off;
         float fits = surface.w > 0.0 ? same / (1.0 + squared * squared) : 0.0;
         float weight = surface.w > 0.0 ? near.x * near.y * max(fits, LEAST_WEIGHT) : 0.0;
         agreed += near.x * near.y * fits;
         all += near.x * near.y;
-        vec4 reflection = is_drawn ? imageLoad(cell_reflection, at) : vec4(0.0);
+        vec4 reflection = is_drawn ? imageLoad(cell_reflection, sampled_cell) : vec4(0.0);
         // Over another reflection, a cell shows its colour only as far as it is there.
         reflection.rgb *= OVER ? reflection.a : 1.0;
         sum += weight * reflection;
@@ -77,21 +77,21 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power, out float agreemen
 }
 
 // False for a pixel that is left as it is.
-bool Show(ivec2 pixel, out Shown shown) {
+bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = DepthAt(pixel);
     bool reflects = Reflects(material) && depth > 0.0;
-    if (!WHOLE && (!reflects || ListOf(material) != WIDE_LIST))
+    if (!WHOLE && (!reflects || TileListOf(material) != WIDE_LIST))
         return false;
     vec4 reflection = vec4(0.0);
     if (reflects) {
         vec3 normal = imageLoad(normal_buffer, pixel).xyz;
         float agreement;
-        reflection = SoundReflection(Wide(pixel, depth, normal, LobePower(material.g), agreement));
+        reflection = SoundReflection(UpsampleCells(pixel, depth, normal, LobePower(material.g), agreement));
         if (OWN_RAYS > 0 && agreement < AGREES_ABOVE)
             PushDoubt(Doubt(pixel, reflection, AGREED_RAYS * agreement));
     }
-    shown = ShownOf(pixel, reflection, reflects ? material.r : 0.0);
+    result = CompositePixel(pixel, reflection, reflects ? material.r : 0.0);
     return true;
 }
 

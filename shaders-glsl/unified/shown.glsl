@@ -9,16 +9,16 @@ layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflectio
 
 #include "unified/lit_color.glsl"
 
-struct Shown {
+struct PixelOutput {
     vec4 color;      // the composite, or the reflection
     vec4 reflection; // colour, and fade in a
 };
 
 // A pixel whose reflection is that, with a colour and a fade; its surface reflects so much of it.
-Shown ShownOf(ivec2 pixel, vec4 reflection, float reflectivity) {
+PixelOutput CompositePixel(ivec2 pixel, vec4 reflection, float reflectivity) {
     vec4 color = ScreenColor(pixel);
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
-    return Shown(COMPOSITE ? color : reflection, reflection);
+    return PixelOutput(COMPOSITE ? color : reflection, reflection);
 }
 
 // A reflection without NaN, infinity or a fade above 1.

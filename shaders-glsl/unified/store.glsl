@@ -8,7 +8,7 @@ layout(constant_id = 7) const bool BESIDE = false; // the reflection is wanted b
 layout(binding = 11, rgba16f) uniform writeonly image2D color_image;      // the composite, or the reflection
 layout(binding = 12, rgba16f) uniform writeonly image2D reflection_image; // any image of this format without BESIDE
 
-void Store(ivec2 pixel, vec4 color, vec4 reflection) {
+void StorePixel(ivec2 pixel, vec4 color, vec4 reflection) {
     imageStore(color_image, pixel, color);
     if (BESIDE)
         imageStore(reflection_image, pixel, reflection);

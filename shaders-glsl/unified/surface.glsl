@@ -8,7 +8,7 @@
 
 // Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
 // If the screen shows sky there, it is the colour of the ray.
-bool GoesFar(Ray ray, inout Hit hit) {
+bool LeavesThroughFarPlane(Ray ray, inout Hit hit) {
     precise vec2 place = ray.start + ray.end * ray.rate.xy;
     place = clamp(place, vec2(0.0), vec2(unified.size));
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
@@ -20,20 +20,20 @@ bool GoesFar(Ray ray, inout Hit hit) {
 }
 
 // The surface that reflects, its ray, and the pixel that the ray hit.
-struct Seeing {
+struct VisibilityTest {
     vec3 point;     // of the surface, in ViewPoint's scale
     vec3 normal;    // of any length
     vec3 direction; // of the ray, of any length
-    float above;    // what a place above the surface has more than, of Dot(normal, AwayFrom(...))
-    float beside;   // squared: what a place beside the ray has more than, of the length of the direction cross AwayFrom(...)
+    float above;    // what a place above the surface has more than, of Dot(normal, OffsetToPixel(...))
+    float beside;   // squared: what a place beside the ray has more than, of the length of the direction cross OffsetToPixel(...)
     float own;      // depth of the pixel that was hit; that of EMPTY_BLOCK for sky
     float apart;    // by how much a depth differs from it that stands before or behind
-    bool is_its;    // that pixel shows the surface that reflects
+    bool is_reflector; // that pixel shows the surface that reflects
 };
 
 // From the surface's point to the place that a pixel's position and depth show, divided by that place's z in a perspective: what
 // is a pixel wide there then has one width at any depth, and nothing is divided.
-vec3 AwayFrom(vec3 point, vec2 position, float depth) {
+vec3 OffsetToPixel(vec3 point, vec2 position, float depth) {
     if (ORTHOGRAPHIC) {
         precise vec3 away = ViewPoint(position, depth) - point;
         return away;
@@ -43,28 +43,28 @@ vec3 AwayFrom(vec3 point, vec2 position, float depth) {
 }
 
 // `own` is the depth of the pixel that was hit.
-Seeing SeeingFrom(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
+VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
     precise float width = 2.0 * unified.pixel_to_view.y;
     precise float above = STANDS_ABOVE * width * sqrt(Dot(normal, normal));
     precise float beside = STANDS_BESIDE * width;
     precise float beside_squared = beside * beside * Dot(direction, direction);
     precise float apart = STANDS_BEFORE * width * (ORTHOGRAPHIC ? unified.depth_offset : own + unified.depth_offset);
-    bool is_above = Dot(normal, AwayFrom(point, vec2(pixel) + 0.5, own)) > above;
-    return Seeing(point, normal, direction, above, beside_squared, own, apart, own >= 0.0 && !is_above);
+    bool is_above = Dot(normal, OffsetToPixel(point, vec2(pixel) + 0.5, own)) > above;
+    return VisibilityTest(point, normal, direction, above, beside_squared, own, apart, own >= 0.0 && !is_above);
 }
 
 // Whether a ray can have seen what a pixel of a depth shows in its middle. What stands before the hit and far beside the
 // ray stands elsewhere in the reflection. What stands behind the hit is beside it there, too. If the pixel that was hit shows the
 // surface that reflects, the ray has met what stands on that surface, and nothing behind it counts. The surface that reflects is
 // never seen, nor what is below it. Sky lies behind all.
-bool IsSeen(Seeing from, vec2 middle, float depth) {
-    vec3 away = AwayFrom(from.point, middle, depth);
-    precise vec3 off = away.yzx * from.direction.zxy - away.zxy * from.direction.yzx;
-    precise float nearest = from.own + from.apart, farthest = from.own - from.apart;
-    bool is_above = Dot(from.normal, away) > from.above;
-    bool is_beside = Dot(off, off) > from.beside;
-    bool is_seen = from.own >= 0.0 && is_above && !(depth > nearest && is_beside);
-    return (depth < 0.0 || is_seen) && !(from.is_its && depth < farthest);
+bool IsVisibleAlongRay(VisibilityTest test, vec2 middle, float depth) {
+    vec3 away = OffsetToPixel(test.point, middle, depth);
+    precise vec3 off = away.yzx * test.direction.zxy - away.zxy * test.direction.yzx;
+    precise float nearest = test.own + test.apart, farthest = test.own - test.apart;
+    bool is_above = Dot(test.normal, away) > test.above;
+    bool is_beside = Dot(off, off) > test.beside;
+    bool is_seen = test.own >= 0.0 && is_above && !(depth > nearest && is_beside);
+    return (depth < 0.0 || is_seen) && !(test.is_reflector && depth < farthest);
 }
 
 #endif

@@ -140,15 +140,15 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
 }
 
 // Where a ray leaves the pixel that it is in, or ends there: s.
-float Exit(Ray ray, Walk walk, ivec2 ahead) {
+float PixelExit(Ray ray, Walk walk, ivec2 ahead) {
     precise vec2 crossings = (vec2(walk.pixel + ahead) - ray.start) * ray.inverse;
     return max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
 }
 
 // The crossing of the ray with the front of the pixel that it is in, if that lies inside the pixel, else the point
 // of entry: s.
-float Crossing(Ray ray, Walk walk, ivec2 ahead, float front) {
-    float last = Exit(ray, walk, ahead);
+float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
+    float last = PixelExit(ray, walk, ahead);
     precise float exit_depth = ray.depth + last * ray.rate.z;
     float near = max(walk.entry_depth, exit_depth), far = min(walk.entry_depth, exit_depth);
     precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
@@ -185,7 +185,7 @@ Hit Traverse(Ray ray) {
     hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
     if (walk.level < 0) {
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
-        float s = Crossing(ray, walk, ahead, block.x);
+        float s = FrontCrossing(ray, walk, ahead, block.x);
         precise vec2 offset = s * ray.rate.xy + 0.5;
         precise float depth = ray.depth + s * ray.rate.z;
         vec2 low = vec2(walk.pixel - ray.pixel);
@@ -197,7 +197,7 @@ Hit Traverse(Ray ray) {
         bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
             && IsBehind(ray, walk.entry_depth, walk.pixel, block, NORMAL_AT(walk.pixel), ahead);
         // Behind the block as a whole a ray that is not followed would go on.
-        precise float exit_depth = ray.depth + Exit(ray, walk, ahead) * ray.rate.z;
+        precise float exit_depth = ray.depth + PixelExit(ray, walk, ahead) * ray.rate.z;
         if (is_behind || (FOLLOWED && max(walk.entry_depth, exit_depth) < block.y)) {
             hit.code = PATH_MISS_BEHIND;
             hit.s = walk.entry;
@@ -207,7 +207,7 @@ Hit Traverse(Ray ray) {
 }
 
 // Which of MISS_* a ray is that hit nothing (docs/definitions.md, "Oracle", item 5).
-int WhyMissed(Ray ray) {
+int MissCode(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;
     ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);

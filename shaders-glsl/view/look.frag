@@ -38,40 +38,40 @@ float DepthShade(float reversed) {
 }
 
 // Black, blue, green, yellow, red, white.
-vec3 Heat(float share) {
+vec3 HeatColor(float share) {
     const vec3 stops[6] = vec3[](
         vec3(0.0), vec3(0.05, 0.1, 0.6), vec3(0.0, 0.5, 0.2), vec3(0.9, 0.75, 0.0), vec3(0.8, 0.05, 0.0), vec3(1.0));
-    float at = clamp(share, 0.0, 1.0) * 5.0;
-    int below = min(int(at), 4);
-    return mix(stops[below], stops[below + 1], at - float(below));
+    float position = clamp(share, 0.0, 1.0) * 5.0;
+    int below = min(int(position), 4);
+    return mix(stops[below], stops[below + 1], position - float(below));
 }
 
-vec3 Ranged(vec3 value) {
+vec3 MapToRange(vec3 value) {
     return (value * look.exposure - look.range_low) / max(look.range_high - look.range_low, 1e-6);
 }
 
 vec3 Shade(vec4 texel) {
     if (look.channel >= 0)
-        return Ranged(vec3(texel[look.channel]));
+        return MapToRange(vec3(texel[look.channel]));
     switch (look.content) {
-        case CONTENT_NORMAL: return texel.xyz == vec3(0.0) ? vec3(0.0) : Ranged(texel.xyz * 0.5 + 0.5);
-        case CONTENT_REVERSED_DEPTH: return Ranged(vec3(DepthShade(texel.r)));
-        case CONTENT_STANDARD_DEPTH: return Ranged(vec3(DepthShade(1.0 - texel.r), DepthShade(1.0 - texel.g), 0.0));
-        case CONTENT_HEAT: return Heat(Ranged(texel.rrr).r);
-        default: return Ranged(texel.rgb);
+        case CONTENT_NORMAL: return texel.xyz == vec3(0.0) ? vec3(0.0) : MapToRange(texel.xyz * 0.5 + 0.5);
+        case CONTENT_REVERSED_DEPTH: return MapToRange(vec3(DepthShade(texel.r)));
+        case CONTENT_STANDARD_DEPTH: return MapToRange(vec3(DepthShade(1.0 - texel.r), DepthShade(1.0 - texel.g), 0.0));
+        case CONTENT_HEAT: return HeatColor(MapToRange(texel.rrr).r);
+        default: return MapToRange(texel.rgb);
     }
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy) - look.area.xy;
+    ivec2 pixel = ivec2(gl_FragCoord.xy) - look.area.xy;
     out_color = vec4(0.01, 0.01, 0.01, 1.0);
-    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, look.area.zw)))
+    if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, look.area.zw)))
         return;
-    vec4 a = texelFetch(first, at, 0);
+    vec4 a = texelFetch(first, pixel, 0);
     if (look.compare == COMPARE_DIFFERENCE) {
-        out_color.rgb = abs(Shade(a) - Shade(texelFetch(second, at, 0))) * look.gain;
-    } else if (look.compare == COMPARE_SPLIT && at.x >= look.split) {
-        out_color.rgb = at.x == look.split ? vec3(1.0) : Shade(texelFetch(second, at, 0));
+        out_color.rgb = abs(Shade(a) - Shade(texelFetch(second, pixel, 0))) * look.gain;
+    } else if (look.compare == COMPARE_SPLIT && pixel.x >= look.split) {
+        out_color.rgb = pixel.x == look.split ? vec3(1.0) : Shade(texelFetch(second, pixel, 0));
     } else {
         out_color.rgb = Shade(a);
     }

@@ -50,7 +50,7 @@ enum WideTraces {
 
 /// What the passes hand each other. Where no tile is drawn, images hold anything.
 pub struct BetweenPasses {
-    /// The ray of each pixel with a narrow lobe: `Record` of `gloss.glsl`, packed.
+    /// The ray of each pixel with a narrow lobe: `RayRecord` of `gloss.glsl`, packed.
     pub records: Image,
     /// Where the ray of each cell of 2 × 2 pixels ended: a point or a direction, and the density of the ray.
     pub place: Image,

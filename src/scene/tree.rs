@@ -223,7 +223,7 @@ fn doubled_area([a, b, c]: [DVec3; 3]) -> f64 {
     (b - a).cross(c - a).length()
 }
 
-/// A unit vector as three numbers of ten bits (`UnitVector` of `triangles/color.glsl`).
+/// A unit vector as three numbers of ten bits (`UnpackUnitVector` of `triangles/color.glsl`).
 fn unit_vector(v: Vec3) -> u32 {
     let part = |a: f32| ((a.clamp(-1.0, 1.0) * 511.0).round() as i32).cast_unsigned() & 0x3ff;
     part(v.x) | part(v.y) << 10 | part(v.z) << 20

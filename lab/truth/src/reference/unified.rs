@@ -435,13 +435,13 @@ fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
 }
 
-/// `Exit`: where a ray leaves the pixel that the walk is in, or ends there: s.
+/// `PixelExit`: where a ray leaves the pixel that the walk is in, or ends there: s.
 fn exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
     let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
     crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
 }
 
-/// `Crossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
+/// `FrontCrossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
 fn crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     let last = exit(ray, walk, ahead);
     let exit_depth = ray.depth + last * ray.rate.z;

@@ -5,7 +5,7 @@ use crate::math::constants;
 use crate::scene::GBufferData;
 use glam::IVec2;
 
-/// A pixel's block; `Block` of `pyramid.comp`.
+/// A pixel's block; `DepthBlock` of `pyramid.comp`.
 pub(super) fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     let depth_at = |p: IVec2| {
         let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();

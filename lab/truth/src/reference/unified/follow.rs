@@ -72,7 +72,7 @@ impl Ended {
     }
 }
 
-/// `Answer`.
+/// `CaptureRayEnd`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
     /// How it ended.
@@ -155,7 +155,7 @@ impl<'a> CubeWalk<'a> {
         m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
     }
 
-    /// `FollowRay`.
+    /// `TraceCaptures`.
     pub fn follow_ray(&self, ray: &LostRay) -> Answer {
         let mut answer = Answer { ended: Ended::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
         let (mut point, mut left_out) = (ray.start, 0_u32);
@@ -191,12 +191,12 @@ impl<'a> CubeWalk<'a> {
         answer
     }
 
-    /// `IsOutside`.
+    /// `IsOutsideScene`.
     fn is_outside(&self, point: Vec3) -> bool {
         point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
-    /// `NearestThatSees`.
+    /// `NearestSeeingCapture`.
     fn nearest_that_sees(&self, point: Vec3, left_out: u32) -> Option<usize> {
         let (mut nearest, mut least) = (None, NEVER);
         for (k, place) in self.places.iter().enumerate() {
@@ -209,7 +209,7 @@ impl<'a> CubeWalk<'a> {
         nearest
     }
 
-    /// `Sees`.
+    /// `CaptureSees`.
     fn sees(&self, capture: usize, o: Vec3) -> bool {
         let face = face_of(o);
         let image = &self.faces[6 * capture + face];
@@ -233,7 +233,7 @@ impl<'a> CubeWalk<'a> {
         image.parameters.view_ray(position) * z
     }
 
-    /// `FollowFace`; the side comes last.
+    /// `TraceFace`; the side comes last.
     fn follow_face(
         &self,
         image: &Traversal,
@@ -302,7 +302,7 @@ impl<'a> CubeWalk<'a> {
         })
     }
 
-    /// `Follow`.
+    /// `TraceCapture`.
     fn follow(&self, capture: usize, o: Vec3, direction: Vec3, answer: &mut Answer) -> (How, Vec3) {
         let (mut face, mut place, mut before) = (face_of(o), o, 0.0);
         for _ in 0..7 {
@@ -320,7 +320,7 @@ impl<'a> CubeWalk<'a> {
 }
 
 impl Traversal<'_> {
-    /// Whether a ray that hit nothing ends beyond the far plane, and before what is there (`WhyMissed`).
+    /// Whether a ray that hit nothing ends beyond the far plane, and before what is there (`MissCode`).
     fn ends_far(&self, ray: &Ray) -> bool {
         let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;
@@ -356,7 +356,7 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// `FaceOf`.
+/// `CubeFace`.
 fn face_of(v: Vec3) -> usize {
     let a = v.abs();
     let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };

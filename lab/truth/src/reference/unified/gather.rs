@@ -10,7 +10,7 @@ use super::{Gloss, half, sound};
 use crate::reference::Level;
 use glam::{IVec2, Vec3, Vec4};
 
-/// `Sum` of `gather.glsl`.
+/// `RaySum` of `gathered.glsl`.
 #[derive(Default)]
 struct Sum {
     color: Vec4,
@@ -19,7 +19,7 @@ struct Sum {
 }
 
 impl Sum {
-    /// `Add`.
+    /// `AddRay`.
     fn add(&mut self, weight: f32, is_hit: bool, color: Vec4) {
         let hits = if is_hit { weight } else { 0.0 };
         self.weight += weight;
@@ -27,7 +27,7 @@ impl Sum {
         self.hits += hits;
     }
 
-    /// `Reflection`; `over` says that what the rays missed is not black but not there.
+    /// `ReflectionFromSum`; `over` says that what the rays missed is not black but not there.
     fn reflection(&self, over: bool) -> Vec4 {
         if self.hits <= 0.0 {
             return Vec4::ZERO;
@@ -41,12 +41,12 @@ impl Sum {
     }
 }
 
-/// What `AcrossX` and `AcrossY` bring from the pixel beside, which has `other`.
+/// What `RayFromNeighbourX` and `RayFromNeighbourY` bring from the pixel beside, which has `other`.
 fn across(own: Gathered, other: Gathered) -> Gathered {
     Gathered { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
 }
 
-/// `Outward`: from a block's pixel to the outside of the block, along each axis.
+/// `DirectionOutOfBlock`: from a block's pixel to the outside of the block, along each axis.
 pub(super) fn outward(pixel: IVec2) -> IVec2 {
     2 * (pixel & 1) - 1
 }
@@ -68,7 +68,7 @@ struct Here {
 }
 
 impl Here {
-    /// `Gather` of wide lobes.
+    /// `GatherRay` of wide lobes.
     fn gather(&self, sum: &mut Sum, ray: Gathered) {
         let density = ray.key.w;
         if density == 0.0 {

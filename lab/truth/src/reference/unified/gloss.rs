@@ -57,7 +57,7 @@ impl<'a> Gloss<'a> {
         self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32)
     }
 
-    /// `ListOf`, of a pixel that may be sky.
+    /// `TileListOf`, of a pixel that may be sky.
     fn is_of(&self, pixel: IVec2, wide: bool) -> bool {
         let (g, i) = (self.traversal.gbuffer, self.index(pixel));
         let roughness = g.roughness[i];
@@ -74,7 +74,7 @@ impl<'a> Gloss<'a> {
         self.is_of(pixel, true) && self.depth(pixel) > 0.0
     }
 
-    /// The pixel of `FindWide`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
+    /// The pixel of `FindWideCell`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
     pub(super) fn wide_pixel(&self, cell: IVec2) -> Option<IVec2> {
         let size = self.traversal.parameters.size;
         if cell.cmple(self.last_cell()).all() {
@@ -119,8 +119,9 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// The colour of what was hit, over a footprint as wide as the texels of a level: `MirroredAt` in level 0 and `ColorOver` in
-    /// others, without the sky along the ray. The ray is the point where it begins, the normal there, and its direction.
+    /// The colour of what was hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
+    /// `SampleColorChain` in others, without the sky along the ray. The ray is the point where it begins, the normal there, and
+    /// its direction.
     pub(super) fn color_seen(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
         let from = self.traversal.seeing(ray, hit.pixel);

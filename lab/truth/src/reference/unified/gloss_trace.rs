@@ -30,7 +30,7 @@ pub struct Aim {
     pub share: f32,
 }
 
-/// What a ray saw, as neighbours gather it: `Gathered`. All is 0 for no ray.
+/// What a ray saw, as neighbours gather it: `NeighbourRay`. All is 0 for no ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gathered {
     /// What its weight goes by; w is 0 for no ray and negative for a miss. Of narrow lobes the middle of the lobe and
@@ -69,7 +69,7 @@ impl Gloss<'_> {
         Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
     }
 
-    /// The first half of `Look`; `common` is the part that a lobe of a power has in common with its neighbours'.
+    /// The first half of `TraceLobeSample`; `common` is the part that a lobe of a power has in common with its neighbours'.
     fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> Aim {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let lobe = Lobe::new(self.traversal.parameters.sight(point), normal, self.roughness(pixel));
@@ -82,8 +82,8 @@ impl Gloss<'_> {
         Aim { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
-    /// The second half of `Look`: where the ray hits a surface or shows the sky of the screen, and the colour and the fade there.
-    /// `None` for a miss.
+    /// The second half of `TraceLobeSample`, with `TraceGlossyRay`: where the ray hits a surface or shows the sky of the screen, and
+    /// the colour and the fade there. `None` for a miss.
     pub fn follow(&self, aim: &Aim) -> Option<(Hit, Vec4)> {
         // Below the surface there is nothing to see.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
@@ -127,7 +127,7 @@ pub(super) fn cell_pixel(cell: IVec2) -> IVec2 {
     2 * cell + ((cell.x + cell.y) & 1)
 }
 
-/// `Octahedral`: the octahedral map of the unit sphere.
+/// `EncodeOctahedral`: the octahedral map of the unit sphere.
 pub fn octahedral(v: Vec3) -> Vec2 {
     let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
     let folded = Vec2::new(1.0 - v.y.abs(), 1.0 - v.x.abs());
@@ -135,7 +135,7 @@ pub fn octahedral(v: Vec3) -> Vec2 {
     if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
 }
 
-/// `FromOctahedral`.
+/// `DecodeOctahedral`.
 fn from_octahedral(o: Vec2) -> Vec3 {
     let z = 1.0 - o.x.abs() - o.y.abs();
     let fold = (-z).max(0.0);
@@ -145,7 +145,7 @@ fn from_octahedral(o: Vec2) -> Vec3 {
 }
 
 impl Gathered {
-    /// `Pack`: the four words of a narrow lobe's ray, halves rounded to nearest.
+    /// `PackRecord`: the four words of a narrow lobe's ray, halves rounded to nearest.
     pub fn pack(&self) -> [u32; 4] {
         let snorm = |v: f32| u32::from(((v.clamp(-1.0, 1.0) * 32767.0).round() as i16) as u16);
         let half = |v: f32| u32::from(half::f16::from_f32(v).to_bits());
@@ -158,7 +158,7 @@ impl Gathered {
         ]
     }
 
-    /// `Unpack` of those words.
+    /// `UnpackRecord` of those words.
     pub fn unpack([mirror, root, rg, ba]: [u32; 4]) -> Self {
         let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
         let half = |v: u32| half::f16::from_bits(v as u16).to_f32();

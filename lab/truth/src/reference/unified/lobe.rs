@@ -41,7 +41,7 @@ pub(super) fn log_density(power: f32, log_rest: f32) -> f32 {
     LOG_DENSITY_BIAS + power.log2() + (power - 1.0) / power * log_rest
 }
 
-/// `Overlap`: how much two lobes of a power have in common, whose unit normals are a chord apart.
+/// `LobeOverlap`: how much two lobes of a power have in common, whose unit normals are a chord apart.
 pub(super) fn overlap(chord: Vec3, power: f32) -> f32 {
     (-LOG2_E * power * chord.dot(chord)).exp2()
 }
@@ -65,7 +65,7 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// `LobeOf`: at a point, of which the direction alone counts.
+    /// `MakeLobe`: at a point, of which the direction alone counts.
     pub(super) fn new(point: Vec3, normal: Vec3, roughness: f32) -> Self {
         let seen = point * inverse_sqrt(point.dot(point));
         let mirror = seen - (2.0 * seen.dot(normal) / normal.dot(normal)) * normal;
@@ -101,7 +101,7 @@ impl Parameters {
         }
     }
 
-    /// `Sight`: the direction in which a point is seen.
+    /// `ViewDirection`: the direction in which a point is seen.
     pub(super) fn sight(&self, point: Vec3) -> Vec3 {
         if self.kind.is_orthographic() { Vec3::Z } else { point }
     }

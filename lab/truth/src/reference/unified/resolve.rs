@@ -19,7 +19,7 @@ impl Gloss<'_> {
         self.is_wide(pixel).then(|| self.composite(pixel, self.wide(cells, pixel)))
     }
 
-    /// `Wide`.
+    /// `UpsampleCells`.
     fn wide(&self, cells: &Level<Cell>, pixel: IVec2) -> Vec4 {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));

@@ -5,7 +5,7 @@ use super::{Block, Code, Hit, Ray, Traversal, dot};
 use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
 use glam::{IVec2, Vec3, Vec3Swizzles};
 
-/// `Seeing`: the surface that reflects, its ray, and the pixel that the ray hit.
+/// `VisibilityTest`: the surface that reflects, its ray, and the pixel that the ray hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seeing {
     point: Vec3,
@@ -24,7 +24,7 @@ impl Traversal<'_> {
         self.block(pixel).front
     }
 
-    /// `AwayFrom`: from a point to what a pixel of a depth shows in its middle, divided by its z in a perspective.
+    /// `OffsetToPixel`: from a point to what a pixel of a depth shows in its middle, divided by its z in a perspective.
     fn away_from(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
         let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
         if p.kind.is_orthographic() {
@@ -33,7 +33,7 @@ impl Traversal<'_> {
         p.view_ray(position) - (depth + p.depth_offset) * point
     }
 
-    /// `SeeingFrom`: a ray along a direction from a point of a surface with a normal, which hit a pixel.
+    /// `MakeVisibilityTest`: a ray along a direction from a point of a surface with a normal, which hit a pixel.
     pub(super) fn seeing(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2) -> Seeing {
         let (p, own) = (&self.parameters, self.front(pixel));
         let width = 2.0 * p.pixel_to_view.y;
@@ -45,7 +45,7 @@ impl Traversal<'_> {
         Seeing { point, normal, direction, above, beside, own, apart: STANDS_BEFORE as f32 * width * scale, is_its }
     }
 
-    /// `IsSeen`: whether a ray can have seen what a pixel shows in its middle.
+    /// `IsVisibleAlongRay`: whether a ray can have seen what a pixel shows in its middle.
     pub(super) fn is_seen(&self, from: &Seeing, pixel: IVec2) -> bool {
         let depth = self.front(pixel);
         let (away, direction) = (self.away_from(from.point, pixel, depth), from.direction);
@@ -56,7 +56,8 @@ impl Traversal<'_> {
         (depth < 0.0 || is_seen) && !(from.is_its && depth < from.own - from.apart)
     }
 
-    /// `GoesFar`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel there shows sky.
+    /// `LeavesThroughFarPlane`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel
+    /// there shows sky.
     pub(super) fn ends_on_sky(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
         let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
