@@ -79,8 +79,8 @@ float ScreenHeight(float z) {
 // Print: Technical Approach.
 // 8: "for each texture access to the depth buffer, we first compute the current path length and solid angle of the cone to
 // compute the MIP-level"
-// Departure: the level at which one texel (figure 1: a quad) is as large as the cone's cross-section: the side of the square
-// that the solid angle cuts out at the path's length, in pixels at that depth.
+// Departure: the level at which one texel (figure 1: a quad) is as large as the cone's cross-section. That is the side of the
+// square that the solid angle cuts out at the path's length, in pixels at that depth.
 float Level(float solidAngle, float pathLength, float z) {
     float side = sqrt(solidAngle) * pathLength * camera.resolution.y / ScreenHeight(z);
     return log2(max(side, 1.0));

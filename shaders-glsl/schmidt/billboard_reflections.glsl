@@ -197,10 +197,10 @@ vec4 NearestBillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
     return vec4(reflectedColor.rgb, reflectedColor.a > 0.0 ? 1.0 : 0.0);
 }
 
-// Departure, off by default: the glow that the conclusion asks for. Light that spreads beyond the edges of a billboard,
-// towards its front, over what is behind it: the colour of the image where it is nearest, from the level whose texels are as
-// wide as the light has spread, less with the square of what is left of its way. Of what billboards show in front of it, the
-// image itself included, it takes the part that they leave.
+// Departure, off by default: the glow that the conclusion asks for. The light spreads beyond the edges of a billboard, towards
+// its front, over what is behind it. It has the colour of the image where it is nearest, from the level whose texels are as wide
+// as the light has spread, and it falls with the square of the way. Billboards in front of it, the image itself included, leave
+// it the part that they do not cover.
 vec3 BillboardGlow(in vec3 wsPosition, in vec3 wsReflectVec)
 {
     vec3 light = vec3(0.0);

@@ -97,8 +97,8 @@ vec3 LinearRayMarch(vec3 ray, vec3 dir, float stride) {
         ray += dir * stride;
 
         // Departure: "In practice, we also check if the ray left the screen boundary, in which case we set the ray back to
-        // its previous position and reduce the step size" (omitted in the listing; halved, at most three times in a row, in
-        // the author's program).
+        // its previous position and reduce the step size". The listing omits it. The author's program halves the step, at
+        // most three times in a row.
         if (LeftScreen(ray.xy)) {
             if (edgeHits >= 3)
                 break;

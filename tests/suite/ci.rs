@@ -25,7 +25,7 @@ fn commands(job: &Value) -> Vec<&str> {
 }
 
 /// The targets of the Makefile.
-fn targets() -> BTreeSet<String> {
+pub fn targets() -> BTreeSet<String> {
     let text = std::fs::read_to_string(repository().join("Makefile")).unwrap();
     let rule = |line: &str| {
         let (name, rest) = line.split_once(':')?;

@@ -46,6 +46,7 @@ const README_LINES: usize = 150;
 
 /// Where text stands that cites the pages.
 const CITING: &[&str] = &[
+    "CONTRIBUTING.md",
     "README.md",
     "SECURITY.md",
     "CHANGELOG.md",

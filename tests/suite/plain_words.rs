@@ -1,5 +1,6 @@
 //! Comments and names that a stranger understands. A comment begins with its subject or with what its item does: beginnings that
-//! point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests. A variable has a noun for its name.
+//! point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests. A variable has a noun for its name. A
+//! sentence of the pages has few words.
 
 use crate::common::repository;
 use proc_macro2::{TokenStream, TokenTree};
@@ -17,6 +18,12 @@ const EXTENSIONS: &[&str] = &["rs", "c", "h", "glsl", "frag", "vert", "comp"];
 
 /// Beginnings that leave open what a comment is about.
 const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The same", "What there ", "Whether there "];
+
+/// Pages whose sentences are short, and folders of pages.
+const PAGES: &[&str] = &["CONTRIBUTING.md", "README.md", "SECURITY.md", "docs", "src/ARCHITECTURE.md"];
+
+/// Words that a sentence has at most.
+const MOST_WORDS: usize = 35;
 
 /// Words that no variable is called: they say nothing of what it is.
 const NO_NAMES: [&str; 2] = ["of", "at"];
@@ -51,17 +58,73 @@ fn unclear(text: &str) -> Vec<usize> {
     found
 }
 
-fn add(path: &Path, found: &mut Vec<PathBuf>) {
+fn add(path: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
     if path.is_dir() {
         if path.file_name().is_some_and(|name| SKIPPED.iter().any(|skipped| name == *skipped)) {
             return;
         }
         for entry in std::fs::read_dir(path).unwrap() {
-            add(&entry.unwrap().path(), found);
+            add(&entry.unwrap().path(), extensions, found);
         }
-    } else if path.extension().is_some_and(|e| EXTENSIONS.iter().any(|wanted| e == *wanted)) {
+    } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
         found.push(path.to_owned());
     }
+}
+
+/// A page without what stands between two marks; its lines keep their numbers.
+fn without(page: &str, [open, close]: [&str; 2]) -> String {
+    let (mut kept, mut rest) = (String::new(), page);
+    while let Some((before, marked)) = rest.split_once(open) {
+        let (inside, after) = marked.split_once(close).unwrap_or((marked, ""));
+        kept.push_str(before);
+        kept.extend(inside.matches('\n'));
+        rest = after;
+    }
+    kept + rest
+}
+
+/// The paragraphs and the items of lists of a page, with their lines counted from 1. Code, tables, headings and addresses are no prose.
+fn paragraphs(page: &str) -> Vec<(usize, String)> {
+    let page = without(&without(page, ["```", "```"]), ["<!--", "-->"]);
+    let mut all: Vec<(usize, String)> = Vec::new();
+    let mut is_open = false;
+    for (n, line) in page.lines().enumerate() {
+        let text = line.trim();
+        let is_number = text.split_once(". ").is_some_and(|(number, _)| number.parse::<u32>().is_ok());
+        if text.is_empty() || text.starts_with(['|', '#']) || text.starts_with('[') && text.contains("]: ") {
+            is_open = false;
+        } else if is_open && !text.starts_with("- ") && !text.starts_with("* ") && !is_number {
+            let (_, paragraph) = all.last_mut().unwrap();
+            paragraph.push(' ');
+            paragraph.push_str(text);
+        } else {
+            all.push((n + 1, text.to_owned()));
+            is_open = true;
+        }
+    }
+    all
+}
+
+/// The numbers of words of a paragraph's sentences. A colon ends one if what follows it begins as a sentence does.
+fn lengths(paragraph: &str) -> Vec<usize> {
+    let text = without(paragraph, ["](", ")"]);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let (mut all, mut count) = (Vec::new(), 0);
+    for (n, word) in words.iter().enumerate() {
+        count += usize::from(word.contains(char::is_alphanumeric));
+        let begins = |next: &&str| next.starts_with(|c: char| c.is_uppercase() || "`*[(".contains(c));
+        if word.ends_with(['.', '!', '?', ':']) && words.get(n + 1).is_none_or(begins) {
+            all.push(std::mem::take(&mut count));
+        }
+    }
+    all.push(count);
+    all
+}
+
+/// The lines of the paragraphs of a page that have too long a sentence.
+fn wordy(page: &str) -> Vec<usize> {
+    let is_wordy = |(_, paragraph): &(usize, String)| lengths(paragraph).iter().any(|words| *words > MOST_WORDS);
+    paragraphs(page).into_iter().filter(is_wordy).map(|(line, _)| line).collect()
 }
 
 /// The lines of Rust on which a variable has one of the names. Methods may have them, and so may the words of a macro, which follow
@@ -81,7 +144,8 @@ fn variables(tokens: TokenStream, found: &mut Vec<usize>) {
             }
             TokenTree::Literal(text) => {
                 let text = text.to_string();
-                let is_captured = |word: &str| text.contains(&format!("{{{word}}}")) || text.contains(&format!("{{{word}:"));
+                let is_captured =
+                    |word: &str| text.contains(&format!("{{{word}}}")) || text.contains(&format!("{{{word}:"));
                 found.extend(NO_NAMES.iter().any(|word| is_captured(word)).then(|| token.span().start().line));
             }
             _ => {}
@@ -98,11 +162,11 @@ fn names_in_shader(text: &str) -> Vec<usize> {
     text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && has_name(line)).map(|(n, _)| n + 1).collect()
 }
 
-/// Fails with the places that a check finds in files with comments, if it finds any.
-fn check(what: &str, lines: impl Fn(&Path, &str) -> Vec<usize>) {
+/// Fails with the places that a check finds in files, if it finds any.
+fn check(what: &str, (places, extensions): (&[&str], &[&str]), lines: impl Fn(&Path, &str) -> Vec<usize>) {
     let mut files = Vec::new();
-    PLACES.iter().for_each(|place| add(&repository().join(place), &mut files));
-    assert!(files.len() > 400, "only {} files", files.len());
+    places.iter().for_each(|place| add(&repository().join(place), extensions, &mut files));
+    assert!(files.len() > 20, "only {} files", files.len());
     let mut wrong = Vec::new();
     for path in files {
         let name = path.strip_prefix(repository()).unwrap().to_string_lossy().replace('\\', "/");
@@ -114,12 +178,27 @@ fn check(what: &str, lines: impl Fn(&Path, &str) -> Vec<usize>) {
 
 #[test]
 fn comments_begin_with_their_subject() {
-    check(&format!("comments begin with {UNCLEAR:?}"), |_, text| unclear(text));
+    check(&format!("comments begin with {UNCLEAR:?}"), (PLACES, EXTENSIONS), |_, text| unclear(text));
+}
+
+#[test]
+fn sentences_have_few_words() {
+    check(&format!("sentences of more than {MOST_WORDS} words"), (PAGES, &["md"]), |_, text| wordy(text));
+}
+
+#[test]
+fn words_are_counted_as_readers_count_them() {
+    let thirty = "word ".repeat(30);
+    assert_eq!(wordy(&format!("# Heading\n\n{thirty}one two three four [five](a/b.md)\n")), [0; 0]);
+    assert_eq!(wordy(&format!("First.\n\n{thirty}\none two three four five six\n")), [3]);
+    assert_eq!(wordy(&format!("{thirty}. A sentence {thirty}.\n- An item: {thirty}")), [0; 0]);
+    assert_eq!(wordy(&format!("```\n{thirty}{thirty}\n```\n| {thirty}{thirty} |\n<!-- {thirty}{thirty} -->\n")), [0; 0]);
 }
 
 #[test]
 fn variables_have_nouns_for_names() {
-    check(&format!("variables are called {NO_NAMES:?}"), |path, text| match path.extension().and_then(|e| e.to_str()) {
+    let what = format!("variables are called {NO_NAMES:?}");
+    check(&what, (PLACES, EXTENSIONS), |path, text| match path.extension().and_then(|e| e.to_str()) {
         Some("rs") => {
             let mut found = Vec::new();
             variables(text.parse().unwrap_or_else(|e| panic!("{}: {e}", path.display())), &mut found);
