@@ -13,8 +13,8 @@ mod glsl;
 #[path = "src/gpu/interface.rs"]
 mod interface;
 
-use glsl::Named;
-use interface::{Block, Bound, Constant, Interface};
+use glsl::NamedProgram;
+use interface::{Block, Constant, Interface, StageBinding};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ fn run() -> Result<(), String> {
             return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
         }
         let in_compute = glsl::in_either_stage(&source, &path)?;
-        let mut interface_of = |program: &Named| -> Result<Interface, String> {
+        let mut interface_of = |program: &NamedProgram| -> Result<Interface, String> {
             if !names.insert(program.name.clone()) {
                 return Err(format!("{}: there is another program {}", path.display(), program.name));
             }
@@ -122,8 +122,8 @@ fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Blo
 /// Binding and format of the images that a compute program stores to, in the order of the outputs of the fragment program of the
 /// same source. Apart from them, both read the same.
 fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'static str)>, String> {
-    let is_read = |bound: &&Bound| fragment.bindings.contains(bound);
-    let outputs: Vec<&Bound> = compute.bindings.iter().filter(|bound| !is_read(bound)).collect();
+    let is_read = |bound: &&StageBinding| fragment.bindings.contains(bound);
+    let outputs: Vec<&StageBinding> = compute.bindings.iter().filter(|bound| !is_read(bound)).collect();
     let read = compute.bindings.len() - outputs.len();
     let reads_alike = read == fragment.bindings.len()
         && compute.push == fragment.push
@@ -132,7 +132,7 @@ fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'stati
     if !reads_alike {
         return Err("its fragment program and its compute program differ in more than where they write".into());
     }
-    let format = |bound: &&Bound| {
+    let format = |bound: &&StageBinding| {
         let found = compute.formats.get(&bound.binding).map(|format| (bound.binding, *format));
         found.ok_or_else(|| format!("the output {} has no format", bound.name))
     };
@@ -165,7 +165,7 @@ impl Compiler {
         shaderc::Compiler::new().map(Self).map_err(|e| format!("shaderc: {e}"))
     }
 
-    fn words(&self, path: &Path, program: &Named) -> Result<Vec<u32>, String> {
+    fn words(&self, path: &Path, program: &NamedProgram) -> Result<Vec<u32>, String> {
         Ok(glsl::compile(&self.0, Path::new(ROOT), path, &program.defines)?.words)
     }
 }
@@ -201,7 +201,7 @@ impl Compiler {
         }
     }
 
-    fn words(&self, _: &Path, program: &Named) -> Result<Vec<u32>, String> {
+    fn words(&self, _: &Path, program: &NamedProgram) -> Result<Vec<u32>, String> {
         let path = Path::new(Self::PACKAGED).join(format!("{}.spv", program.name));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         if bytes.len() < 20 || !bytes.len().is_multiple_of(4) {
@@ -212,11 +212,11 @@ impl Compiler {
 }
 
 /// A program's struct, with what the pipeline and the frame ask of it (`src/gpu/program.rs`).
-fn declared_program(program: &Named, file: &str, interface: &Interface) -> String {
+fn declared_program(program: &NamedProgram, file: &str, interface: &Interface) -> String {
     let name = &program.name;
     let Interface { bindings, push, outputs, constants, .. } = interface;
     let (mut fields, mut resources) = (String::new(), String::new());
-    for Bound { binding, name: field, kind, count, block, read_only } in bindings {
+    for StageBinding { binding, name: field, kind, count, block, read_only } in bindings {
         let (ty, resource) = match (*kind, *count, *read_only) {
             ("SampledImage", 1, _) => ("Sampled<'a>".to_owned(), format!("Sampled(self.{field})")),
             ("SampledImage", n, _) => (format!("[Sampled<'a>; {n}]"), format!("SampledArray(&self.{field})")),
@@ -261,11 +261,11 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
 }
 
 /// A program's `Shader`, with binding and format of what it stores to in place of a fragment program.
-fn declared_shader(program: &Named, file: &str, interface: &Interface, stored: &[(u32, &str)]) -> String {
-    let Named { name, defines } = program;
+fn declared_shader(program: &NamedProgram, file: &str, interface: &Interface, stored: &[(u32, &str)]) -> String {
+    let NamedProgram { name, defines } = program;
     let title = [&[file.to_owned()], &defines[..]].concat().join(" ");
     let (push_size, local_size) = (interface.push.as_ref().map_or(0, |p| p.size), interface.local_size);
-    let binding = |Bound { binding, name, kind, count, .. }: &Bound| {
+    let binding = |StageBinding { binding, name, kind, count, .. }: &StageBinding| {
         format!("Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }}, ")
     };
     let bindings: String = interface.bindings.iter().map(binding).collect();

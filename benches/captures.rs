@@ -18,7 +18,7 @@ use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::RAY_START_M;
 use ssct_lab::scene::bvh::WorldRay;
-use ssct_lab::scene::placement::{Wanted, place, sees};
+use ssct_lab::scene::placement::{WantedCaptures, place, sees};
 use ssct_lab::scene::{Camera, Capture, Scene, Triangles, View, library};
 use std::time::Instant;
 
@@ -58,7 +58,7 @@ fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len(
 
 fn measure(scene: &Scene) {
     let start = Instant::now();
-    let placed = place(scene, Wanted::Count(8));
+    let placed = place(scene, WantedCaptures::Count(8));
     println!("{}: {} triangles, placed in {:.1} s", scene.name, scene.triangle_count(), start.elapsed().as_secs_f64());
     for (capture, seen) in placed.captures.iter().zip(&placed.seen) {
         println!("{:.2}, {:.1} % seen", capture.position, 100.0 * seen);

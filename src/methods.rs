@@ -139,7 +139,7 @@ impl<'a> Pyramid<'a> {
 
 /// What a method made in a frame.
 #[derive(Clone)]
-pub struct Traced<'a> {
+pub struct MethodOutput<'a> {
     /// Reflection colour and fade; `None` where nothing reflects, or where it is not wanted.
     pub reflection: Option<Reflection<'a>>,
     /// The finished image, linear, in level 0, if the method made it along the way.
@@ -152,7 +152,7 @@ pub struct Traced<'a> {
     pub intermediates: Vec<Intermediate<'a>>,
 }
 
-impl<'a> Traced<'a> {
+impl<'a> MethodOutput<'a> {
     /// A reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
         Self { reflection: Some(reflection), composite: None, hits: None, ends: None, intermediates: Vec::new() }
@@ -173,12 +173,12 @@ pub trait Method: Send {
     }
 
     /// Records every pass from the G-buffer to the reflection.
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>>;
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>>;
 }
 
 /// What a method needs to see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sees {
+pub enum MethodScope {
     /// The G-buffer alone: a screen-space method.
     Screen,
     /// The scene too.
@@ -186,7 +186,7 @@ pub enum Sees {
 }
 
 /// What a method is made for: what [`Effect`] asks of it.
-pub struct Making {
+pub struct MethodRequest {
     /// The parameters, and the size that the method works at.
     pub setup: Setup,
     /// Whether it must say where each ray ended, if it can.
@@ -213,11 +213,11 @@ pub trait Added: Send + Sync {
     ///
     /// # Errors
     /// Errors of the device, and a sentence on parts of the method that do not fit together.
-    fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>>;
+    fn create(&self, gpu: &Gpu, request: &MethodRequest) -> Result<Box<dyn Method>>;
 }
 
 /// Makes a method.
-pub type Create = fn(&Gpu, &Making) -> Result<Box<dyn Method>>;
+pub type CreateMethod = fn(&Gpu, &MethodRequest) -> Result<Box<dyn Method>>;
 
 /// A row of the table.
 pub struct MethodInfo {
@@ -228,7 +228,7 @@ pub struct MethodInfo {
     /// Where it is published.
     pub source: &'static str,
     /// What it needs to see.
-    pub sees: Sees,
+    pub sees: MethodScope,
     /// What it needs a scene to have; where one of these is missing, it shows nothing.
     pub needs: &'static [Need],
     /// Whether its reflections can fade at the screen's border.
@@ -248,19 +248,19 @@ pub struct MethodInfo {
     /// Setups that the study of run time against error tries beside a base and the sweeps of single parameters.
     pub combinations: fn(&Setup) -> Vec<Setup>,
     /// Makes it, if it is of the table.
-    pub create: Create,
+    pub create: CreateMethod,
     /// What it is, if it was added.
     pub added: Option<&'static dyn Added>,
 }
 
 impl MethodInfo {
     /// A screen-space method that fades and has no parameters of its own; a row of the table says what differs.
-    const fn screen(name: &'static str, summary: &'static str, source: &'static str, create: Create) -> Self {
+    const fn screen(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self {
             name,
             summary,
             source,
-            sees: Sees::Screen,
+            sees: MethodScope::Screen,
             needs: &[],
             fades: true,
             follows_oracle: false,
@@ -276,8 +276,8 @@ impl MethodInfo {
     }
 
     /// A method that needs the scene and does not fade, without parameters of its own; a row of the table says what differs.
-    const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: Create) -> Self {
-        Self { sees: Sees::Scene, fades: false, ..Self::screen(name, summary, source, create) }
+    const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
+        Self { sees: MethodScope::Scene, fades: false, ..Self::screen(name, summary, source, create) }
     }
 
     /// Makes the method alone, without what [`Effect`] puts around it: it may finish the image itself.
@@ -286,7 +286,7 @@ impl MethodInfo {
     /// Errors of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection, composite } = wants;
-        let making = Making {
+        let request = MethodRequest {
             setup: setup.clone(),
             hits,
             reflection,
@@ -295,12 +295,12 @@ impl MethodInfo {
             triangles: None,
             behind: false,
         };
-        self.make(gpu, &making)
+        self.make(gpu, &request)
     }
 
     /// A screen-space method that is not of the table. Its strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
-        let none: Create = |_, _| Err(Error::Usage("this method is made by what added it".into()));
+        let none: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
         // What it makes of a camera is its own affair.
         Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, none) }
     }
@@ -309,10 +309,10 @@ impl MethodInfo {
     ///
     /// # Errors
     /// Errors of the device, and of a method that does not fit the setup.
-    pub fn make(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
+    pub fn make(&self, gpu: &Gpu, request: &MethodRequest) -> Result<Box<dyn Method>> {
         match self.added {
-            Some(added) => added.create(gpu, making),
-            None => (self.create)(gpu, making),
+            Some(added) => added.create(gpu, request),
+            None => (self.create)(gpu, request),
         }
     }
 
@@ -328,7 +328,7 @@ impl MethodInfo {
 
     /// Whether the method works on a G-buffer of any origin.
     pub fn is_screen_space(&self) -> bool {
-        self.sees == Sees::Screen
+        self.sees == MethodScope::Screen
     }
 
     /// Whether it is set up for a second layer of depth.

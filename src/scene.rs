@@ -25,7 +25,7 @@ pub use gbuffer::GBufferData;
 pub use motion::Motion;
 pub use path::CameraPath;
 pub use placement::Placement;
-pub use projection::{Opening, Projection, ProjectionKind};
+pub use projection::{FieldOfView, Projection, ProjectionKind};
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 

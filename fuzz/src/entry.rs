@@ -7,7 +7,7 @@ use ssct::error::{Error, Result};
 use ssct_lab::custom;
 use ssct_lab::report::{library, run_folder};
 use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Opening, Scene, Surface};
+use ssct_lab::scene::{Camera, CameraPath, Encoding, FieldOfView, GBufferData, Lens, LoadOptions, Scene, Surface};
 use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use ssct_lab::study::engine;
 use ssct_lab::study::error::ErrorRecord;
@@ -275,8 +275,8 @@ fn sound_path(path: &CameraPath) {
 fn sound_camera(camera: &Camera) {
     let Lens { near_m, far_m, .. } = camera.lens;
     let opens = match camera.lens.opening {
-        Opening::Angle(fov) => fov > 0.0 && near_m > 0.0,
-        Opening::Height(height) => height > 0.0 && near_m >= 0.0,
+        FieldOfView::Angle(fov) => fov > 0.0 && near_m > 0.0,
+        FieldOfView::Height(height) => height > 0.0 && near_m >= 0.0,
     };
     assert!(opens && far_m > near_m && far_m.is_finite());
     assert!(camera.world_to_view.is_finite(), "{camera:?}");

@@ -85,7 +85,7 @@ pub fn program<P: FromArgMatches>(
 ) -> ExitCode {
     say_little_memory();
     // Methods from folders have flags of their own, so that they are known before the command line is read.
-    let arguments = match custom_methods::added(std::env::args_os()) {
+    let arguments = match custom_methods::add_folders(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => {
             eprintln!("ssct: {}", printable(&error.to_string()));
@@ -101,7 +101,7 @@ pub fn program<P: FromArgMatches>(
             // Printing a help that was asked for may fail, as on a full disk; a closed pipe is no failure.
             return match e.print().and_then(|()| std::io::stdout().flush()) {
                 Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe && !e.use_stderr() => {
-                    ended(Err(failed.into()))
+                    report_end(Err(failed.into()))
                 }
                 _ => ExitCode::from(status),
             };
@@ -110,7 +110,7 @@ pub fn program<P: FromArgMatches>(
     say_other_shaders();
     // What is still in the buffer may fail to be printed, as on a full disk.
     let flushed = || Ok(std::io::stdout().flush()?);
-    ended(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
+    report_end(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
 }
 
 /// Memory with which every command ran that was tried: a CPU's driver takes most of it.
@@ -151,7 +151,7 @@ fn log() -> Result<(), Error> {
 }
 
 /// Prints why a run failed; returns the exit status.
-fn ended(done: anyhow::Result<()>) -> ExitCode {
+fn report_end(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,

@@ -30,7 +30,7 @@ mod values;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{self, Added, Making, Method, MethodInfo};
+use crate::methods::{self, Added, Method, MethodInfo, MethodRequest};
 use crate::parameter::{Choices, Parameter, Preset};
 pub use includes::allow as allow_includes;
 use manifest::Manifest;
@@ -78,7 +78,7 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
-    let added: &'static FromFolder = Box::leak(Box::new(FromFolder { manifest, parameters }));
+    let added: &'static FolderMethod = Box::leak(Box::new(FolderMethod { manifest, parameters }));
     let info = MethodInfo { fades, takes_captures, ..MethodInfo::added(name, summary, source, added) };
     methods::add(info).map_err(|e| match e {
         Error::Usage(message) => Error::malformed(folder.join(MANIFEST), None, message),
@@ -103,18 +103,18 @@ fn read(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
 }
 
 /// A method that was read from a folder.
-struct FromFolder {
+struct FolderMethod {
     manifest: Manifest,
     parameters: Vec<Parameter>,
 }
 
-impl Added for FromFolder {
+impl Added for FolderMethod {
     fn parameters(&self) -> Vec<Parameter> {
         self.parameters.clone()
     }
 
-    fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
-        let preset = making.setup.values.preset;
+    fn create(&self, gpu: &Gpu, request: &MethodRequest) -> Result<Box<dyn Method>> {
+        let preset = request.setup.values.preset;
         if preset != Preset::default() {
             let (name, preset) = (&self.manifest.name, preset.name());
             return Err(Error::Usage(format!(
@@ -125,6 +125,6 @@ impl Added for FromFolder {
             gpu.wait_at_most(self.manifest.patience, *give_up);
         }
         let watched = WATCHED.load(Ordering::Relaxed);
-        Ok(Box::new(CustomMethod::new(gpu, &self.manifest, &self.parameters, making, watched)?))
+        Ok(Box::new(CustomMethod::new(gpu, &self.manifest, &self.parameters, request, watched)?))
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
 use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants, unified};
-use crate::passes::gbuffer::{Drawn, GBufferPass};
+use crate::passes::gbuffer::{DrawnCounts, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, GBuffer};
@@ -95,14 +95,14 @@ impl Stage {
     }
 
     /// Runs one frame of a shot.
-    pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, Drawn)> {
+    pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, DrawnCounts)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         let (drawn, _) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn))
     }
 
     /// Draws the scene of a shot without reflecting it.
-    pub fn draw(&mut self, shot: &Shot) -> Result<Drawn> {
+    pub fn draw(&mut self, shot: &Shot) -> Result<DrawnCounts> {
         let mut frame = self.context.begin(Mode::Plain)?;
         let drawn = shot.draw(&mut frame, &self.data)?;
         frame.finish()?;
@@ -110,12 +110,12 @@ impl Stage {
     }
 
     /// Runs one frame of a shot and hands over what it made.
-    pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+    pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         self.output_in(Mode::Plain, shot)
     }
 
     /// Runs one frame of a shot in a mode and hands over what it made.
-    pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+    pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         let (drawn, output) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn, output))
@@ -123,7 +123,7 @@ impl Stage {
 
     /// Draws the image of a camera at rest: with a history, the last of as many frames as the history averages, from the
     /// first on.
-    pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+    pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         self.settle(shot)?;
         self.output(shot)
     }
@@ -142,7 +142,7 @@ impl Stage {
         &mut self,
         mode: Mode,
         shot: &'s Shot,
-        (other, drawn): (&'s Shot, &Drawn),
+        (other, drawn): (&'s Shot, &DrawnCounts),
     ) -> Result<(FrameReport, Output<'s>)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         frame.begin_effect();
@@ -219,14 +219,14 @@ impl Shot {
     }
 
     /// The scene passes.
-    fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<Drawn> {
+    fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<DrawnCounts> {
         let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
         self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
         Ok(drawn)
     }
 
-    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
+    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(DrawnCounts, Output<'s>)> {
         let drawn = self.draw(frame, data)?;
         frame.begin_effect();
         let output = self.reflect(frame, data, (self, &drawn))?;
@@ -238,7 +238,7 @@ impl Shot {
         &'s self,
         frame: &mut Frame,
         data: &SceneData,
-        (shot, drawn): (&'s Shot, &Drawn),
+        (shot, drawn): (&'s Shot, &DrawnCounts),
     ) -> Result<Output<'s>> {
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..shot.gbuffer.gbuffer() };
         let scene = SceneInput { data, materials: &self.materials };

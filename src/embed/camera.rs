@@ -23,7 +23,7 @@ pub struct CameraInput {
 }
 
 /// The caller's camera in our conventions.
-pub(super) struct Taken {
+pub(super) struct ConvertedCamera {
     pub camera: Camera,
     /// What reversed depth is of the caller's: the first number times it plus the second.
     pub to_reversed: [f32; 2],
@@ -40,7 +40,7 @@ impl CameraInput {
     ///
     /// # Errors
     /// [`Error::Usage`] with the matrix that is none of a camera, and why.
-    pub(super) fn take(&self) -> Result<Taken> {
+    pub(super) fn take(&self) -> Result<ConvertedCamera> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
         if !self.world_to_view.iter().all(|v| v.is_finite()) {
             return Err(wrong("world_to_view", "has numbers that are not finite"));
@@ -57,7 +57,7 @@ impl CameraInput {
         if !projection.kind.is_orthographic() {
             camera.lens.far_m = camera.lens.far_m.min(INFINITE_FAR * near_m);
         }
-        Ok(Taken { camera, to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] }, view_to_view })
+        Ok(ConvertedCamera { camera, to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] }, view_to_view })
     }
 }
 
@@ -125,7 +125,7 @@ mod tests {
             let world = Mat4::from_rotation_y(0.4) * Mat4::from_translation(Vec3::new(1.0, -2.0, 0.5));
             let input =
                 CameraInput { world_to_view: world.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
-            let Taken { camera, to_reversed, .. } = input.take().expect(name);
+            let ConvertedCamera { camera, to_reversed, .. } = input.take().expect(name);
             assert_eq!(camera.kind().is_orthographic(), name.starts_with("parallel"), "{name}");
             let planes = [camera.lens.near_m, 80.0 / camera.lens.far_m];
             assert!((planes[0] - 0.25).abs() < 1e-5 || name.contains("at the eye") && planes[0] == 0.0, "{name}");

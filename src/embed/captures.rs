@@ -1,6 +1,6 @@
 //! Images of the scene around places, from another renderer.
 
-use super::input::Borrowed;
+use super::input::BorrowedImages;
 use super::{CameraInput, Context, ImageInput};
 use crate::conventions::ClipY;
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;
 use crate::methods::capture::{CaptureImages, FaceKeeper};
 use crate::passes::Reflectors;
-use crate::passes::import::{Factor, Foreign, ImportPass};
+use crate::passes::import::{Factor, ForeignImages, ImportPass};
 use crate::scene::Aabb;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use ash::vk;
@@ -52,7 +52,7 @@ pub struct CaptureCubes {
     import: ImportPass,
     keep: FaceKeeper,
     images: CaptureImages,
-    camera: super::camera::Taken,
+    camera: super::camera::ConvertedCamera,
     /// A bit for each face that was handed over.
     taken: u64,
 }
@@ -130,13 +130,13 @@ impl CaptureCubes {
         color.check("color", extent)?;
         depth.check("depth", extent)?;
         let gpu = self.frames.gpu().clone();
-        let mut borrowed = Borrowed::default();
+        let mut borrowed = BorrowedImages::default();
         let color = borrowed.take(&gpu, "color", color)?;
         let depth = borrowed.take(&gpu, "depth", depth)?;
         // SAFETY: by the contract.
         let mut frame = unsafe { self.frames.begin_in(commands, slot, Mode::Plain) }?;
         borrowed.begin(&mut frame);
-        let foreign = Foreign {
+        let foreign = ForeignImages {
             depth: borrowed.image(depth),
             to_reversed: self.camera.to_reversed,
             normal: None,

@@ -1,6 +1,6 @@
 //! Images of another renderer: what they are, and what is wrong with them.
 
-use super::camera::Taken;
+use super::camera::ConvertedCamera;
 use crate::conventions::{NormalEncoding, NormalSpace};
 use crate::error::{Error, Result};
 use crate::gpu::sync::ImageUse;
@@ -122,27 +122,27 @@ impl ImageInput {
 
 /// The images that a frame reads, each once, however many inputs it holds.
 #[derive(Default)]
-pub(super) struct Borrowed(Vec<(ImageInput, Image)>);
+pub(super) struct BorrowedImages(Vec<(ImageInput, Image)>);
 
 /// Which of them an input is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Loan(usize);
+pub(super) struct BorrowedIndex(usize);
 
-impl Borrowed {
+impl BorrowedImages {
     /// Takes an image over, unless an input before held the same.
     ///
     /// # Errors
     /// [`Error::Usage`] if an earlier input is the same image with another use.
-    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<Loan> {
+    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<BorrowedIndex> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
         let Some(index) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
             let like = (input.format, input.extent);
             self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, like)));
-            return Ok(Loan(self.0.len() - 1));
+            return Ok(BorrowedIndex(self.0.len() - 1));
         };
         let known = &self.0[index].0;
         if (known.before, known.after) == (input.before, input.after) {
-            return Ok(Loan(index));
+            return Ok(BorrowedIndex(index));
         }
         Err(Error::Usage(format!(
             "the input {name} is the same image as another input, but declares a different use before or after"
@@ -150,7 +150,7 @@ impl Borrowed {
     }
 
     /// The image of an input.
-    pub fn image(&self, loan: Loan) -> &Image {
+    pub fn image(&self, loan: BorrowedIndex) -> &Image {
         &self.0[loan.0].1
     }
 
@@ -217,7 +217,7 @@ impl NormalInput {
     }
 
     /// `NORMAL_*`, and what turns a decoded normal into our view space.
-    pub(super) fn kind(&self, taken: &Taken) -> (i32, Mat3) {
+    pub(super) fn kind(&self, taken: &ConvertedCamera) -> (i32, Mat3) {
         let kind = match self.encoding {
             NormalEncoding::Float => NORMAL_FLOAT,
             NormalEncoding::Unorm => NORMAL_UNORM,
@@ -291,24 +291,24 @@ impl FactorInput {
     }
 
     /// Takes its image over, if it has one.
-    pub(super) fn take(&self, borrowed: &mut Borrowed, gpu: &Gpu, name: &str) -> Result<TakenFactor> {
+    pub(super) fn take(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
         Ok(match self {
             // Rounds as an image of half floats would.
-            Self::Constant(value) => TakenFactor::Constant(half::f16::from_f32(*value).to_f32()),
-            Self::Channel(image, channel) => TakenFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
+            Self::Constant(value) => BorrowedFactor::Constant(half::f16::from_f32(*value).to_f32()),
+            Self::Channel(image, channel) => BorrowedFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
         })
     }
 }
 
 /// A [`FactorInput`] whose image is borrowed from the caller.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum TakenFactor {
+pub(super) enum BorrowedFactor {
     Constant(f32),
-    Channel(Loan, u32),
+    Channel(BorrowedIndex, u32),
 }
 
-impl TakenFactor {
-    pub fn over(self, borrowed: &Borrowed) -> Factor<'_> {
+impl BorrowedFactor {
+    pub fn to_factor(self, borrowed: &BorrowedImages) -> Factor<'_> {
         match self {
             Self::Constant(value) => Factor::Constant(value),
             Self::Channel(loan, channel) => Factor::Channel(borrowed.image(loan), channel),

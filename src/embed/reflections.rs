@@ -1,7 +1,7 @@
 //! The reflections of one view.
 
-use super::camera::Taken;
-use super::input::Borrowed;
+use super::camera::ConvertedCamera;
+use super::input::BorrowedImages;
 use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, MotionInput, NormalInput, Triangles};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
@@ -11,7 +11,7 @@ use crate::methods::effect::Effect;
 use crate::methods::{Input, MethodInfo, Setup, Wants};
 use crate::parameter::{Choices, Parameter, Preset};
 use crate::passes::history::SurfaceMotion;
-use crate::passes::import::{Foreign, ImportPass};
+use crate::passes::import::{ForeignImages, ImportPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{GBuffer, Reflectors};
 use crate::scene::ProjectionKind;
@@ -140,12 +140,12 @@ pub struct Reflections {
     method: &'static MethodInfo,
     setup: Setup,
     wants: Wants,
-    beyond: Beyond,
+    beyond: WorldInput,
 }
 
 /// What frames are given of the world beyond the screen.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Beyond {
+enum WorldInput {
     Nothing,
     /// Captures with faces of so many texels a side.
     Captures(u32),
@@ -153,7 +153,7 @@ enum Beyond {
     Triangles(TriangleReading),
 }
 
-impl Beyond {
+impl WorldInput {
     fn of(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
         match (captures, triangles) {
             (None, None) => Ok(Self::Nothing),
@@ -174,7 +174,7 @@ impl Beyond {
         }
     }
 
-    fn said(self) -> String {
+    fn describe(self) -> String {
         match self {
             Self::Nothing => "nothing".into(),
             Self::Captures(side) => format!("captures with faces of {side} texels a side"),
@@ -205,7 +205,7 @@ impl Reflections {
         }
         let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
         let import = ImportPass::new(gpu, info.extent)?;
-        let beyond = Beyond::of(info.captures, info.triangles)?;
+        let beyond = WorldInput::of(info.captures, info.triangles)?;
         let effect = effect(&mut frames, method, &setup, wants, beyond)?;
         Ok(Self { frames, import, effect, method, setup, wants, beyond })
     }
@@ -252,7 +252,7 @@ impl Reflections {
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
         let triangles = input.triangles.map(Triangles::bound).transpose()?;
         let gpu = self.frames.gpu().clone();
-        let mut borrowed = Borrowed::default();
+        let mut borrowed = BorrowedImages::default();
         let depth = borrowed.take(&gpu, "depth", &input.depth)?;
         let normal = borrowed.take(&gpu, "normal", &input.normal.image)?;
         let reflectivity = input.reflectivity.take(&mut borrowed, &gpu, "reflectivity")?;
@@ -266,11 +266,11 @@ impl Reflections {
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
         borrowed.begin(&mut frame);
         let (kind, to_view) = input.normal.kind(&taken);
-        let foreign = Foreign {
+        let foreign = ForeignImages {
             depth: borrowed.image(depth),
             to_reversed: taken.to_reversed,
             normal: Some((borrowed.image(normal), kind, to_view)),
-            material: [reflectivity, roughness].map(|factor| factor.over(&borrowed)),
+            material: [reflectivity, roughness].map(|factor| factor.to_factor(&borrowed)),
             color: borrowed.image(color),
             reflectors: input.reflectors,
             leaves_sky_out: false,
@@ -317,7 +317,7 @@ impl Reflections {
     }
 
     /// What is wrong with an input, if anything; else the camera.
-    fn check(&self, input: &FrameInput) -> Result<Taken> {
+    fn check(&self, input: &FrameInput) -> Result<ConvertedCamera> {
         let extent = self.extent();
         if input.timed && !self.frames.gpu().has_timestamps() {
             return Err(Error::Usage("no pass can be timed: the queue family has no timestamps".into()));
@@ -339,12 +339,12 @@ impl Reflections {
         if let Some(motion) = &input.motion {
             motion.check(extent)?;
         }
-        let given = Beyond::of(input.captures.map(|c| c.extent()[0]), input.triangles)?;
+        let given = WorldInput::of(input.captures.map(|c| c.extent()[0]), input.triangles)?;
         if !self.beyond.takes(given) {
             return Err(Error::Usage(format!(
                 "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",
-                given.said(),
-                self.beyond.said()
+                given.describe(),
+                self.beyond.describe()
             )));
         }
         let taken = input.camera.take()?;
@@ -361,12 +361,12 @@ fn effect(
     method: &MethodInfo,
     setup: &Setup,
     wants: Wants,
-    beyond: Beyond,
+    beyond: WorldInput,
 ) -> Result<Effect> {
     match beyond {
-        Beyond::Captures(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
-        Beyond::Triangles(reading) => Effect::for_triangles(frames, method, setup, wants, reading),
-        Beyond::Nothing => Effect::new(frames, method, setup, wants, None),
+        WorldInput::Captures(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
+        WorldInput::Triangles(reading) => Effect::for_triangles(frames, method, setup, wants, reading),
+        WorldInput::Nothing => Effect::new(frames, method, setup, wants, None),
     }
 }
 

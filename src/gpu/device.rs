@@ -154,7 +154,7 @@ pub struct Shared {
     pub(crate) patience: OnceLock<Patience>,
     /// Code that stands for shaders that changed.
     #[cfg(feature = "reload")]
-    pub replaced_shaders: super::shader::Replaced,
+    pub replaced_shaders: super::shader::ReplacedShaders,
     info: DeviceInfo,
     /// Its place in the loader's list; none where somebody else made it.
     index: Option<usize>,

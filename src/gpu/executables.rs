@@ -50,10 +50,10 @@ pub struct CompiledProgram {
 /// The functions that ask, and the passes of frames with the pipelines that they ran.
 pub(crate) struct Executables {
     functions: ash::khr::pipeline_executable_properties::Device,
-    ran: Mutex<Vec<Ran>>,
+    pass_pipelines: Mutex<Vec<PassPipeline>>,
 }
 
-struct Ran {
+struct PassPipeline {
     pass: String,
     counted: bool,
     pipeline: Arc<SharedPipeline>,
@@ -66,18 +66,18 @@ impl Executables {
     /// Loads the functions of a device on which the extension is on.
     pub fn new(instance: &ash::Instance, device: &ash::Device) -> Self {
         let functions = ash::khr::pipeline_executable_properties::Device::new(instance, device);
-        Self { functions, ran: Mutex::default() }
+        Self { functions, pass_pipelines: Mutex::default() }
     }
 
     /// Notes that a pass runs a pipeline.
     pub fn note(&self, pass: &str, counted: bool, pipeline: &Arc<SharedPipeline>) {
-        let ran = Ran { pass: pass.to_owned(), counted, pipeline: Arc::clone(pipeline) };
-        self.ran.lock().unwrap_or_else(PoisonError::into_inner).push(ran);
+        let pass_pipeline = PassPipeline { pass: pass.to_owned(), counted, pipeline: Arc::clone(pipeline) };
+        self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner).push(pass_pipeline);
     }
 
     /// Forgets all passes, and returns them.
-    fn take(&self) -> Vec<Ran> {
-        std::mem::take(&mut *self.ran.lock().unwrap_or_else(PoisonError::into_inner))
+    fn take(&self) -> Vec<PassPipeline> {
+        std::mem::take(&mut *self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn of_pipeline(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
@@ -137,13 +137,13 @@ impl Gpu {
         let Some(executables) = &self.shared().executables else {
             return Err(Error::Usage("this device was not opened to tell what its compiler made".into()));
         };
-        let program = |ran: Ran| {
+        let program = |pass_pipeline: PassPipeline| {
             Ok(CompiledProgram {
-                executables: executables.of_pipeline(&ran.pipeline)?,
-                program: ran.pipeline.name.to_owned(),
-                constants: ran.pipeline.constants.clone(),
-                pass: ran.pass,
-                counted: ran.counted,
+                executables: executables.of_pipeline(&pass_pipeline.pipeline)?,
+                program: pass_pipeline.pipeline.name.to_owned(),
+                constants: pass_pipeline.pipeline.constants.clone(),
+                pass: pass_pipeline.pass,
+                counted: pass_pipeline.counted,
             })
         };
         executables.take().into_iter().map(program).collect()

@@ -21,11 +21,11 @@ use super::memory::{Buffer, TexelBuffer};
 use super::pipeline::SharedPipeline;
 use super::program::Sampled;
 use super::ray_structure::RayStructure;
-use super::sync::{Access, ImageUse, State, Tracked, Transition};
+use super::sync::{Access, ImageUse, State, TrackedState, Transition};
 use super::timing::{PassTime, PassWork};
 use crate::error::{Error, Result};
 use ash::vk;
-use bind::Given;
+use bind::ProgramInputs;
 pub use context::FrameContext;
 use context::Slot;
 pub use draw::Raster;
@@ -127,7 +127,7 @@ pub struct Frame<'c> {
 /// What images and buffers were before the frame, for as long as it may fail: barriers that were never
 /// submitted changed nothing.
 #[derive(Default)]
-struct Undo(Vec<(Tracked, State)>);
+struct Undo(Vec<(TrackedState, State)>);
 
 impl Drop for Undo {
     fn drop(&mut self) {
@@ -379,8 +379,8 @@ impl Frame<'_> {
     }
 
     /// Brings a pass's resources to their use, with the next [`Self::flush`].
-    fn prepare(&mut self, given: &Given, [sampled, read, stored]: [Access; 3]) {
-        for (_, resource) in &given.resources {
+    fn prepare(&mut self, inputs: &ProgramInputs, [sampled, read, stored]: [Access; 3]) {
+        for (_, resource) in &inputs.resources {
             match *resource {
                 Resource::Sampled(Sampled(slice, _)) => self.use_image(slice, sampled),
                 Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
@@ -451,7 +451,7 @@ impl Frame<'_> {
     }
 }
 
-fn step(undo: &mut Undo, state: &Tracked, access: Access) -> Option<Transition> {
+fn step(undo: &mut Undo, state: &TrackedState, access: Access) -> Option<Transition> {
     let mut s = state.get();
     undo.0.push((state.clone(), s));
     let transition = s.transition(access);

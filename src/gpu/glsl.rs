@@ -56,14 +56,14 @@ fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
 
 /// A program that a stage file names.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Named {
+pub struct NamedProgram {
     /// Name of its struct in Rust.
     pub name: String,
     /// Macros that are defined for it.
     pub defines: Vec<String>,
 }
 
-impl Named {
+impl NamedProgram {
     /// The compute program of this fragment program, with further macros.
     pub fn in_compute(&self, defines: &[String]) -> Self {
         let name = format!("{}Compute{}", self.name, defines.concat());
@@ -111,7 +111,7 @@ fn words(list: &str) -> Option<Vec<String>> {
 ///
 /// # Errors
 /// A sentence on a pragma that is none of ours.
-pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
+pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
         let Some(pragma) = text.strip_prefix("#pragma ") else { continue };
@@ -127,7 +127,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
             )
         })?;
         let name = words.remove(0);
-        found.push(Named { name, defines: words });
+        found.push(NamedProgram { name, defines: words });
     }
     Ok(found)
 }
@@ -143,7 +143,7 @@ pub fn compile<D: AsRef<str>>(
     root: &Path,
     path: &Path,
     defines: &[D],
-) -> Result<Compiled, String> {
+) -> Result<CompiledStage, String> {
     let included = std::cell::RefCell::new(vec![path.to_path_buf()]);
     let source = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| format!("shaderc: {e}"))?;
@@ -168,12 +168,12 @@ pub fn compile<D: AsRef<str>>(
         .map(|artifact| artifact.as_binary().to_vec())
         .map_err(|e| e.to_string())?;
     drop(options);
-    Ok(Compiled { words, files: included.into_inner() })
+    Ok(CompiledStage { words, files: included.into_inner() })
 }
 
 /// A stage's code, and the files that it was made from: itself, then what it includes.
 #[cfg(feature = "compile-shaders")]
-pub struct Compiled {
+pub struct CompiledStage {
     /// SPIR-V.
     pub words: Vec<u32>,
     /// Paths, possibly several times the same.
@@ -204,7 +204,7 @@ mod tests {
         let named = |source| programs(source, Path::new("a.frag"));
         let found =
             named("#version 460\n#pragma program(Down)\n#pragma program( Across , VOLUME,HITS )\nvoid main() {}\n");
-        let program = |name: &str, defines: &[&str]| Named {
+        let program = |name: &str, defines: &[&str]| NamedProgram {
             name: name.into(),
             defines: defines.iter().map(|d| (*d).to_owned()).collect(),
         };

@@ -7,7 +7,7 @@ pub use slice::ImageSlice;
 use super::device::{Gpu, vulkan};
 use super::memory::{self, Allocation, MemoryPlace};
 use super::pixels::ShaderStage;
-use super::sync::{State, Tracked};
+use super::sync::{State, TrackedState};
 use crate::error::{Error, Result};
 use ash::vk;
 
@@ -62,7 +62,7 @@ pub struct Image {
     depth: u32,
     slice_views: Vec<vk::ImageView>,
     layers: u32,
-    states: Vec<Tracked>,
+    states: Vec<TrackedState>,
     name: String,
     /// Whether the handle and its views are somebody else's.
     borrowed: bool,
@@ -201,7 +201,7 @@ impl Image {
             depth,
             slice_views: Vec::new(),
             layers: desc.layers,
-            states: (0..desc.levels).map(|_| Tracked::default()).collect(),
+            states: (0..desc.levels).map(|_| TrackedState::default()).collect(),
             name: desc.name.to_owned(),
             borrowed: false,
             part: None,
@@ -300,7 +300,7 @@ impl Image {
             depth: 1,
             slice_views: Vec::new(),
             layers: 1,
-            states: vec![Tracked::default()],
+            states: vec![TrackedState::default()],
             name: name.to_owned(),
             borrowed: true,
             part: None,

@@ -9,9 +9,9 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
     /// What it binds, by number.
-    pub bindings: Vec<Bound>,
+    pub bindings: Vec<StageBinding>,
     /// Its push-constant block.
-    pub push: Option<Push>,
+    pub push: Option<PushBlock>,
     /// Name and Rust type of a component of each colour that it writes, by location; of a fragment stage.
     pub outputs: Vec<(String, &'static str)>,
     /// Its specialization constants, by id.
@@ -27,7 +27,7 @@ pub struct Interface {
 
 /// One binding of a stage.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Bound {
+pub struct StageBinding {
     /// `layout(binding = …)`.
     pub binding: u32,
     /// The variable's name, or the block's where the variable has none.
@@ -44,7 +44,7 @@ pub struct Bound {
 
 /// A push-constant block.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Push {
+pub struct PushBlock {
     /// The variable's name.
     pub name: String,
     /// The block's.
@@ -239,7 +239,7 @@ impl<'a> Reflection<'a> {
                 self.collect(pointee, &mut found.blocks)?;
             }
             if class == StorageClass::PushConstant {
-                found.push = Some(Push { name, block, size: self.struct_of(pointee)?.size });
+                found.push = Some(PushBlock { name, block, size: self.struct_of(pointee)?.size });
                 continue;
             }
             if is_fragment && class == StorageClass::Output {
@@ -268,7 +268,14 @@ impl<'a> Reflection<'a> {
             if let ("StorageImage", Some(Operand::ImageFormat(format))) = (kind, definition.operands.get(6)) {
                 found.formats.extend(format_name(*format).map(|name| (binding, name)));
             }
-            found.bindings.push(Bound { binding, name, kind, count, block, read_only: self.is_read_only(id, pointee) });
+            found.bindings.push(StageBinding {
+                binding,
+                name,
+                kind,
+                count,
+                block,
+                read_only: self.is_read_only(id, pointee),
+            });
         }
         found.bindings.sort();
         if outputs.keys().copied().ne(0..outputs.len() as u32) {

@@ -23,13 +23,13 @@ pub struct LooseProgram {
 
 /// How much a program is dispatched over.
 #[derive(Clone, Copy)]
-pub enum Reach<'a> {
+pub enum DispatchSize<'a> {
     /// So many threads along each axis, rounded up to whole workgroups.
     Threads([u32; 3]),
     /// So many workgroups.
     Workgroups([u32; 3]),
     /// The number of workgroups is in the first three words of a buffer.
-    Said(&'a Buffer),
+    Indirect(&'a Buffer),
 }
 
 /// Makes a shader of code that lives as long as the program runs; so does what is made here. `name` is for labels and
@@ -121,13 +121,15 @@ impl Frame<'_> {
         program: &LooseProgram,
         resources: Vec<Resource>,
         push: &[u8],
-        reach: Reach,
+        dispatch_size: DispatchSize,
     ) -> Result<()> {
         let size = program.pipeline.local_size;
-        let reach = match reach {
-            Reach::Threads(threads) => Reach::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1)))),
+        let dispatch_size = match dispatch_size {
+            DispatchSize::Threads(threads) => {
+                DispatchSize::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1))))
+            }
             other => other,
         };
-        self.compute_loose(name, &program.pipeline, (program.shader.bindings, resources, push), reach)
+        self.compute_loose(name, &program.pipeline, (program.shader.bindings, resources, push), dispatch_size)
     }
 }

@@ -1,7 +1,7 @@
 //! Memory, of the crate's allocator or of the caller's, and buffers with theirs.
 
 use super::device::{Gpu, vulkan};
-use super::sync::Tracked;
+use super::sync::TrackedState;
 use crate::error::{Error, Result};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -15,7 +15,7 @@ pub struct Buffer {
     handle: vk::Buffer,
     allocation: Option<Allocation>,
     size: u64,
-    state: Tracked,
+    state: TrackedState,
     name: String,
 }
 
@@ -188,8 +188,14 @@ impl Buffer {
         // SAFETY: the create info is complete; the handle is destroyed in `drop`.
         let handle =
             unsafe { gpu.raw().create_buffer(&info, None) }.map_err(vulkan(format!("vkCreateBuffer for {name}")))?;
-        let mut buffer =
-            Self { gpu: gpu.clone(), handle, allocation: None, size, state: Tracked::default(), name: name.to_owned() };
+        let mut buffer = Self {
+            gpu: gpu.clone(),
+            handle,
+            allocation: None,
+            size,
+            state: TrackedState::default(),
+            name: name.to_owned(),
+        };
         gpu.name(handle, name);
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_buffer_memory_requirements(handle) };
@@ -246,7 +252,7 @@ impl Buffer {
         self.handle
     }
 
-    pub(crate) fn state(&self) -> &Tracked {
+    pub(crate) fn state(&self) -> &TrackedState {
         &self.state
     }
 }

@@ -4,8 +4,8 @@
 use super::device::{Gpu, vulkan};
 use super::image;
 use super::limits;
-use super::pipelines::{KeptVertices, Key};
-use super::program::{self, Constants, Fragment, Program, VertexProgram, agree};
+use super::pipelines::{Key, VerticesKey};
+use super::program::{self, Constants, Fragment, Program, VertexProgram, bindings_agree};
 use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
@@ -218,7 +218,7 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         targets: F::Outputs<vk::Format>,
         depth: Option<DepthState>,
     ) -> Result<Self> {
-        const { assert!(agree(F::SHADER, V::SHADER), "the stages disagree on a binding") };
+        const { assert!(bindings_agree(F::SHADER, V::SHADER), "the stages disagree on a binding") };
         let stages = Stages { vertex: V::SHADER, fragment: F::SHADER, constants: &constants.entries() };
         let graphics = SharedPipeline::graphics(gpu, &stages, &geometry, targets.as_ref(), depth)?;
         Ok(Self { graphics, _gpu: gpu.clone(), programs: PhantomData })
@@ -242,9 +242,9 @@ impl SharedPipeline {
             targets: targets.to_vec(),
             depth,
             vertices: match geometry {
-                Geometry::Points => KeptVertices::Points,
-                Geometry::Triangles(None) => KeptVertices::Triangles,
-                Geometry::Triangles(Some(input)) => KeptVertices::Meshes(input.stride, input.attributes.to_vec()),
+                Geometry::Points => VerticesKey::Points,
+                Geometry::Triangles(None) => VerticesKey::Triangles,
+                Geometry::Triangles(Some(input)) => VerticesKey::Meshes(input.stride, input.attributes.to_vec()),
             },
         };
         gpu.kept_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))

@@ -15,10 +15,10 @@ const KEPT: usize = 512;
 
 /// What was compiled for a device and is not gone.
 #[derive(Default)]
-pub(crate) struct Pipelines(Mutex<Kept<Key, SharedPipeline>>);
+pub(crate) struct Pipelines(Mutex<KeyedCache<Key, SharedPipeline>>);
 
 /// Things by their keys.
-struct Kept<K, T> {
+struct KeyedCache<K, T> {
     /// Each with what `asked` was when it was last asked for.
     things: HashMap<K, (u64, Arc<T>)>,
     /// How often something was asked for.
@@ -34,12 +34,12 @@ pub(super) struct Key {
     pub constants: Vec<(u32, u32)>,
     pub targets: Vec<vk::Format>,
     pub depth: Option<DepthState>,
-    pub vertices: KeptVertices,
+    pub vertices: VerticesKey,
 }
 
 /// What the vertices are.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub(super) enum KeptVertices {
+pub(super) enum VerticesKey {
     /// Corners of triangles that the shader makes from the number of the vertex.
     #[default]
     Triangles,
@@ -77,7 +77,7 @@ impl Gpu {
 }
 
 impl Pipelines {
-    fn lock(&self) -> MutexGuard<'_, Kept<Key, SharedPipeline>> {
+    fn lock(&self) -> MutexGuard<'_, KeyedCache<Key, SharedPipeline>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -87,13 +87,13 @@ impl Pipelines {
     }
 }
 
-impl<K, T> Default for Kept<K, T> {
+impl<K, T> Default for KeyedCache<K, T> {
     fn default() -> Self {
         Self { things: HashMap::new(), asked: 0 }
     }
 }
 
-impl<K: Clone + Eq + Hash, T> Kept<K, T> {
+impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
     fn get(&mut self, key: &K) -> Option<Arc<T>> {
         self.asked += 1;
         let (asked, thing) = self.things.get_mut(key)?;
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn one_key_has_one_thing_however_many_ask() {
-        let mut kept = Kept::default();
+        let mut kept = KeyedCache::default();
         let first = kept.insert("a", Arc::new(1));
         assert!(Arc::ptr_eq(&first, &kept.insert("a", Arc::new(2))));
         assert!(Arc::ptr_eq(&first, &kept.get(&"a").unwrap()));
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_one_that_was_unused_longest_goes_first() {
-        let mut kept = Kept::default();
+        let mut kept = KeyedCache::default();
         let used = kept.insert(0, Arc::new(0));
         (1..KEPT).for_each(|n| drop(kept.insert(n, Arc::new(n))));
         // Asked for again, so that 2 is the oldest that nobody uses.
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn more_are_kept_while_all_are_used() {
-        let mut kept = Kept::default();
+        let mut kept = KeyedCache::default();
         let used: Vec<_> = (0..KEPT + 3).map(|n| kept.insert(n, Arc::new(n))).collect();
         assert_eq!(kept.things.len(), used.len());
     }

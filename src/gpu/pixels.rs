@@ -31,9 +31,9 @@ impl ShaderStage {
 }
 
 /// The pipeline of a program in one stage.
-pub struct PixelPipeline<F>(pub(super) InStage<F>);
+pub struct PixelPipeline<F>(pub(super) StagePipeline<F>);
 
-pub(super) enum InStage<F> {
+pub(super) enum StagePipeline<F> {
     Fragment(GraphicsPipeline<F>),
     Compute(StoringPipeline),
 }
@@ -62,10 +62,12 @@ impl<F: InEitherStage> PixelPipeline<F> {
         constants: &F::Constants,
     ) -> Result<Self> {
         Ok(Self(match stage {
-            ShaderStage::Fragment => InStage::Fragment(GraphicsPipeline::fullscreen_with(gpu, targets, constants)?),
+            ShaderStage::Fragment => {
+                StagePipeline::Fragment(GraphicsPipeline::fullscreen_with(gpu, targets, constants)?)
+            }
             ShaderStage::Compute => {
                 let shader = storing(F::SHADER, F::COMPUTE, targets.as_ref())?;
-                InStage::Compute(StoringPipeline::new(gpu, shader, targets.as_ref(), constants.entries())?)
+                StagePipeline::Compute(StoringPipeline::new(gpu, shader, targets.as_ref(), constants.entries())?)
             }
         }))
     }

@@ -72,7 +72,7 @@ impl<'a> Sampled<'a> {
 }
 
 /// Whether two stages of a pipeline agree on the bindings that both have.
-pub(super) const fn agree(a: &Shader, b: &Shader) -> bool {
+pub(super) const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
     let mut i = 0;
     while i < a.bindings.len() {
         let mut j = 0;

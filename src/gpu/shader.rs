@@ -56,10 +56,10 @@ pub enum BindingKind {
 /// shows them. A pipeline made after the change has the new code.
 #[cfg(feature = "reload")]
 #[derive(Debug, Default)]
-pub struct Replaced(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);
+pub struct ReplacedShaders(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);
 
 #[cfg(feature = "reload")]
-impl Replaced {
+impl ReplacedShaders {
     /// The code that stands for a shader, if it was replaced.
     pub fn get(&self, name: &str) -> Option<std::sync::Arc<[u8]>> {
         self.lock().get(name).cloned()

@@ -1,7 +1,7 @@
 //! Shaders compiled anew while the program runs: from the folder that a window watches, or from the one that the variable
 //! `SSCT_SHADERS` names, so that a change to a shader can be tried without building the program.
 
-use super::glsl::{self, Compiled};
+use super::glsl::{self, CompiledStage};
 use super::interface::Interface;
 use super::programs::ALL;
 use super::shader::Shader;
@@ -37,7 +37,7 @@ impl Sources {
     ///
     /// # Errors
     /// The compiler's message, which names file and line.
-    pub fn compile(&self, shader: &Shader) -> std::result::Result<Compiled, String> {
+    pub fn compile(&self, shader: &Shader) -> std::result::Result<CompiledStage, String> {
         glsl::compile(&self.compiler, &self.root, &self.root.join(shader.file), shader.defines)
     }
 }
@@ -79,8 +79,8 @@ pub fn named() -> Option<PathBuf> {
 /// # Errors
 /// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile or no longer fits.
 pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
-    type Opened = (Sources, HashMap<&'static str, Arc<[u8]>>);
-    static OPENED: Mutex<Option<Opened>> = Mutex::new(None);
+    type CompiledSources = (Sources, HashMap<&'static str, Arc<[u8]>>);
+    static OPENED: Mutex<Option<CompiledSources>> = Mutex::new(None);
     // Methods of users have shaders of their own.
     let Some(folder) = named().filter(|_| ALL.iter().any(|own| own.name == shader.name)) else { return Ok(None) };
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);

@@ -216,9 +216,9 @@ pub struct State {
 
 /// The state of an image's level or of a buffer. Clones share it: a frame keeps one to undo what it changed.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Tracked(Arc<Mutex<State>>);
+pub(crate) struct TrackedState(Arc<Mutex<State>>);
 
-impl Tracked {
+impl TrackedState {
     pub fn get(&self) -> State {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

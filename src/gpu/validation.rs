@@ -12,7 +12,7 @@ pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// A message that does not fail a run.
 #[derive(Debug)]
-pub struct Allowed {
+pub struct AllowedMessage {
     /// Its ID.
     pub id: &'static str,
     /// The versions of the layer that give this message, as Vulkan encodes versions: from the first one up to the one
@@ -45,39 +45,44 @@ const SETTLING: &str = "on lavapipe of Mesa 22, dispatches of no workgroups keep
 const MESSENGER: &str = "VK_EXT_debug_utils carries these very messages";
 
 /// The messages that do not fail a run.
-pub const ALLOWED: &[Allowed] = &[
-    Allowed {
+pub const ALLOWED: &[AllowedMessage] = &[
+    AllowedMessage {
         id: "UNASSIGNED-BestPractices-pipeline-stage-flags",
         versions: 0..LAYER_1_4,
         driver: "",
         reason: FULL_BARRIERS,
     },
-    Allowed {
+    AllowedMessage {
         id: "BestPractices-pipeline-stage-flags2-compute",
         versions: LAYERS_1_4_309,
         driver: "",
         reason: FULL_BARRIERS,
     },
-    Allowed {
+    AllowedMessage {
         id: "UNASSIGNED-BestPractices-vkCreateInstance-specialuse-extension-debugging",
         versions: 0..LAYER_1_4,
         driver: "",
         reason: MESSENGER,
     },
-    Allowed { id: "BestPractices-specialuse-extension", versions: LAYERS_1_4_309, driver: "", reason: MESSENGER },
-    Allowed {
+    AllowedMessage {
+        id: "BestPractices-specialuse-extension",
+        versions: LAYERS_1_4_309,
+        driver: "",
+        reason: MESSENGER,
+    },
+    AllowedMessage {
         id: "UNASSIGNED-BestPractices-vkCmdDispatch-group-count-zero",
         versions: 0..LAYER_1_4,
         driver: MESA_22,
         reason: SETTLING,
     },
-    Allowed {
+    AllowedMessage {
         id: "BestPractices-vkCmdDispatch-group-count-zero",
         versions: LAYER_1_4..u32::MAX,
         driver: MESA_22,
         reason: SETTLING,
     },
-    Allowed {
+    AllowedMessage {
         id: "Undefined-Value-ShaderOutputNotConsumed-DynamicRendering",
         versions: LAYER_1_4..u32::MAX,
         driver: "",
@@ -87,7 +92,7 @@ pub const ALLOWED: &[Allowed] = &[
 ];
 
 /// The messages that do not fail a run with a window, and are given by chance.
-pub const ALLOWED_OF_WINDOWS: &[Allowed] = &[Allowed {
+pub const ALLOWED_OF_WINDOWS: &[AllowedMessage] = &[AllowedMessage {
     id: "BestPractices-vkCreateSharedSwapchainsKHR-SuboptimalSwapchain",
     versions: LAYER_1_4..u32::MAX,
     driver: "",
@@ -249,7 +254,7 @@ mod tests {
 
     #[test]
     fn an_allowed_message_has_an_id_of_its_own_and_a_reason() {
-        for (n, super::Allowed { id, versions, reason, .. }) in super::ALLOWED.iter().enumerate() {
+        for (n, super::AllowedMessage { id, versions, reason, .. }) in super::ALLOWED.iter().enumerate() {
             assert!(!reason.is_empty() && !id.is_empty() && !versions.is_empty());
             assert!(super::ALLOWED[..n].iter().all(|other| other.id != *id), "{id} twice");
         }

@@ -2,7 +2,7 @@
 //! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
 use super::needs::Need;
-use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
+use super::{Input, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
@@ -14,7 +14,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "area-light",
         "analytic area lights (direct highlights)",
         "Hermanns 2015, §3.1.1; Karis 2013",
-        |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, &making.setup)?)),
+        |gpu, request| Ok(Box::new(AreaLightMethod::new(gpu, &request.setup)?)),
     )
 };
 
@@ -32,7 +32,7 @@ impl Method for AreaLightMethod {
         AreaLightPass::check(scene.data)
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
-        Ok(Traced::new(self.0.record(frame, &input.gbuffer, input.scene()?.data, input.camera)?))
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
+        Ok(MethodOutput::new(self.0.record(frame, &input.gbuffer, input.scene()?.data, input.camera)?))
     }
 }

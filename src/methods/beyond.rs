@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::passes::scene_data::SceneData;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading, TriangleTable};
-use crate::scene::capture::Wanted;
+use crate::scene::capture::WantedCaptures;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
 
@@ -60,7 +60,7 @@ impl PreparedTriangles {
 }
 
 /// Captures, once they are made, and of what they were made.
-pub(super) struct Captured {
+pub(super) struct CaptureSet {
     /// Where the scene is captured; empty for captures that come from elsewhere.
     pub(super) places: Vec<Capture>,
     /// Width and height of the faces.
@@ -73,7 +73,7 @@ pub(super) struct Captured {
     pub(super) at_camera: bool,
 }
 
-impl Captured {
+impl CaptureSet {
     /// Captures that the caller brings along: their images at once, or with each input.
     pub(super) fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
         Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, at_camera: false }
@@ -110,7 +110,7 @@ pub(super) fn triangles_for(
 ///
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene.
-pub(super) fn taken(
+pub(super) fn captures_taken(
     info: &MethodInfo,
     effect: &EffectParams,
     scene: Option<&SceneInput>,
@@ -131,7 +131,7 @@ pub(super) fn taken(
         // Each frame moves it.
         return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
     }
-    let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(Wanted::Auto));
+    let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(WantedCaptures::Auto));
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
 }
 

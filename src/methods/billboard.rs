@@ -3,7 +3,7 @@
 //! no roughness, which `--billboard-blur` adds. An impostor is not lit and moves with nothing.
 
 use super::needs::Need;
-use super::{Input, Method, MethodInfo, SceneInput, Traced};
+use super::{Input, Method, MethodInfo, MethodOutput, SceneInput};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
@@ -23,10 +23,10 @@ pub const INFO: MethodInfo = MethodInfo {
         "billboard",
         "ray-traced impostor quads",
         "Schmidt 2013, §5.3, listings 2 and 3",
-        |gpu, making| {
-            let parameters: BillboardParams = making.setup.of();
+        |gpu, request| {
+            let parameters: BillboardParams = request.setup.of();
             let pass =
-                BillboardPass::new(gpu, making.setup.stage(), making.setup.extent, parameters.billboard_glow > 0.0)?;
+                BillboardPass::new(gpu, request.setup.stage(), request.setup.extent, parameters.billboard_glow > 0.0)?;
             Ok(Box::new(BillboardMethod { pass, parameters }))
         },
     )
@@ -68,7 +68,7 @@ impl Method for BillboardMethod {
         BillboardPass::check(scene.data, INFO.name)
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let data = input.scene()?.data;
         let p = self.parameters;
         let drawing = Drawing {
@@ -78,6 +78,6 @@ impl Method for BillboardMethod {
             glow: (p.billboard_glow, p.billboard_glow_width),
             premultiplied: false,
         };
-        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, drawing)?))
+        Ok(MethodOutput::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, drawing)?))
     }
 }

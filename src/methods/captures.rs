@@ -2,11 +2,11 @@
 //! cone around the mirror ray. It is what stands behind a screen-space method (`--fallback captures`), which then is
 //! compared fairly with `unified`, whose every ray goes on in the captures.
 
-use super::{Input, Making, Method, MethodInfo, Traced};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
-use crate::passes::lost::{Listed, LostRays, capture_block};
+use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, NO_HIT, Reflection, pyramid, stored_target};
 
 /// The table's row.
@@ -17,7 +17,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "captures",
         "rays followed exactly through captures of the scene alone",
         "this project",
-        |gpu, making| Ok(Box::new(CapturesMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(CapturesMethod::new(gpu, request)?)),
     )
 };
 
@@ -32,23 +32,23 @@ pub struct CapturesMethod {
 
 impl CapturesMethod {
     /// Makes pipelines and images.
-    pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let extent = making.setup.extent;
-        let (hits, behind) = (making.hits, making.behind);
-        let projection = making.setup.projection;
+    pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let extent = request.setup.extent;
+        let (hits, behind) = (request.hits, request.behind);
+        let projection = request.setup.projection;
         let wants =
             FollowWants { over: false, composite: false, reflection: true, hits, tells: false, behind, projection };
         Ok(Self {
-            lost: LostRays::new(gpu, extent, Listed::Rays)?,
-            follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,
+            lost: LostRays::new(gpu, extent, ListContent::Rays)?,
+            follow: request.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,
             reflection: stored_target(gpu, "captured reflection", LIT_COLOR, extent)?,
-            hits: making.hits.then(|| stored_target(gpu, "hits", HITS, extent)).transpose()?,
+            hits: request.hits.then(|| stored_target(gpu, "hits", HITS, extent)).transpose()?,
         })
     }
 }
 
 impl Method for CapturesMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = input.gbuffer;
         let hits = self.hits.as_ref().map(Hits);
         frame.clear("reflection", self.reflection.all(), [0.0; 4])?;
@@ -57,7 +57,7 @@ impl Method for CapturesMethod {
         }
         let Some((follow, captures)) = self.follow.as_ref().zip(input.captures) else {
             frame.skip("follow", "the scene has no place for a capture");
-            return Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) });
+            return Ok(MethodOutput { hits, ..MethodOutput::new(Reflection(&self.reflection)) });
         };
         let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
         let block = capture_block(input.camera, Some(&captures));
@@ -66,6 +66,6 @@ impl Method for CapturesMethod {
         follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: None, reflection: Some(&self.reflection) };
         follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
-        Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) })
+        Ok(MethodOutput { hits, ..MethodOutput::new(Reflection(&self.reflection)) })
     }
 }

@@ -3,7 +3,7 @@
 
 use super::layers::LayerParams;
 use super::thesis::{FadeParams, UNBOUNDED};
-use super::{Input, Making, Method, MethodInfo, Traced};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::shader::DdaBlock;
 use crate::gpu::{Frame, Gpu};
@@ -22,7 +22,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "dda",
         "perspective-correct march over pixels with a constant thickness, mirror lookup: no gloss",
         "McGuire and Mara 2014",
-        |gpu, making| Ok(Box::new(DdaMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(DdaMethod::new(gpu, request)?)),
     )
 };
 
@@ -74,8 +74,8 @@ struct DdaMethod {
 }
 
 impl DdaMethod {
-    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (setup, p) = (&making.setup, making.setup.of::<DdaParams>());
+    fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let (setup, p) = (&request.setup, request.setup.of::<DdaParams>());
         let [fade_start, fade_end] = p.border.ends();
         Ok(Self {
             trace: DdaTracePass::new(
@@ -84,7 +84,7 @@ impl DdaMethod {
                 setup.extent,
                 [p.dda_jitter, p.dda_refine],
                 p.layers.layers,
-                making.hits,
+                request.hits,
             )?,
             parameters: DdaBlock {
                 stride: p.dda_stride as f32,
@@ -100,9 +100,9 @@ impl DdaMethod {
 }
 
 impl Method for DdaMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let (reflection, hits) =
             self.trace.record(frame, &input.gbuffer, input.behind.as_ref(), input.camera, &self.parameters)?;
-        Ok(Traced { hits, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, ..MethodOutput::new(reflection) })
     }
 }

@@ -1,10 +1,10 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
-use super::beyond::{Captured, PreparedTriangles, taken, takes_captures, triangles_for};
+use super::beyond::{CaptureSet, PreparedTriangles, captures_taken, takes_captures, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
 use super::setup::{BeyondScreen, CaptureCount, HistoryUse, Tracer, takes_projection};
-use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, SceneInput, Setup, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::bump::BumpPass;
@@ -29,7 +29,7 @@ const FACES_OF_A_CUBE: u32 = 6;
 #[derive(Clone)]
 pub struct Output<'a> {
     /// The method's intermediates and hits, and the reflection that was composited.
-    pub traced: Traced<'a>,
+    pub traced: MethodOutput<'a>,
     /// The finished image, linear; lit colour alone where none was wanted or nothing reflects.
     pub composite: &'a Image,
 }
@@ -49,7 +49,7 @@ pub struct Effect {
     bounces: Option<(u32, CompositePass)>,
     /// None where no image with the reflection in it is wanted.
     composite: Option<CompositePass>,
-    captures: Option<Captured>,
+    captures: Option<CaptureSet>,
     triangles: Option<PreparedTriangles>,
     prepared: Prepared,
 }
@@ -83,7 +83,7 @@ impl Effect {
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
         let effect = setup.effect();
-        let (places, placement_ms) = taken(info, &effect, scene)?;
+        let (places, placement_ms) = captures_taken(info, &effect, scene)?;
         let at_camera = effect.captures_wanted() == CaptureCount::Camera && !places.is_empty();
         if at_camera && effect.captures_per_frame > 0 {
             let message =
@@ -96,11 +96,11 @@ impl Effect {
         let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
         let captured = (!places.is_empty()).then(|| {
             let (images, materials) = (None, Vec::new());
-            Captured { places, face, images, materials, renewal, at_camera }
+            CaptureSet { places, face, images, materials, renewal, at_camera }
         });
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
-        let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured, triangles))?;
+        let mut made = Self::with_parts(context, info, setup, wants, (scene.is_some(), captured, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
         made.prepare(context, scene)?;
         made.prepared = Prepared {
@@ -127,8 +127,8 @@ impl Effect {
         captures: CaptureImages,
     ) -> Result<Self> {
         takes_captures(info, setup)?;
-        let captured = Captured::from_elsewhere(captures.extent(), Some(captures));
-        Self::beside(context, info, setup, wants, (false, Some(captured), None))
+        let captured = CaptureSet::from_elsewhere(captures.extent(), Some(captures));
+        Self::with_parts(context, info, setup, wants, (false, Some(captured), None))
     }
 
     /// Makes the method and what surrounds it for captures that each input brings along ([`Input::captures`]), with faces of
@@ -144,7 +144,7 @@ impl Effect {
         face: [u32; 2],
     ) -> Result<Self> {
         takes_captures(info, setup)?;
-        Self::beside(context, info, setup, wants, (false, Some(Captured::from_elsewhere(face, None)), None))
+        Self::with_parts(context, info, setup, wants, (false, Some(CaptureSet::from_elsewhere(face, None)), None))
     }
 
     /// Makes the method and what surrounds it for a G-buffer without its scene, and triangles that each input brings along
@@ -174,15 +174,15 @@ impl Effect {
                 "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree";
             return Err(Error::Usage(message.into()));
         }
-        Self::beside(context, info, setup, wants, (false, None, Some(reading)))
+        Self::with_parts(context, info, setup, wants, (false, None, Some(reading)))
     }
 
-    fn beside(
+    fn with_parts(
         context: &mut FrameContext,
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured, triangles): (bool, Option<Captured>, Option<TriangleReading>),
+        (has_scene, captured, triangles): (bool, Option<CaptureSet>, Option<TriangleReading>),
     ) -> Result<Self> {
         let (name, effect) = (info.name, setup.effect());
         let Setup { extent, projection, .. } = *setup;
@@ -238,7 +238,7 @@ impl Effect {
                     "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
                 )));
             }
-            let making = Making {
+            let request = MethodRequest {
                 setup: setup.clone(),
                 hits: false,
                 reflection: true,
@@ -247,7 +247,7 @@ impl Effect {
                 triangles: None,
                 behind: true,
             };
-            Ok((behind.make(&gpu, &making)?, FallbackPass::new(&gpu, stage, extent)?))
+            Ok((behind.make(&gpu, &request)?, FallbackPass::new(&gpu, stage, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
         let bounces = (effect.bounces > 1)
@@ -256,7 +256,7 @@ impl Effect {
         let composite =
             wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped && bounces.is_none();
         let mut scaled = None;
-        let mut inner = Making {
+        let mut inner = MethodRequest {
             setup: setup.clone(),
             // The hits of smaller pixels compare with nothing at full size.
             hits: wants.hits && divisor == 1,
@@ -409,7 +409,7 @@ impl Effect {
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
         input.camera.check_kind(self.projection)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
-        if let (Some(Captured { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
+        if let (Some(CaptureSet { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
             let scene = input.scene()?;
             if *at_camera {
                 images.place_at(0, input.camera.eye());
@@ -453,7 +453,7 @@ impl Effect {
             let ends = traced.ends.filter(|_| self.scaled.is_none());
             let (averaged, composite) =
                 history.record(frame, &gbuffer, input.camera, reflection, (ends, input.motion))?;
-            traced = Traced { reflection: Some(averaged), composite, ..traced };
+            traced = MethodOutput { reflection: Some(averaged), composite, ..traced };
         }
         let composite = match (traced.composite, traced.reflection, &self.composite) {
             (Some(made), ..) => made,
@@ -466,7 +466,12 @@ impl Effect {
 
     /// Records the method's passes of one bounce, and what brings its reflection to full size, displaces it, and stands
     /// behind it. `shading` has the normals of shading.
-    fn reflect<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>, shading: &GBuffer<'a>) -> Result<Traced<'a>> {
+    fn reflect<'a>(
+        &'a self,
+        frame: &mut Frame,
+        input: &Input<'a, '_>,
+        shading: &GBuffer<'a>,
+    ) -> Result<MethodOutput<'a>> {
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
@@ -474,7 +479,7 @@ impl Effect {
                 let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
                 let reflection =
                     small.reflection.map(|r| upsample.record(frame, &input.gbuffer, input.camera, r)).transpose()?;
-                Traced { reflection, composite: None, ..small }
+                MethodOutput { reflection, composite: None, ..small }
             }
         };
         if let (Some((_, Some(bump))), Some(reflection)) = (&self.trace_normals, traced.reflection) {

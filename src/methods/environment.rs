@@ -7,7 +7,7 @@
 //! captured maps up so, and `pccm` corrects them. Level by level the map is blurred by the lobe of a roughness.
 
 use super::capture::filtered_sky;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::environment::EnvironmentPass;
@@ -20,7 +20,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "environment",
         "pre-filtered cube map of the sky, looked up by direction",
         "Hermanns 2015, §3.1.3, §4.2.11",
-        |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, &making.setup)?)),
+        |gpu, request| Ok(Box::new(EnvironmentMethod::new(gpu, &request.setup)?)),
     )
 };
 
@@ -46,10 +46,10 @@ impl Method for EnvironmentMethod {
         Ok(())
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let Some(map) = &self.map else { return Err(Error::Usage("environment was not given the scene".into())) };
         let reflection = self.pass.record(frame, &input.gbuffer, input.camera, CubeMap(map))?;
         let intermediates = vec![Intermediate { name: "environment-map", content: Content::Color, image: map }];
-        Ok(Traced { intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { intermediates, ..MethodOutput::new(reflection) })
     }
 }

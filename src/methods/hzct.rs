@@ -15,13 +15,13 @@ pub const INFO: MethodInfo = MethodInfo {
         "hzct",
         "Hi-Z tracing and cone tracing; rays towards the camera fade out",
         "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
-        |gpu, making| {
-            let HzctParams { hi_z, cone, border, camera_fade, drawn } = making.setup.of();
+        |gpu, request| {
+            let HzctParams { hi_z, cone, border, camera_fade, drawn } = request.setup.of();
             let fill = move |block| {
                 let block = border.fill(cone.fill(hi_z.fill(block)));
                 ThesisBlock { fade_towards_camera: camera_fade, ..block }
             };
-            Ok(Box::new(ThesisMethod::new(gpu, making, drawn, None, Box::new(fill))?))
+            Ok(Box::new(ThesisMethod::new(gpu, request, drawn, None, Box::new(fill))?))
         },
     )
 };

@@ -7,7 +7,7 @@
 
 use super::capture::captured_of;
 use super::needs::Need;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
@@ -27,10 +27,10 @@ pub const INFO: MethodInfo = MethodInfo {
         "ibr",
         "boxes of the scene rendered into images on planes, which rays are tested against",
         "Hermanns 2015, §3.1.4",
-        |gpu, making| {
+        |gpu, request| {
             Ok(Box::new(IbrMethod {
-                pass: BillboardPass::new(gpu, making.setup.stage(), making.setup.extent, false)?.labelled("planes"),
-                parameters: making.setup.of(),
+                pass: BillboardPass::new(gpu, request.setup.stage(), request.setup.extent, false)?.labelled("planes"),
+                parameters: request.setup.of(),
                 images: Vec::new(),
                 captured: Vec::new(),
             }))
@@ -126,7 +126,7 @@ impl Method for IbrMethod {
         Ok(())
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let data = input.scene()?.data;
         let drawing = Drawing {
             order: Order::Nearest,
@@ -137,7 +137,7 @@ impl Method for IbrMethod {
         };
         let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), drawing)?;
         let shown = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
-        Ok(Traced { intermediates: shown.into_iter().collect(), ..Traced::new(reflection) })
+        Ok(MethodOutput { intermediates: shown.into_iter().collect(), ..MethodOutput::new(reflection) })
     }
 }
 

@@ -2,7 +2,7 @@
 //! and a mirror lookup where it ends: the method has no gloss.
 
 use super::thesis::{self, FadeParams, MarchParams};
-use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
@@ -23,7 +23,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "linear",
         "linear march with a growing or constant stride, mirror lookup: no gloss",
         "Hermanns 2015, §4.2.2",
-        |gpu, making| Ok(Box::new(LinearMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(LinearMethod::new(gpu, request)?)),
     )
 };
 
@@ -50,9 +50,9 @@ struct LinearMethod {
 }
 
 impl LinearMethod {
-    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (extent, stage) = (making.setup.extent, making.setup.stage());
-        let parameters: LinearParams = making.setup.of();
+    fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let (extent, stage) = (request.setup.extent, request.setup.stage());
+        let parameters: LinearParams = request.setup.of();
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, stage, extent)?,
             trace: LinearTracePass::new(
@@ -61,17 +61,17 @@ impl LinearMethod {
                 extent,
                 parameters.march,
                 parameters.numbers.numbers(),
-                making.hits,
+                request.hits,
             )?,
             numbers: parameters.numbers,
             border: parameters.border,
-            fade: making.setup.effect().fade,
+            fade: request.setup.effect().fade,
         })
     }
 }
 
 impl Method for LinearMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
         let block = thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade);
@@ -79,6 +79,6 @@ impl Method for LinearMethod {
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;
         let intermediates =
             vec![Intermediate { name: "standard-depth", content: Content::StandardDepth, image: depth.0 }];
-        Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }
 }

@@ -14,6 +14,6 @@ pub const INFO: MethodInfo = MethodInfo {
         "local-map",
         "cube maps captured in the scene, looked up by direction without correction of parallax",
         "Hermanns 2015, §3.1.3; Schmidt 2013, §4.2, figure 29",
-        |gpu, making| Ok(Box::new(PccmMethod::new(gpu, &making.setup, false)?)),
+        |gpu, request| Ok(Box::new(PccmMethod::new(gpu, &request.setup, false)?)),
     )
 };

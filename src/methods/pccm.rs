@@ -3,7 +3,7 @@
 
 use super::capture::{capture, captured_of};
 use super::needs::Need;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::pccm::PccmPass;
@@ -19,7 +19,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "pccm",
         "cube maps captured in the scene, corrected for parallax by proxy boxes",
         "Schmidt 2013, §5.2, listing 1",
-        |gpu, making| Ok(Box::new(PccmMethod::new(gpu, &making.setup, true)?)),
+        |gpu, request| Ok(Box::new(PccmMethod::new(gpu, &request.setup, true)?)),
     )
 };
 
@@ -51,7 +51,7 @@ impl Method for PccmMethod {
         Ok(())
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let Some(nearest) = two_nearest(&self.maps, |(probe, _)| probe, input.camera.eye()) else {
             return Err(Error::Usage("the cube maps were not captured: the scene was not given".into()));
         };
@@ -59,7 +59,7 @@ impl Method for PccmMethod {
         let reflection = self.pass.record(frame, &input.gbuffer, input.camera, maps)?;
         let shown = |name, (_, map): &'a (Probe, Image)| Intermediate { name, content: Content::Color, image: map };
         let intermediates = vec![shown("first-map", nearest[0]), shown("second-map", nearest[1])];
-        Ok(Traced { intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { intermediates, ..MethodOutput::new(reflection) })
     }
 }
 

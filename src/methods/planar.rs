@@ -8,7 +8,7 @@
 //! vertices, and the lighting runs over the whole image either way.
 
 use super::needs::Need;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::math::frustum::projected_area;
@@ -25,8 +25,8 @@ use glam::Vec4;
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Planes],
     parameters: PlanarParams::table,
-    ..MethodInfo::scene("planar", "mirrored camera for the largest planes", "Hermanns 2015, §3.1.2", |gpu, making| {
-        Ok(Box::new(PlanarMethod::new(gpu, &making.setup)?))
+    ..MethodInfo::scene("planar", "mirrored camera for the largest planes", "Hermanns 2015, §3.1.2", |gpu, request| {
+        Ok(Box::new(PlanarMethod::new(gpu, &request.setup)?))
     })
 };
 
@@ -101,7 +101,7 @@ impl Method for PlanarMethod {
         Ok(())
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let (gbuffer, camera, scene) = (&input.gbuffer, input.camera, input.scene()?);
         let mirrored = self.scene.gbuffer();
         self.planar.record_clear(frame)?;
@@ -128,6 +128,6 @@ impl Method for PlanarMethod {
                 made("mirrored-normal", Content::Normal, mirrored.normal),
             ]
         };
-        Ok(Traced { intermediates, ..Traced::new(self.planar.reflection()) })
+        Ok(MethodOutput { intermediates, ..MethodOutput::new(self.planar.reflection()) })
     }
 }

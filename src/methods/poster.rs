@@ -3,7 +3,7 @@
 
 use super::layers::LayerParams;
 use super::thesis::FadeParams;
-use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu};
@@ -19,7 +19,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "poster",
         "cone march through a pre-filtered G-buffer of depth, normal and colour",
         "Hermanns and Franke 2014",
-        |gpu, making| Ok(Box::new(PosterMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(PosterMethod::new(gpu, request)?)),
     )
 };
 
@@ -69,8 +69,8 @@ struct PosterMethod {
 }
 
 impl PosterMethod {
-    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
+    fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let (setup, p) = (&request.setup, request.setup.of::<PosterParams>());
         let layers = p.layers.has_second();
         let [fade_start, fade_end] = p.border.ends();
         let steps = MarchSteps {
@@ -83,7 +83,7 @@ impl PosterMethod {
         Ok(Self {
             filter: filter()?,
             behind_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
-            march: ConeMarchPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, steps, making.hits, layers)?,
+            march: ConeMarchPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, steps, request.hits, layers)?,
             parameters: PosterBlock {
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,
@@ -98,7 +98,7 @@ impl PosterMethod {
 }
 
 impl Method for PosterMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let filtered = self.filter.record(frame, &input.gbuffer, input.camera)?;
         let behind = match (&self.behind_filter, &input.behind) {
             (Some(filter), Some(layer)) => Some(filter.record(frame, layer, input.camera)?),
@@ -115,6 +115,6 @@ impl Method for PosterMethod {
         if !std::ptr::eq(filtered.color, input.gbuffer.color) {
             intermediates.push(made("filtered-color", Content::Color, filtered.color));
         }
-        Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }
 }

@@ -9,7 +9,7 @@ use crate::parameter::{
 };
 use crate::passes::trace_normals::TraceNormals;
 use crate::scene::ProjectionKind;
-use crate::scene::capture::{MAX_CAPTURES, Wanted};
+use crate::scene::capture::{MAX_CAPTURES, WantedCaptures};
 use std::collections::BTreeMap;
 
 choices! {
@@ -186,11 +186,11 @@ impl CaptureCount {
     ];
 
     /// Returns what to ask of the scene's places; `None` if no capture stands at a place of the scene.
-    pub fn wanted(self) -> Option<Wanted> {
+    pub fn wanted(self) -> Option<WantedCaptures> {
         match self {
             Self::None | Self::Camera => None,
-            Self::Auto => Some(Wanted::Auto),
-            Self::Number(count) => Some(Wanted::Count(count as usize)),
+            Self::Auto => Some(WantedCaptures::Auto),
+            Self::Number(count) => Some(WantedCaptures::Count(count as usize)),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! `hzct` is the same without the march; both are [`ThesisMethod`].
 
 use super::thesis::{self, ConeParams, FadeParams, HiZParams, MarchParams};
-use super::{Input, Intermediate, Making, Method, MethodInfo, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
 use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
@@ -22,10 +22,10 @@ pub const INFO: MethodInfo = MethodInfo {
         "ssct",
         "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
         "Hermanns 2015, ch. 4",
-        |gpu, making| {
-            let parameters: SsctParams = making.setup.of();
+        |gpu, request| {
+            let parameters: SsctParams = request.setup.of();
             let march = Some(parameters.march.numbers());
-            Ok(Box::new(ThesisMethod::new(gpu, making, parameters.drawn, march, parameters.filling())?))
+            Ok(Box::new(ThesisMethod::new(gpu, request, parameters.drawn, march, parameters.filling())?))
         },
     )
 };
@@ -88,12 +88,12 @@ impl ThesisMethod {
     /// With a linear march as the fallback (`ssct`) or without (`hzct`).
     pub(super) fn new(
         gpu: &Gpu,
-        making: &Making,
+        request: &MethodRequest,
         drawn: ThesisDrawing,
         march: Option<MarchNumbers>,
         fill: Fill,
     ) -> Result<Self> {
-        let (extent, stage) = (making.setup.extent, making.setup.stage());
+        let (extent, stage) = (request.setup.extent, request.setup.stage());
         Ok(Self {
             hi_z: HiZPass::new(gpu, stage, extent, drawn.hi_z_maximum)?,
             visibility: VisibilityPass::new(gpu, stage, extent)?,
@@ -104,8 +104,8 @@ impl ThesisMethod {
                 drawn.chain_filter,
                 (drawn.chain_mask, drawn.chain_mask_tolerance),
             )?,
-            trace: ThesisTracePass::new(gpu, stage, extent, march, drawn.split, making.hits)?,
-            fade: making.setup.effect().fade,
+            trace: ThesisTracePass::new(gpu, stage, extent, march, drawn.split, request.hits)?,
+            fade: request.setup.effect().fade,
             fill,
         })
     }
@@ -116,7 +116,7 @@ impl ThesisMethod {
     /// Errors of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let parameters: SsctParams = setup.of();
-        let making = Making {
+        let request = MethodRequest {
             setup: setup.clone(),
             hits: true,
             reflection: true,
@@ -126,7 +126,7 @@ impl ThesisMethod {
             behind: false,
         };
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };
-        Self::new(gpu, &making, drawn, Some(parameters.march.numbers()), parameters.filling())
+        Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.filling())
     }
 
     /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].
@@ -153,7 +153,7 @@ impl ThesisMethod {
 }
 
 impl Method for ThesisMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let (chains, parameters) = self.chains(frame, input)?;
         let (reflection, hits) = self.trace.record(frame, &chains, &parameters, input.bounce > 0)?;
         let made = |name, content, image| Intermediate { name, content, image };
@@ -161,6 +161,6 @@ impl Method for ThesisMethod {
             made("hi-z", Content::StandardDepth, chains.hi_z.0),
             made("visibility", Content::Share, chains.visibility.0),
         ];
-        Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }
 }

@@ -2,7 +2,7 @@
 //! Killzone Shadow Fall): uniform march, mask, blurred chain.
 
 use super::thesis::{self, UniformMarchParams};
-use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Sampler};
 use crate::parameter::{Parameter, Parameters, choices, parameters};
@@ -21,7 +21,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "sslr",
         "uniform march with a stride by roughness, masked blur chain, one lookup in it",
         "Hermanns 2015, §4.3; Valient, Killzone Shadow Fall",
-        |gpu, making| Ok(Box::new(SslrMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(SslrMethod::new(gpu, request)?)),
     )
 };
 
@@ -63,10 +63,10 @@ struct SslrMethod {
 }
 
 impl SslrMethod {
-    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (extent, stage) = (making.setup.extent, making.setup.stage());
-        let parameters: SslrParams = making.setup.of();
-        let trace = SslrTracePass::new(gpu, stage, extent, parameters.march.uniform_steps, making.hits)?;
+    fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let (extent, stage) = (request.setup.extent, request.setup.stage());
+        let parameters: SslrParams = request.setup.of();
+        let trace = SslrTracePass::new(gpu, stage, extent, parameters.march.uniform_steps, request.hits)?;
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, stage, extent)?,
             chain: MaskChainPass::new(gpu, stage, extent, trace.formats(), parameters.mask_filter)?,
@@ -78,7 +78,7 @@ impl SslrMethod {
 }
 
 impl Method for SslrMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
         let parameters = self.parameters;
@@ -96,6 +96,6 @@ impl Method for SslrMethod {
             made("ray-trace-color", Content::Color, chain.color),
             made("mask", Content::Share, chain.mask),
         ];
-        Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }
 }

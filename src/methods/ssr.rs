@@ -2,7 +2,7 @@
 //! listing 4). `ssr-fast` is the same with the march of listing 5; both are [`SchmidtMethod`].
 
 use super::layers::LayerParams;
-use super::{Input, Making, Method, MethodInfo, Traced};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu};
@@ -18,9 +18,9 @@ pub const INFO: MethodInfo = MethodInfo {
         "ssr",
         "march along the reflection in screen space, a sample a pixel; mirrors only",
         "Schmidt 2013, §5.4, listing 4",
-        |gpu, making| {
-            let SsrParams { pixel_step, .. } = making.setup.of();
-            Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::PerPixel, pixel_step, None)?))
+        |gpu, request| {
+            let SsrParams { pixel_step, .. } = request.setup.of();
+            Ok(Box::new(SchmidtMethod::new(gpu, request, SchmidtMarch::PerPixel, pixel_step, None)?))
         },
     )
 };
@@ -54,18 +54,18 @@ impl SchmidtMethod {
     /// that is filtered in some way.
     pub(super) fn new(
         gpu: &Gpu,
-        making: &Making,
+        request: &MethodRequest,
         march: SchmidtMarch,
         pixel_step: u32,
         blur: Option<ChainFilter>,
     ) -> Result<Self> {
-        let (extent, fade, stage) = (making.setup.extent, making.setup.effect().fade, making.setup.stage());
-        let layers = making.setup.of::<LayerParams>().has_second();
+        let (extent, fade, stage) = (request.setup.extent, request.setup.effect().fade, request.setup.stage());
+        let layers = request.setup.of::<LayerParams>().has_second();
         let chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
             chain: chain()?,
             behind_chain: if layers { chain()? } else { None },
-            trace: SchmidtTracePass::new(gpu, stage, extent, march, making.hits, layers)?,
+            trace: SchmidtTracePass::new(gpu, stage, extent, march, request.hits, layers)?,
             parameters: SchmidtBlock {
                 user_pixelStepSize: pixel_step as f32,
                 fadeToEdges: i32::from(fade),
@@ -76,7 +76,7 @@ impl SchmidtMethod {
 }
 
 impl Method for SchmidtMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
         let diffuse = match &self.chain {
             Some(chain) => chain.record(frame, gbuffer)?.0.all(),
@@ -88,6 +88,6 @@ impl Method for SchmidtMethod {
             (_, None) => None,
         };
         let (reflection, hits) = self.trace.record(frame, gbuffer, diffuse, behind, input.camera, &self.parameters)?;
-        Ok(Traced { hits, ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, ..MethodOutput::new(reflection) })
     }
 }

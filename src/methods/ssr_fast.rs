@@ -15,10 +15,10 @@ pub const INFO: MethodInfo = MethodInfo {
         "ssr-fast",
         "the same in steps of ten pixels forward and a tenth back; mirrors only",
         "Schmidt 2013, §5.4, listing 5",
-        |gpu, making| {
-            let SsrFastParams { pixel_step, distance_blur, chain_filter, .. } = making.setup.of();
+        |gpu, request| {
+            let SsrFastParams { pixel_step, distance_blur, chain_filter, .. } = request.setup.of();
             let blur = distance_blur.then_some(chain_filter);
-            Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::Optimized, pixel_step, blur)?))
+            Ok(Box::new(SchmidtMethod::new(gpu, request, SchmidtMarch::Optimized, pixel_step, blur)?))
         },
     )
 };

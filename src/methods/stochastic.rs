@@ -5,7 +5,7 @@
 
 use super::ssct::SsctParams;
 use super::thesis::FadeParams;
-use super::{Fallback, Input, Intermediate, Making, Method, MethodInfo, Traced, thesis, unified};
+use super::{Fallback, Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest, thesis, unified};
 use crate::error::Result;
 use crate::gpu::programs::{StochasticExact, StochasticThesis};
 use crate::gpu::shader::{StochasticBlock, UnifiedBlock};
@@ -13,7 +13,7 @@ use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
-use crate::passes::lost::{Listed, LostRays, capture_block};
+use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::stochastic::{Rays, StochasticResolvePass, StochasticTrace};
 
@@ -30,7 +30,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "stochastic",
         "rays drawn from the lobe, resolved over neighbours by ratios; with a history over frames",
         "Stachowiak 2015; Heitz et al. 2018",
-        |gpu, making| Ok(Box::new(StochasticMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(StochasticMethod::new(gpu, request)?)),
     )
 };
 
@@ -97,26 +97,26 @@ enum Walk {
 }
 
 impl StochasticMethod {
-    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let (setup, extent, stage) = (&making.setup, making.setup.extent, making.setup.stage());
+    fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let (setup, extent, stage) = (&request.setup, request.setup.extent, request.setup.stage());
         let parameters: StochasticParams = setup.of();
         let effect = setup.effect();
         let walk = match parameters.stochastic_walk {
             StochasticWalk::Exact => {
                 let strip = pyramid::strip(extent);
                 let trace =
-                    StochasticTrace::<StochasticExact>::new(gpu, stage, extent, strip, effect.oracle, making.hits)?;
+                    StochasticTrace::<StochasticExact>::new(gpu, stage, extent, strip, effect.oracle, request.hits)?;
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
                 let ssct: SsctParams = setup.of();
                 let trace =
-                    StochasticTrace::<StochasticThesis>::new(gpu, stage, extent, ssct.march.numbers(), making.hits)?;
+                    StochasticTrace::<StochasticThesis>::new(gpu, stage, extent, ssct.march.numbers(), request.hits)?;
                 Walk::Thesis(HiZPass::new(gpu, stage, extent, false)?, ssct, trace)
             }
         };
         let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;
-        let lost = LostRays::new(gpu, extent, Listed::Nothing)?;
+        let lost = LostRays::new(gpu, extent, ListContent::Nothing)?;
         Ok(Self { walk, resolve, lost, parameters, fade: effect.fade })
     }
 
@@ -146,13 +146,13 @@ impl StochasticMethod {
 }
 
 impl Method for StochasticMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
         if !gbuffer.reflectors.any() {
             for pass in ["pyramid", "trace", "resolve", "composite"] {
                 frame.skip(pass, "no material that is drawn reflects");
             }
-            return Ok(Traced::nothing(gbuffer));
+            return Ok(MethodOutput::nothing(gbuffer));
         }
         let extent = gbuffer.depth.extent();
         let mut unified = unified::parameters(input.camera, extent, self.fade);
@@ -183,6 +183,6 @@ impl Method for StochasticMethod {
             }
         };
         let (reflection, ends) = self.resolve.resolved();
-        Ok(Traced { hits, intermediates, ends: Some(ends), ..Traced::new(reflection) })
+        Ok(MethodOutput { hits, intermediates, ends: Some(ends), ..MethodOutput::new(reflection) })
     }
 }

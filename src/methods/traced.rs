@@ -9,7 +9,7 @@ use super::unified::UnifiedMethod;
 pub const INFO: MethodInfo = MethodInfo {
     takes_triangles: true,
     takes_orthographic: true,
-    ..MethodInfo::scene("traced", "every ray followed through the scene's triangles", "this project", |gpu, making| {
-        Ok(Box::new(UnifiedMethod::among_triangles(gpu, making)?))
+    ..MethodInfo::scene("traced", "every ray followed through the scene's triangles", "this project", |gpu, request| {
+        Ok(Box::new(UnifiedMethod::among_triangles(gpu, request)?))
     })
 };

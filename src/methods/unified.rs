@@ -78,7 +78,7 @@ mod beyond;
 
 use super::setup::{HistoryUse, Stage, StageChoice};
 use super::thesis::FadeParams;
-use super::{Fallback, Input, Making, Method, MethodInfo, Setup, Traced};
+use super::{Fallback, Input, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Precision, Sampled, ShaderStage};
@@ -87,11 +87,11 @@ use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
-use crate::passes::lost::{Listed, LostRays, capture_block};
+use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::own_rays::{OwnRaysInput, OwnRaysPass};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::UnifiedSetup;
-use crate::passes::triangle_scene::{AmongTriangles, TriangleReading};
+use crate::passes::triangle_scene::{TriangleBindings, TriangleReading};
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
@@ -110,7 +110,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "unified",
         "one exact Hi-Z traversal for every direction; only what the scene needs",
         "this project",
-        |gpu, making| Ok(Box::new(UnifiedMethod::new(gpu, making)?)),
+        |gpu, request| Ok(Box::new(UnifiedMethod::new(gpu, request)?)),
     )
 };
 
@@ -133,7 +133,7 @@ choices! {
 
 choices! {
     /// Who is asked first where a ray ends.
-    pub enum First {
+    pub enum FirstTraced {
         /// The screen, on a device that is a CPU and in a scene with many triangles; the triangles everywhere else.
         Auto = "auto",
         /// The screen; the triangles where it does not know.
@@ -159,7 +159,7 @@ parameters! {
     pub struct UnifiedParams {
         /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among the triangles where
         /// it loses them; or the triangles, and no ray walks over the screen.
-        first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
+        first: FirstTraced = Parameter::new(FirstTraced::Auto).source("this project (docs/unified.md)"),
         /// What colour a ray sees where it meets a triangle: that of the triangle, as its material and the lights of the scene make it;
         /// or that of the screen wherever the screen shows the place, over the ray's footprint. Where a renderer lights its screen in
         /// a way that nobody else knows, the screen is right.
@@ -198,41 +198,41 @@ pub struct UnifiedMethod {
     /// Where reflections fade.
     border: FadeParams,
     /// How far a pixel's point may lie beside the surface that it shows, in pixels.
-    beside: f32,
+    max_point_offset_px: f32,
 }
 
 impl UnifiedMethod {
     /// Makes pipelines and images.
-    pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
-        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = making.setup.of();
-        let screen = match (making.triangles, first) {
-            (None, _) | (_, First::Screen) => true,
-            (Some(_), First::Triangles) => false,
-            (Some(triangles), First::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
+    pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = request.setup.of();
+        let screen = match (request.triangles, first) {
+            (None, _) | (_, FirstTraced::Screen) => true,
+            (Some(_), FirstTraced::Triangles) => false,
+            (Some(triangles), FirstTraced::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
         };
-        let triangles = making
+        let triangles = request
             .triangles
             .map(|triangles| TriangleReading { screen_colors: hit_color.is_of_screen(triangles), ..triangles });
-        let stages = [trace_stage, resolve_stage].map(|choice| choice.on(gpu, making.setup.effect().stage));
-        Self::with(gpu, making, (screen, triangles), stages)
+        let stages = [trace_stage, resolve_stage].map(|choice| choice.on(gpu, request.setup.effect().stage));
+        Self::with(gpu, request, (screen, triangles), stages)
     }
 
     /// Makes it without a walk over the screen: every ray goes among the triangles.
-    pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
-        Self::with(gpu, making, (false, making.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
+    pub(super) fn among_triangles(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
+        Self::with(gpu, request, (false, request.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
     }
 
     fn with(
         gpu: &Gpu,
-        making: &Making,
+        request: &MethodRequest,
         (screen, triangles): (bool, Option<TriangleReading>),
         [trace, resolve]: [ShaderStage; 2],
     ) -> Result<Self> {
-        let Setup { extent, projection, .. } = making.setup;
-        let (effect, hits) = (making.setup.effect(), making.hits);
-        let followed = making.captures.is_some() || triangles.is_some();
+        let Setup { extent, projection, .. } = request.setup;
+        let (effect, hits) = (request.setup.effect(), request.hits);
+        let followed = request.captures.is_some() || triangles.is_some();
         // Hits are an image beside both.
-        let (composite, reflection) = (making.composite || hits, making.reflection || hits);
+        let (composite, reflection) = (request.composite || hits, request.reflection || hits);
         let tells = effect.history == HistoryUse::On;
         let parts = UnifiedSetup {
             extent,
@@ -246,13 +246,13 @@ impl UnifiedMethod {
             screen,
             followed,
             triangles,
-            own_rays: if making.captures.is_some() { 0 } else { effect.own_rays.on(gpu, triangles.is_some()) },
+            own_rays: if request.captures.is_some() { 0 } else { effect.own_rays.on(gpu, triangles.is_some()) },
             tells,
             trace,
             resolve,
         };
         let image = |name| parts.target(gpu, name, LIT_COLOR);
-        let beyond = match (triangles, making.captures) {
+        let beyond = match (triangles, request.captures) {
             (Some(triangles), _) if screen => {
                 let wanted = TriangleWants { composite, reflection, hits, tells, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
@@ -266,9 +266,9 @@ impl UnifiedMethod {
             _ => None,
         };
         let listed = match &beyond {
-            Some(_) => Listed::Rays,
-            None if parts.own_rays > 0 => Listed::Pixels,
-            None => Listed::Nothing,
+            Some(_) => ListContent::Rays,
+            None if parts.own_rays > 0 => ListContent::Pixels,
+            None => ListContent::Nothing,
         };
         Ok(Self {
             pyramid: PyramidPass::of(gpu, extent, projection)?,
@@ -286,8 +286,8 @@ impl UnifiedMethod {
             reflection: reflection.then(|| image("reflection")).transpose()?,
             // Where the screen ends, rays go on.
             fade: effect.fade && !followed,
-            border: making.setup.of(),
-            beside: beside(gpu.precision(), effect.divisor()),
+            border: request.setup.of(),
+            max_point_offset_px: max_point_offset_px(gpu.precision(), effect.divisor()),
         })
     }
 }
@@ -330,13 +330,13 @@ impl Plan {
 }
 
 impl Method for UnifiedMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = input.gbuffer;
         if !gbuffer.reflectors.any() {
             for pass in ["pyramid", "classify", "trace", "composite"] {
                 frame.skip(pass, "no material that is drawn reflects");
             }
-            return Ok(Traced::nothing(&gbuffer));
+            return Ok(MethodOutput::nothing(&gbuffer));
         }
         let plan = Plan::new(gbuffer.reflectors);
         plan.skip(frame);
@@ -349,9 +349,9 @@ impl Method for UnifiedMethod {
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
         // A pixel's sides are twice what `pixel_to_view` is for.
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
-        let placed = input.triangles.map(|t| t.block(input.camera, self.beside * width.hypot(height)));
+        let placed = input.triangles.map(|t| t.block(input.camera, self.max_point_offset_px * width.hypot(height)));
         let placed = placed.unwrap_or_default();
-        let among = input.triangles.map(|triangles| AmongTriangles {
+        let triangle_bindings = input.triangles.map(|triangles| TriangleBindings {
             triangles,
             block: &placed,
             lights: &lights,
@@ -362,10 +362,12 @@ impl Method for UnifiedMethod {
             }),
             screen_depth: Sampled::nearest(gbuffer.depth.all()),
         });
-        let wants_triangle = among.is_some() && gbuffer.triangle.is_none();
+        let wants_triangle = triangle_bindings.is_some() && gbuffer.triangle.is_none();
         let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
-        let followed_in = match (among, input.captures) {
-            (Some(among), _) => Some(BeyondInput::Triangles(TriangleInput { parameters: &parameters, among, beyond })),
+        let followed_in = match (triangle_bindings, input.captures) {
+            (Some(triangle_bindings), _) => {
+                Some(BeyondInput::Triangles(TriangleInput { parameters: &parameters, triangle_bindings, beyond }))
+            }
             (None, Some(captures)) => Some(BeyondInput::Captures(FollowInput { captures, beyond })),
             (None, None) => None,
         };
@@ -386,7 +388,7 @@ impl Method for UnifiedMethod {
             chain(frame)?;
         } else if !self.screen {
             frame.skip("color", "no ray looks up a colour on the screen");
-        } else if among.is_some() {
+        } else if triangle_bindings.is_some() {
             frame.skip("color", "what a ray hits is shaded as the triangle that it is on");
         } else if plan.narrow || plan.wide {
             chain(frame)?;
@@ -401,7 +403,7 @@ impl Method for UnifiedMethod {
             tiles
         };
         let hits = if plan.mirrors {
-            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, among };
+            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings };
             self.clear_lost(frame)?;
             let hits = self.trace.record(frame, &input, &parameters)?;
             if let Some((pass, followed_in)) = followed {
@@ -411,8 +413,8 @@ impl Method for UnifiedMethod {
         } else {
             self.trace.no_hits(frame)?
         };
-        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, among };
-        let own = OwnRaysInput { gbuffer, pyramid, canvas, beyond, among };
+        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings };
+        let own = OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings };
         let between = self.gloss.between();
         if plan.narrow {
             self.clear_lost(frame)?;
@@ -438,14 +440,14 @@ impl Method for UnifiedMethod {
         let reflection = canvas.reflection.map(Reflection);
         let ends = self.tells.then_some(&between.ends);
         let intermediates = self.screen.then(|| pyramid.shown(gbuffer.depth.extent())).into_iter().collect();
-        Ok(Traced { reflection, composite: canvas.composite, hits, ends, intermediates })
+        Ok(MethodOutput { reflection, composite: canvas.composite, hits, ends, intermediates })
     }
 }
 
 /// How far a pixel's point may lie beside the surface that it shows, in pixels along each axis of the screen. A rasteriser rounds
 /// corners to parts of a pixel: this device's, or that of whoever drew the G-buffer, which may have fewer bits. And a pixel that
 /// stands for a block has the depth of the block's first.
-fn beside(precision: Precision, divisor: u32) -> f32 {
+fn max_point_offset_px(precision: Precision, divisor: u32) -> f32 {
     let rounded = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
     rounded + 0.5 * (divisor - 1) as f32 / divisor as f32
 }

@@ -1,7 +1,7 @@
 //! Highlights of lights with an extent (thesis §3.1.1): which share of each pixel's reflection lobe the
 //! light fills, in closed form. `area_light/share.glsl` says how, `tests/suite/area_light.rs` how well.
 
-use super::scene_data::{SceneData, at_most};
+use super::scene_data::{SceneData, check_at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{AreaLightBlock, AreaLightData};
@@ -32,7 +32,7 @@ impl AreaLightPass {
     /// # Errors
     /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_AREA_LIGHTS`].
     pub fn check(scene: &SceneData) -> Result<()> {
-        at_most("area lights", scene.area_lights.len(), MAX_AREA_LIGHTS, "area-light")
+        check_at_most("area lights", scene.area_lights.len(), MAX_AREA_LIGHTS, "area-light")
     }
 
     /// Pass "area lights".

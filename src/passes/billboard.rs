@@ -2,7 +2,7 @@
 //! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack and a blur. The method
 //! `ibr` draws its planes by it, too.
 
-use super::scene_data::{SceneData, at_most};
+use super::scene_data::{SceneData, check_at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{Billboard, BillboardConstants};
@@ -95,7 +95,7 @@ impl BillboardPass {
     /// # Errors
     /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_IMPOSTORS`].
     pub fn check(scene: &SceneData, method: &str) -> Result<()> {
-        at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
+        check_at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
     }
 
     /// Pass "billboards", or by its label, of a scene's impostors, of which at most [`MAX_IMPOSTORS`] are drawn, with

@@ -37,7 +37,7 @@ choices! {
 }
 
 /// How the levels are made.
-enum Make {
+enum LevelPipelines {
     /// A blit each.
     Blits,
     /// A blit each, the last [`COARSE`] of them in one dispatch; the first in one of its own where the sky is seen apart.
@@ -52,7 +52,7 @@ enum Make {
 const COARSE: u32 = 7;
 
 /// What makes the levels.
-pub struct ColorChainPass(Make);
+pub struct ColorChainPass(LevelPipelines);
 
 impl ColorChainPass {
     /// For lit colours of a size and format.
@@ -64,10 +64,11 @@ impl ColorChainPass {
         filter: ChainFilter,
     ) -> Result<Self> {
         Ok(Self(match filter {
-            ChainFilter::Hardware => Make::Blits,
-            ChainFilter::Gaussian => {
-                Make::Gaussian(PixelPipeline::new(gpu, stage, [format], &())?, between(gpu, stage, extent, format)?)
-            }
+            ChainFilter::Hardware => LevelPipelines::Blits,
+            ChainFilter::Gaussian => LevelPipelines::Gaussian(
+                PixelPipeline::new(gpu, stage, [format], &())?,
+                intermediate_image(gpu, stage, extent, format)?,
+            ),
         }))
     }
 
@@ -85,27 +86,27 @@ impl ColorChainPass {
         }
         let constants = GaussianBlurMaskedConstants { surface: mask == ChainMask::Surface };
         let pipeline = PixelPipeline::new(gpu, stage, [LIT_COLOR], &constants)?;
-        Ok(Self(Make::Masked(pipeline, between(gpu, stage, extent, LIT_COLOR)?, tolerance)))
+        Ok(Self(LevelPipelines::Masked(pipeline, intermediate_image(gpu, stage, extent, LIT_COLOR)?, tolerance)))
     }
 
     /// Makes the chain that [`ChainFilter::Hardware`] makes, in fewer passes.
     pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
-        Ok(Self(Make::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
+        Ok(Self(LevelPipelines::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
     }
 
     /// Passes "color/1" to the coarsest level, or "color/coarse" for several, written into the colour image itself.
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {
-            Make::Blits => blits(frame, chain, 1..chain.levels())?,
-            Make::Coarse(_, pipeline) => few(frame, chain, 1, pipeline)?,
-            Make::Gaussian(pipeline, between) => {
+            LevelPipelines::Blits => blits(frame, chain, 1..chain.levels())?,
+            LevelPipelines::Coarse(_, pipeline) => record_levels(frame, chain, 1, pipeline)?,
+            LevelPipelines::Gaussian(pipeline, between) => {
                 for level in 1..chain.levels() {
                     let levels = [chain.level(level - 1), between.level(level), chain.level(level)];
                     gaussian(frame, level, pipeline, levels)?;
                 }
             }
-            Make::Masked(..) => return Err(Error::Usage("a masked chain reads the Hi-Z buffer".into())),
+            LevelPipelines::Masked(..) => return Err(Error::Usage("a masked chain reads the Hi-Z buffer".into())),
         }
         Ok(ColorChain(chain))
     }
@@ -116,7 +117,7 @@ impl ColorChainPass {
     /// [`Error::Usage`] for a chain that is not made in few passes, whose levels hold the sky.
     pub fn record_without_sky<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
-        let Make::Coarse(first, coarsest) = &self.0 else {
+        let LevelPipelines::Coarse(first, coarsest) = &self.0 else {
             return Err(Error::Usage("a chain without sky is made in few passes".into()));
         };
         if chain.levels() > 1 {
@@ -124,7 +125,7 @@ impl ColorChainPass {
             let [width, height] = coarser.extent();
             frame.compute("color/1", first, &ColorFirst { finest, coarser }, [width, height, 1])?;
         }
-        few(frame, chain, 2, coarsest)?;
+        record_levels(frame, chain, 2, coarsest)?;
         Ok(ColorChain(chain))
     }
 
@@ -136,7 +137,7 @@ impl ColorChainPass {
         hi_z: HiZ,
         lens: &Lens,
     ) -> Result<ColorChain<'a>> {
-        let Make::Masked(pipeline, between, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
+        let LevelPipelines::Masked(pipeline, between, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
         let chain = gbuffer.color;
         for level in 1..chain.levels() {
             let [below, between, here] = [chain.level(level - 1), between.level(level), chain.level(level)];
@@ -163,7 +164,7 @@ impl ColorChainPass {
 }
 
 /// The image between the two directions of the Gaussian.
-fn between(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
+fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
     use vk::ImageUsageFlags as U;
     let (levels, usage) = (image::full_chain(extent), stage.target_usage() | U::SAMPLED);
     let described = ImageDesc { name: "horizontal blur", format, extent, levels, layers: 1, usage };
@@ -177,7 +178,12 @@ fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()>
 
 /// The levels of a chain from one on: blits, and the last [`COARSE`] of them in one dispatch if none of these is below that one. The
 /// shader has one format.
-fn few(frame: &mut Frame, chain: &Image, from: u32, pipeline: &ComputePipeline<ColorCoarse<'static>>) -> Result<()> {
+fn record_levels(
+    frame: &mut Frame,
+    chain: &Image,
+    from: u32,
+    pipeline: &ComputePipeline<ColorCoarse<'static>>,
+) -> Result<()> {
     match chain.levels().checked_sub(COARSE) {
         Some(first) if first >= from && chain.format() == LIT_COLOR => {
             blits(frame, chain, from..first)?;

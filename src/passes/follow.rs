@@ -1,7 +1,7 @@
 //! Following the rays that the screen lost ([`lost`](super::lost)) through the captures of a scene (docs/definitions.md,
 //! "Images"), over as many rays as there are.
 
-use super::lost::Beyond;
+use super::lost::LostRayBindings;
 use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -42,7 +42,7 @@ pub struct FollowInput<'a> {
     /// Where rays go on.
     pub captures: Captures<'a>,
     /// The rays, the camera among the captures, and the sky.
-    pub beyond: Beyond<'a>,
+    pub beyond: LostRayBindings<'a>,
 }
 
 impl FollowPass {
@@ -68,7 +68,7 @@ impl FollowPass {
     pub fn record_begin(
         &self,
         frame: &mut Frame,
-        beyond: Beyond,
+        beyond: LostRayBindings,
         gbuffer: &GBuffer,
         in_front: Option<Reflection>,
         parameters: &UnifiedBlock,

@@ -78,7 +78,8 @@ macro_rules! drawn_by {
 
 /// What was drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Drawn {
+#[serde(rename = "Drawn")]
+pub struct DrawnCounts {
     /// Meshes drawn.
     pub meshes: usize,
     /// Meshes that the frustum can't see.
@@ -287,7 +288,7 @@ impl GBufferPass {
         scene: &SceneData,
         materials: &[Material],
         camera: &Camera,
-    ) -> Result<Drawn> {
+    ) -> Result<DrawnCounts> {
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
         let depth = self.depth_target();
         match (&self.pipeline, &self.triangle) {
@@ -322,7 +323,7 @@ impl GBufferPass {
         materials: &[Material],
         camera: &Camera,
         peel: Peel,
-    ) -> Result<Drawn> {
+    ) -> Result<DrawnCounts> {
         let GBufferPipeline::Peeled(pipeline) = &self.pipeline else {
             unreachable!("only a pass of GBufferPass::behind records by record_behind");
         };
@@ -380,8 +381,8 @@ impl<'a> SceneView<'a> {
         Self { scene, materials, seen, culled: culled.len(), world_to_clip, camera }
     }
 
-    fn drawn(&self) -> Drawn {
-        Drawn {
+    fn drawn(&self) -> DrawnCounts {
+        DrawnCounts {
             meshes: self.seen.len(),
             culled: self.culled,
             triangles: self.seen.iter().map(|m| m.index_count as usize / 3).sum(),

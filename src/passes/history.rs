@@ -1,6 +1,6 @@
 //! Temporal filtering (thesis §4.2.11): the reflection of earlier frames, found again in this one, and averaged with it.
 
-use super::scene_data::Standing;
+use super::scene_data::MovableObject;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::{HistoryBlock, MoverData};
@@ -24,16 +24,16 @@ pub struct HistoryPass {
     variant: Variant,
     /// Where nothing has moved since the frame before: each pixel has its own history.
     at_rest: Pipeline,
-    /// By [`Search::index`]. That of a camera alone is made at once, the others when a frame first needs them.
+    /// By [`HistorySearch::index`]. That of a camera alone is made at once, the others when a frame first needs them.
     searching: [OnceCell<Pipeline>; 4],
-    kept: [Kept; 2],
+    history_images: [HistoryImages; 2],
     composite: Option<Image>,
     /// In place of the ends of rays, where the method does not know them.
     no_ends: Image,
     /// In place of the triangles of a G-buffer that has none: one texel, which says so.
     no_triangle: Image,
     /// What is known of the frames so far.
-    past: RefCell<Past>,
+    previous_frame: RefCell<PreviousFrame>,
     frames: Cell<u32>,
     averaged: u32,
     deviations: f32,
@@ -49,14 +49,14 @@ struct Variant {
 
 /// What may have moved since the frame before, beside the camera.
 #[derive(Clone, Copy, Default)]
-struct Search {
+struct HistorySearch {
     /// Things of the scene.
     movers: bool,
     /// What a caller's motion says.
     motion: bool,
 }
 
-impl Search {
+impl HistorySearch {
     /// Its place among four.
     fn index(self) -> usize {
         usize::from(self.movers) | usize::from(self.motion) << 1
@@ -81,22 +81,22 @@ pub struct SurfaceMotion<'a> {
 }
 
 /// What is kept of a frame.
-struct Kept {
+struct HistoryImages {
     reflection: Image,
     guide: Image,
 }
 
 /// What the last frame was seen from and showed, and how long that has been so.
 #[derive(Default)]
-struct Past {
+struct PreviousFrame {
     camera: Option<Camera>,
-    standing: Vec<Standing>,
+    standing: Vec<MovableObject>,
     /// Whether something moved in the last frame.
     moved: bool,
     turns: Turns,
     /// What this frame says, until it is recorded.
     movers: Vec<Mover>,
-    change: Change,
+    change: CameraChange,
     repeats: bool,
     before: Option<Camera>,
 }
@@ -122,24 +122,24 @@ pub struct Turns {
 
 impl Turns {
     /// The frame after this one: whether the camera moved since, and whether the last thing that moved has come to rest.
-    fn next(self, change: Change, has_stopped: bool, averaged: u32) -> Self {
+    fn next(self, change: CameraChange, has_stopped: bool, averaged: u32) -> Self {
         let Self { drawn, rested, left } = self;
         let most = averaged.saturating_sub(1);
-        let left = if change != Change::None || has_stopped { most } else { left };
+        let left = if change != CameraChange::None || has_stopped { most } else { left };
         let turned = Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left };
         match (change, left) {
-            (Change::Moves, _) => Self { rested: 0, ..turned },
+            (CameraChange::Moves, _) => Self { rested: 0, ..turned },
             (_, 0) => self,
             // No frame of a jittered camera is as the one before, so that there is no end to what other directions bring.
-            (Change::Shifts, _) => turned,
-            (Change::None, _) => Self { left: left - 1, ..turned },
+            (CameraChange::Shifts, _) => turned,
+            (CameraChange::None, _) => Self { left: left - 1, ..turned },
         }
     }
 }
 
 /// How a camera differs from that of the frame before.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Change {
+enum CameraChange {
     None,
     /// By the shift of its projection alone, as cameras do that are jittered.
     Shifts,
@@ -147,7 +147,7 @@ enum Change {
     Moves,
 }
 
-impl Change {
+impl CameraChange {
     fn between(before: &Camera, now: &Camera) -> Self {
         let unshifted = |camera: &Camera| Projection { shift: [0.0; 2], ..camera.numbers() };
         let is_seen_alike = before.world_to_view == now.world_to_view && before.near_plane == now.near_plane;
@@ -159,13 +159,13 @@ impl Change {
     }
 }
 
-impl Past {
+impl PreviousFrame {
     /// What the search has to look for; `motion` if a caller says how surfaces moved. `None` where nothing can have moved, and in the
     /// first frame, before which there is none.
-    fn search(&self, motion: bool) -> Option<Search> {
+    fn search(&self, motion: bool) -> Option<HistorySearch> {
         let movers = !self.movers.is_empty();
-        let moves = self.change == Change::Moves || motion || movers;
-        (self.before.is_some() && moves).then_some(Search { movers, motion })
+        let moves = self.change == CameraChange::Moves || motion || movers;
+        (self.before.is_some() && moves).then_some(HistorySearch { movers, motion })
     }
 }
 
@@ -184,24 +184,24 @@ impl HistoryPass {
     ) -> Result<Self> {
         let variant = Variant { stage, is_orthographic: kind.is_orthographic(), composite };
         let image = |name, format| Image::target_in(gpu, stage, name, format, extent);
-        let kept = || -> Result<Kept> {
-            Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
+        let make_images = || -> Result<HistoryImages> {
+            Ok(HistoryImages { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
         let made = Self {
             gpu: gpu.clone(),
             variant,
             at_rest: Pipeline::new(gpu, variant, None)?,
             searching: Default::default(),
-            kept: [kept()?, kept()?],
+            history_images: [make_images()?, make_images()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
             no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
             no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
-            past: RefCell::default(),
+            previous_frame: RefCell::default(),
             frames: Cell::new(0),
             averaged,
             deviations,
         };
-        made.searching(Search::default())?;
+        made.searching(HistorySearch::default())?;
         Ok(made)
     }
 
@@ -213,24 +213,24 @@ impl HistoryPass {
     /// Forgets all frames: the next one is the first.
     pub fn restart(&self) {
         self.frames.set(0);
-        self.past.take();
+        self.previous_frame.take();
     }
 
     /// Begins a frame that is seen from a camera, with things where they stand now; `may_move` if others may move that are not
     /// among them. Says in which directions its rays leave.
-    pub fn begin(&self, camera: &Camera, standing: Vec<Standing>, may_move: bool) -> Turns {
-        let mut past = self.past.borrow_mut();
-        past.movers = movers(&past.standing, &standing);
-        past.before = past.camera.replace(*camera);
-        let change = past.before.map(|before| Change::between(&before, camera));
-        past.change = change.unwrap_or(Change::Moves);
-        let moves = may_move || !past.movers.is_empty();
+    pub fn begin(&self, camera: &Camera, standing: Vec<MovableObject>, may_move: bool) -> Turns {
+        let mut previous_frame = self.previous_frame.borrow_mut();
+        previous_frame.movers = movers(&previous_frame.standing, &standing);
+        previous_frame.before = previous_frame.camera.replace(*camera);
+        let change = previous_frame.before.map(|before| CameraChange::between(&before, camera));
+        previous_frame.change = change.unwrap_or(CameraChange::Moves);
+        let moves = may_move || !previous_frame.movers.is_empty();
         let turns = match change {
             None => Turns { left: self.averaged.saturating_sub(1), ..Turns::default() },
-            Some(change) => past.turns.next(change, past.moved && !moves, self.averaged),
+            Some(change) => previous_frame.turns.next(change, previous_frame.moved && !moves, self.averaged),
         };
-        past.repeats = change == Some(Change::None) && turns == past.turns;
-        (past.turns, past.moved, past.standing) = (turns, moves, standing);
+        previous_frame.repeats = change == Some(CameraChange::None) && turns == previous_frame.turns;
+        (previous_frame.turns, previous_frame.moved, previous_frame.standing) = (turns, moves, standing);
         turns
     }
 
@@ -248,11 +248,11 @@ impl HistoryPass {
         reflection: Reflection,
         (ends, motion): (Option<&Image>, Option<SurfaceMotion>),
     ) -> Result<(Reflection<'_>, Option<&Image>)> {
-        let past = self.past.borrow();
+        let previous_frame = self.previous_frame.borrow();
         let turn = self.frames.get() as usize % 2;
         self.frames.set(self.frames.get().wrapping_add(1));
-        let [now, earlier] = [&self.kept[turn], &self.kept[1 - turn]];
-        if past.before.is_none() {
+        let [now, earlier] = [&self.history_images[turn], &self.history_images[1 - turn]];
+        if previous_frame.before.is_none() {
             // Read by nobody, and yet bound.
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
@@ -260,7 +260,7 @@ impl HistoryPass {
         }
         let block = HistoryBlock {
             has_ends: i32::from(ends.is_some()),
-            ..self.block(camera, &past, gbuffer.depth.extent(), motion)
+            ..self.block(camera, &previous_frame, gbuffer.depth.extent(), motion)
         };
         let composite = self.composite.as_ref();
         macro_rules! program {
@@ -282,7 +282,7 @@ impl HistoryPass {
                 }
             };
         }
-        let search = past.search(motion.is_some());
+        let search = previous_frame.search(motion.is_some());
         match search.map_or(Ok(&self.at_rest), |search| self.searching(search))? {
             Pipeline::Fragment(pipeline) => {
                 let targets = [
@@ -305,7 +305,7 @@ impl HistoryPass {
         Ok((Reflection(&now.reflection), composite))
     }
 
-    fn searching(&self, search: Search) -> Result<&Pipeline> {
+    fn searching(&self, search: HistorySearch) -> Result<&Pipeline> {
         let made = &self.searching[search.index()];
         if let Some(pipeline) = made.get() {
             return Ok(pipeline);
@@ -314,13 +314,19 @@ impl HistoryPass {
         Ok(made.get_or_init(|| pipeline))
     }
 
-    fn block(&self, camera: &Camera, past: &Past, extent: [u32; 2], motion: Option<SurfaceMotion>) -> HistoryBlock {
-        let before = past.before.as_ref().unwrap_or(camera);
+    fn block(
+        &self,
+        camera: &Camera,
+        previous_frame: &PreviousFrame,
+        extent: [u32; 2],
+        motion: Option<SurfaceMotion>,
+    ) -> HistoryBlock {
+        let before = previous_frame.before.as_ref().unwrap_or(camera);
         // What a pixel of a jittered camera at rest shows is that pixel's, wherever in it the surface was seen: its history is
         // not moved by parts of a pixel, which would blur it.
-        let earlier = if past.change == Change::Shifts { camera } else { before };
-        let rests = past.change != Change::Moves;
-        let settles = past.change == Change::None;
+        let earlier = if previous_frame.change == CameraChange::Shifts { camera } else { before };
+        let rests = previous_frame.change != CameraChange::Moves;
+        let settles = previous_frame.change == CameraChange::None;
         let array = |m: DMat4| m.as_mat4().to_cols_array_2d();
         let [clip, clip_before] = [camera, earlier].map(|c| c.view_to_clip_reversed().as_dmat4());
         let [world, world_before] = [camera, earlier].map(|c| c.world_to_view.as_dmat4());
@@ -336,10 +342,10 @@ impl HistoryPass {
             unit: unit(camera),
             frames: self.averaged as f32,
             deviations: self.deviations,
-            begins: i32::from(past.before.is_none()),
+            begins: i32::from(previous_frame.before.is_none()),
             most: if settles { MOST_AT_REST } else { self.averaged as f32 },
-            rests: i32::from(rests) + i32::from(settles && past.turns.rested >= self.averaged),
-            repeats: i32::from(past.repeats),
+            rests: i32::from(rests) + i32::from(settles && previous_frame.turns.rested >= self.averaged),
+            repeats: i32::from(previous_frame.repeats),
             view_to_clip: array(clip),
             ..HistoryBlock::default()
         };
@@ -348,7 +354,7 @@ impl HistoryPass {
             let held = if shifted { shifts(before) } else { Vec2::ZERO };
             (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - held).to_array());
         }
-        for (data, mover) in block.movers.iter_mut().zip(&past.movers) {
+        for (data, mover) in block.movers.iter_mut().zip(&previous_frame.movers) {
             let [first, end] = mover.triangles;
             *data = MoverData { to_before: array(world_before * mover.back * to_world), triangles: [first, end, 0, 0] };
             block.mover_count += 1;
@@ -361,9 +367,9 @@ impl Pipeline {
     fn new(
         gpu: &Gpu,
         Variant { stage, is_orthographic: orthographic, composite }: Variant,
-        search: Option<Search>,
+        search: Option<HistorySearch>,
     ) -> Result<Self> {
-        let Search { movers, motion } = search.unwrap_or_default();
+        let HistorySearch { movers, motion } = search.unwrap_or_default();
         let search = search.is_some();
         if stage == ShaderStage::Compute {
             let constants = programs::HistoryComputeConstants { orthographic, composite, motion, movers, search };
@@ -384,9 +390,9 @@ fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
 }
 
 /// The things that stand elsewhere than before. Of more than a block has room for, only the first.
-fn movers(before: &[Standing], now: &[Standing]) -> Vec<Mover> {
+fn movers(before: &[MovableObject], now: &[MovableObject]) -> Vec<Mover> {
     let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.placement != b.placement);
-    let back = |a: &Standing, b: &Standing| {
+    let back = |a: &MovableObject, b: &MovableObject| {
         let [before, now] = [a, b].map(|standing| standing.placement);
         if before.is_offset() && now.is_offset() {
             return DMat4::from_translation((before.offset - now.offset).as_dvec3());
@@ -406,26 +412,27 @@ mod tests {
     fn rays_turn_once_through_their_directions_after_each_stop() {
         let averaged = 4;
         let begun = Turns { left: averaged - 1, ..Turns::default() };
-        let rest = |turns: Turns| turns.next(Change::None, false, averaged);
+        let rest = |turns: Turns| turns.next(CameraChange::None, false, averaged);
         let rested: Vec<u32> =
             std::iter::successors(Some(begun), |t| Some(rest(*t))).take(7).map(|t| t.rested).collect();
         assert_eq!(rested, [0, 1, 2, 3, 3, 3, 3]);
         let settled = (0..6).fold(begun, |turns, _| rest(turns));
         // A thing that rests again has been seen in other directions than now.
-        let stopped = settled.next(Change::None, true, averaged);
+        let stopped = settled.next(CameraChange::None, true, averaged);
         assert_eq!((stopped.rested, stopped.drawn), (4, settled.drawn + 1));
-        let moved = settled.next(Change::Moves, false, averaged);
+        let moved = settled.next(CameraChange::Moves, false, averaged);
         assert_eq!((moved.rested, moved.drawn), (0, settled.drawn + 1));
         assert_eq!(rest(moved).rested, 1);
         // A jittered camera has no end of them, unless one frame is all that is averaged.
-        let jittered = (0..6).fold(settled, |turns, _| turns.next(Change::Shifts, false, averaged));
+        let jittered = (0..6).fold(settled, |turns, _| turns.next(CameraChange::Shifts, false, averaged));
         assert_eq!((jittered.rested, jittered.drawn), (settled.rested + 6, settled.drawn + 6));
-        assert_eq!(Turns::default().next(Change::Shifts, false, 1), Turns::default());
+        assert_eq!(Turns::default().next(CameraChange::Shifts, false, 1), Turns::default());
     }
 
     #[test]
     fn movers_are_the_things_that_stand_elsewhere_than_before() {
-        let standing = |first: u32, x: f32| Standing { triangles: [first, first + 2], placement: (Vec3::X * x).into() };
+        let standing =
+            |first: u32, x: f32| MovableObject { triangles: [first, first + 2], placement: (Vec3::X * x).into() };
         let before = [standing(0, 0.0), standing(2, 1.0), standing(4, 0.0)];
         let now = [standing(0, 0.0), standing(2, 1.5), standing(4, 0.0)];
         let moved = movers(&before, &now);

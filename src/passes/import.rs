@@ -25,7 +25,7 @@ pub struct ImportPass {
 
 /// Images of another renderer, all of the pass's size.
 #[derive(Clone, Copy)]
-pub struct Foreign<'a> {
+pub struct ForeignImages<'a> {
     /// Depth, in R.
     pub depth: &'a Image,
     /// What reversed depth is of it: the first number times it plus the second.
@@ -87,7 +87,7 @@ impl ImportPass {
     }
 
     /// Pass "import". What reflects is known where reflectivity or roughness is the same everywhere.
-    pub fn record(&self, frame: &mut Frame, from: &Foreign, camera: &Camera) -> Result<GBuffer<'_>> {
+    pub fn record(&self, frame: &mut Frame, from: &ForeignImages, camera: &Camera) -> Result<GBuffer<'_>> {
         let (kind, to_view) =
             from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
         let (block, projection, camera) = (block(from, to_view), camera.kind(), camera_block(camera, self.extent()));
@@ -129,7 +129,7 @@ impl ImportPass {
     }
 }
 
-fn block(from: &Foreign, to_view: Mat3) -> ImportBlock {
+fn block(from: &ForeignImages, to_view: Mat3) -> ImportBlock {
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };
     ImportBlock {
         normal_to_view: Mat4::from_mat3(to_view).to_cols_array_2d(),

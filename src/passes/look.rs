@@ -77,7 +77,7 @@ impl Tone {
 
 /// What the screen shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Look {
+pub struct PictureDisplay {
     /// Left, top, width and height of the pictures on the screen, in pixels.
     pub area: [u32; 4],
     /// One or two.
@@ -104,7 +104,13 @@ impl LookPass {
     }
 
     /// Pass "look". Both pictures have the area's size; where one is shown, it is given twice.
-    pub fn record(&self, frame: &mut Frame, screen: &Image, look: &Look, pictures: [&Image; 2]) -> Result<()> {
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        screen: &Image,
+        look: &PictureDisplay,
+        pictures: [&Image; 2],
+    ) -> Result<()> {
         let parameters = LookBlock {
             area: look.area.map(|v| v as i32),
             compare: look.compare as i32,

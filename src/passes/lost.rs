@@ -20,7 +20,7 @@ const DOUBT_BYTES: u64 = 16;
 
 /// What stands on a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Listed {
+pub enum ListContent {
     /// Nothing: no ray is followed beyond the screen.
     Nothing,
     /// Pixels that get rays of their own ([`own_rays`](super::own_rays)).
@@ -41,7 +41,7 @@ pub struct LostRays {
 
 /// What those passes bind.
 #[derive(Clone, Copy)]
-pub struct Beyond<'a> {
+pub struct LostRayBindings<'a> {
     /// The camera among the captures.
     pub block: &'a CaptureBlock,
     /// The faces of the sky's cube map in world axes.
@@ -54,7 +54,7 @@ pub struct Beyond<'a> {
     no_triangle: &'a Image,
 }
 
-impl<'a> Beyond<'a> {
+impl<'a> LostRayBindings<'a> {
     /// The image of the triangles that pixels show.
     pub(super) fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
     where
@@ -66,16 +66,16 @@ impl<'a> Beyond<'a> {
 
 impl LostRays {
     /// Room for what is listed of each pixel.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], listed: Listed) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], content: ListContent) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         // Tiles at the border overlap, so that a ray may be on the list twice.
         let tiles: u64 = tiles::count(extent).into_iter().map(u64::from).product();
         let pixels = tiles * u64::from(TILE * TILE);
         // A shader's list has an element of each kind at least.
-        let bytes = match listed {
-            Listed::Nothing => RAY_BYTES,
-            Listed::Pixels => DOUBT_BYTES * pixels,
-            Listed::Rays => RAY_BYTES * pixels,
+        let bytes = match content {
+            ListContent::Nothing => RAY_BYTES,
+            ListContent::Pixels => DOUBT_BYTES * pixels,
+            ListContent::Rays => RAY_BYTES * pixels,
         };
         let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
         Ok(Self {
@@ -109,7 +109,7 @@ impl LostRays {
         block: &'a CaptureBlock,
         sky: Option<&'a Image>,
         wants_triangle: bool,
-    ) -> Result<Beyond<'a>> {
+    ) -> Result<LostRayBindings<'a>> {
         if sky.is_none() {
             frame.clear("no sky", self.no_sky.all(), [0.0; 4])?;
         }
@@ -117,7 +117,7 @@ impl LostRays {
             frame.clear("no triangle", self.no_triangle.all(), [f32::from_bits(NO_TRIANGLE); 4])?;
         }
         let sky = Sampled::trilinear(sky.unwrap_or(&self.no_sky).faces());
-        Ok(Beyond { block, sky, counts: &self.counts, rays: &self.rays, no_triangle: &self.no_triangle })
+        Ok(LostRayBindings { block, sky, counts: &self.counts, rays: &self.rays, no_triangle: &self.no_triangle })
     }
 }
 

@@ -2,10 +2,10 @@
 //! the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
 //! [`lost`](super::lost), whose rays have been followed by then.
 
-use super::lost::{Beyond, LostRays};
+use super::lost::{LostRayBindings, LostRays};
 use super::tiles::UnifiedSetup;
 use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::{AmongTriangles, with_reading};
+use super::triangle_scene::{TriangleBindings, with_reading};
 use super::{Canvas, GBuffer, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{OwnRays, OwnRaysOnScreen, OwnRaysOnScreenConstants, OwnRaysQueried};
@@ -22,9 +22,9 @@ pub struct OwnRaysInput<'a> {
     /// Where the passes that gather have stored.
     pub canvas: Canvas<'a>,
     /// The sky, and the list.
-    pub beyond: Beyond<'a>,
+    pub beyond: LostRayBindings<'a>,
     /// The triangles, where rays go among them.
-    pub among: Option<AmongTriangles<'a>>,
+    pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 /// The pipeline, where pixels get rays of their own.
@@ -69,9 +69,9 @@ impl OwnRaysPass {
 
     /// Records one pass over the pixels on the list.
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
-        let OwnRaysInput { gbuffer, pyramid, canvas, beyond, among } = input;
+        let OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings } = input;
         let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };
-        match (pipeline, among) {
+        match (pipeline, triangle_bindings) {
             (Pipeline::Screen(pipeline), _) => {
                 let program = OwnRaysOnScreen {
                     unified: parameters,
@@ -89,8 +89,8 @@ impl OwnRaysPass {
                 };
                 frame.compute_indirect(name, pipeline, &program, (beyond.counts, 0))
             }
-            (Pipeline::Triangles(pipeline), Some(among)) => {
-                let program = by_tracer! { OwnRays or OwnRaysQueried of among,
+            (Pipeline::Triangles(pipeline), Some(triangle_bindings)) => {
+                let program = by_tracer! { OwnRays or OwnRaysQueried of triangle_bindings,
                     unified: parameters,
                     depth_buffer: Sampled::nearest(gbuffer.depth.all()),
                     normal_buffer: gbuffer.normal.all(),

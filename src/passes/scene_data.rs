@@ -8,7 +8,7 @@ use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, RayStructure, image, memory::MemoryPlace};
 use crate::math::constants;
-use crate::scene::capture::{BOUNDS_MARGIN, Wanted};
+use crate::scene::capture::{BOUNDS_MARGIN, WantedCaptures};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::sky::SkyCube;
 use crate::scene::tree::BuildTrees;
@@ -55,18 +55,18 @@ pub struct SceneData {
     /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
     ray_structure: OnceCell<RayStructure>,
     triangles_as_blocks: bool,
-    placed: RefCell<Vec<(Wanted, Placed)>>,
+    placed: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
 }
 
 /// Finds the captures of a scene that are wanted, given those that it names itself.
-pub type FindCaptures = Box<dyn Fn(&[Capture], Wanted) -> Vec<Capture>>;
+pub type FindCaptures = Box<dyn Fn(&[Capture], WantedCaptures) -> Vec<Capture>>;
 
 /// Where captures of a scene stand.
 #[derive(Debug, Clone)]
-pub struct Placed {
+pub struct PlacedCaptures {
     /// The captures, in the order in which they help.
     pub captures: Rc<[Capture]>,
     /// Milliseconds that finding the places took.
@@ -75,7 +75,7 @@ pub struct Placed {
 
 /// A thing of the scene that may move: the numbers of its triangles, and where it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Standing {
+pub struct MovableObject {
     /// The numbers of its triangles: the first, and the one behind the last.
     pub triangles: [u32; 2],
     /// Where it stands, seen from where it stood at first.
@@ -174,7 +174,7 @@ impl SceneData {
 
     /// Where the scene is captured for rays to be followed in: the captures that it names itself, or what
     /// [`Self::find_captures_by`] was given finds the first time they are asked for. Empty if there is no such place.
-    pub fn captures(&self, wanted: Wanted) -> Placed {
+    pub fn captures(&self, wanted: WantedCaptures) -> PlacedCaptures {
         let mut placed = self.placed.borrow_mut();
         if let Some((_, known)) = placed.iter().find(|(request, _)| *request == wanted) {
             return known.clone();
@@ -182,10 +182,10 @@ impl SceneData {
         let begun = Instant::now();
         let captures = match (&self.find_captures, wanted) {
             (Some(find), _) => find(&self.captures, wanted),
-            (None, Wanted::Auto) => self.captures.clone(),
-            (None, Wanted::Count(most)) => self.captures.iter().take(most).copied().collect(),
+            (None, WantedCaptures::Auto) => self.captures.clone(),
+            (None, WantedCaptures::Count(most)) => self.captures.iter().take(most).copied().collect(),
         };
-        let found = Placed { captures: captures.into(), time_ms: 1e3 * begun.elapsed().as_secs_f64() };
+        let found = PlacedCaptures { captures: captures.into(), time_ms: 1e3 * begun.elapsed().as_secs_f64() };
         placed.push((wanted, found.clone()));
         found
     }
@@ -252,8 +252,8 @@ impl SceneData {
     }
 
     /// The meshes, where they stand.
-    pub fn standing(&self) -> Vec<Standing> {
-        let standing = |m: &MeshData| Standing {
+    pub fn standing(&self) -> Vec<MovableObject> {
+        let standing = |m: &MeshData| MovableObject {
             triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
             placement: m.placement,
         };
@@ -268,7 +268,7 @@ impl SceneData {
 
     /// Says how captures are found that the scene does not name itself. It is asked when an effect wants captures, once
     /// for each number of them; without it the scene has only its own.
-    pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], Wanted) -> Vec<Capture> + 'static) {
+    pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
     }
@@ -333,7 +333,7 @@ impl SceneData {
 ///
 /// # Errors
 /// [`Error::Usage`] if it has.
-pub(super) fn at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
+pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
         return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));
     }

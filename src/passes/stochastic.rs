@@ -1,7 +1,7 @@
 //! Trace and resolve of `stochastic`: a ray for each pixel, drawn from its lobe, and what pixels make of the rays around
 //! them (Stachowiak 2015).
 
-use super::lost::{Beyond, ENDS};
+use super::lost::{ENDS, LostRayBindings};
 use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
 use crate::error::Result;
 use crate::gpu::program::{Fragment, InEitherStage};
@@ -104,7 +104,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         frame: &mut Frame,
         gbuffer: &GBuffer,
         pyramid: Pyramid,
-        beyond: Beyond,
+        beyond: LostRayBindings,
         (unified, stochastic): (&UnifiedBlock, &StochasticBlock),
     ) -> Result<Rays<'_>> {
         self.draw(
@@ -144,7 +144,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
         frame: &mut Frame,
         gbuffer: &GBuffer,
         (hi_z, thesis): (HiZ, &ThesisBlock),
-        beyond: Beyond,
+        beyond: LostRayBindings,
         (unified, stochastic): (&UnifiedBlock, &StochasticBlock),
     ) -> Result<Rays<'_>> {
         self.draw(

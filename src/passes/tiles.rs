@@ -110,7 +110,7 @@ impl Tiles<'_> {
 
 /// The list that a program runs over, and the size of the images that it writes.
 #[derive(Debug, Clone, Copy)]
-pub struct Over {
+pub struct TileRange {
     /// `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`.
     pub list: i32,
     /// Whether the images that it writes have a texel for 2 × 2 pixels.
@@ -119,7 +119,7 @@ pub struct Over {
 
 /// A compute program that runs over the tiles of a list or over the whole image.
 pub struct TiledCompute<C> {
-    over: Over,
+    range: TileRange,
     tiles: ComputePipeline<C>,
     whole: ComputePipeline<C>,
 }
@@ -129,9 +129,9 @@ impl<C: Compute> TiledCompute<C> {
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
-    pub fn new(gpu: &Gpu, over: Over, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
+    pub fn new(gpu: &Gpu, range: TileRange, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
         Ok(Self {
-            over,
+            range,
             tiles: ComputePipeline::with(gpu, &constants(false))?,
             whole: ComputePipeline::with(gpu, &constants(true))?,
         })
@@ -145,7 +145,7 @@ impl<C: Compute> TiledCompute<C> {
         (parameters, tiles): (&UnifiedBlock, Tiles),
         program: &C,
     ) -> Result<()> {
-        let Over { list, halved } = self.over;
+        let TileRange { list, halved } = self.range;
         if tiles.whole {
             let [x, y] = parameters.size.map(|side| (side as u32).div_ceil(1 + u32::from(halved)));
             return frame.compute(name, &self.whole, program, [x, y, 1]);
@@ -158,12 +158,12 @@ impl<C: Compute> TiledCompute<C> {
 /// A program that runs over the tiles of a list or over the whole image: `F` in fragment shaders or `C` in compute
 /// shaders.
 pub struct TiledPipeline<F, C> {
-    over: Over,
-    made: Made<F, C>,
+    range: TileRange,
+    pipelines: TilePipelines<F, C>,
 }
 
 /// The pipelines of the one stage that was chosen.
-enum Made<F, C> {
+enum TilePipelines<F, C> {
     Fragment { tiles: GraphicsPipeline<F, Tile<'static>>, whole: GraphicsPipeline<F> },
     Compute(TiledCompute<C>),
 }
@@ -177,22 +177,22 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
     /// shaders take fewer images than the program has.
     pub fn new(
         gpu: &Gpu,
-        (stage, over): (ShaderStage, Over),
+        (stage, range): (ShaderStage, TileRange),
         formats: impl Fn() -> F::Outputs<vk::Format>,
         fragment: impl Fn(bool) -> F::Constants,
         compute: impl Fn(bool) -> C::Constants,
     ) -> Result<Self> {
-        let made = match stage {
+        let pipelines = match stage {
             ShaderStage::Fragment => {
                 check_points(gpu)?;
-                Made::Fragment {
+                TilePipelines::Fragment {
                     tiles: GraphicsPipeline::points(gpu, formats(), &fragment(false))?,
                     whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &fragment(true))?,
                 }
             }
-            ShaderStage::Compute => Made::Compute(TiledCompute::new(gpu, over, compute)?),
+            ShaderStage::Compute => TilePipelines::Compute(TiledCompute::new(gpu, range, compute)?),
         };
-        Ok(Self { over, made })
+        Ok(Self { range, pipelines })
     }
 
     /// Records one pass over the list's tiles, or over the whole image, where every texel is written. Of the two
@@ -204,9 +204,9 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         (parameters, tiles): (&UnifiedBlock, Tiles),
         (fragment, compute): (impl FnOnce() -> (F::Outputs<Target<'t>>, F), impl FnOnce() -> C),
     ) -> Result<()> {
-        let Over { list, halved } = self.over;
-        match &self.made {
-            Made::Fragment { tiles: pipeline, whole } => {
+        let TileRange { list, halved } = self.range;
+        match &self.pipelines {
+            TilePipelines::Fragment { tiles: pipeline, whole } => {
                 let (targets, program) = fragment();
                 if tiles.whole {
                     return frame.fullscreen(name, whole, targets, &program);
@@ -216,7 +216,7 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
                 let arguments = (tiles.arguments, DRAW_BYTES * list as u64);
                 frame.draw_indirect(name, pipeline, targets, (&program, &vertices), arguments)
             }
-            Made::Compute(pipelines) => pipelines.run(frame, name, (parameters, tiles), &compute()),
+            TilePipelines::Compute(pipelines) => pipelines.run(frame, name, (parameters, tiles), &compute()),
         }
     }
 }
@@ -235,17 +235,17 @@ fn check_points(gpu: &Gpu) -> Result<()> {
 
 /// The two programs of a pass, as [`TiledPipeline::run`] takes them: the fragment program with its targets, and the
 /// compute program with the [`Tiles`] that it runs over and the images that it stores to. The bindings that both have
-/// are written once, below them; `among` gives those of a scene's triangles.
+/// are written once, below them; `triangle_bindings` gives those of a scene's triangles.
 macro_rules! in_either_stage {
     (
         $fragment:ident => $targets:expr,
         $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },
-        among: $among:expr,
+        triangle_bindings: $triangle_bindings:expr,
         $($field:ident: $value:expr),+ $(,)?
     ) => {
         (
-            || ($targets, $crate::passes::triangle_scene::with_triangles! { $fragment of $among, $($field: $value),+ }),
-            || $crate::passes::triangle_scene::with_triangles! { $compute of $among,
+            || ($targets, $crate::passes::triangle_scene::with_triangles! { $fragment of $triangle_bindings, $($field: $value),+ }),
+            || $crate::passes::triangle_scene::with_triangles! { $compute of $triangle_bindings,
                 Tiles: $tiles.lists, Counts: $tiles.arguments, $($stored: $image,)+ $($field: $value),+
             },
         )

@@ -18,14 +18,14 @@ pub enum ByTracer<T, Q> {
 /// The program of a tracer, with its bindings of a scene's triangles filled in: that with ray queries where the triangles
 /// have a structure for them.
 macro_rules! by_tracer {
-    ($tree:ident or $query:ident of $among:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let among: $crate::passes::triangle_scene::AmongTriangles = $among;
-        match among.triangles.structure {
+    ($tree:ident or $query:ident of $triangle_bindings:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+        let triangle_bindings: $crate::passes::triangle_scene::TriangleBindings = $triangle_bindings;
+        match triangle_bindings.triangles.structure {
             None => $crate::passes::tracer::ByTracer::Tree(
-                $crate::passes::triangle_scene::with_triangles! { $tree of among, $($field: $value),+ },
+                $crate::passes::triangle_scene::with_triangles! { $tree of triangle_bindings, $($field: $value),+ },
             ),
             Some(ray_structure) => $crate::passes::tracer::ByTracer::Query(
-                $crate::passes::triangle_scene::with_triangles! { $query of among,
+                $crate::passes::triangle_scene::with_triangles! { $query of triangle_bindings,
                     ray_structure: ray_structure, $($field: $value),+
                 },
             ),

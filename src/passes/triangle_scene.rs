@@ -147,7 +147,7 @@ pub struct TriangleBuffers<'a> {
 
 /// A scene's triangles with the camera and the lights among them: what passes bind in a frame.
 #[derive(Clone, Copy)]
-pub struct AmongTriangles<'a> {
+pub struct TriangleBindings<'a> {
     /// The triangles.
     pub triangles: TriangleBuffers<'a>,
     /// The camera.
@@ -160,12 +160,12 @@ pub struct AmongTriangles<'a> {
     pub screen_depth: Sampled<'a>,
 }
 
-/// A program with its bindings of a scene's triangles filled in from an [`AmongTriangles`], and its other fields.
+/// A program with its bindings of a scene's triangles filled in from a [`TriangleBindings`], and its other fields.
 macro_rules! with_triangles {
-    ($name:ident of $among:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let $crate::passes::triangle_scene::AmongTriangles {
+    ($name:ident of $triangle_bindings:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+        let $crate::passes::triangle_scene::TriangleBindings {
             triangles, block, lights, screen_color, screen_depth,
-        } = $among;
+        } = $triangle_bindings;
         $crate::gpu::programs::$name {
             geometry_texels: triangles.geometry,
             geometry: triangles.geometry.buffer(),

@@ -1,9 +1,9 @@
 //! Following rays of the list ([`lost`](super::lost)) through the triangles of a scene, each from its own pixel's point,
 //! over as many rays as there are (docs/definitions.md, "Triangles").
 
-use super::lost::Beyond;
+use super::lost::LostRayBindings;
 use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::{AmongTriangles, TriangleReading, with_reading};
+use super::triangle_scene::{TriangleBindings, TriangleReading, with_reading};
 use super::{Canvas, GBuffer, Hits, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
@@ -42,16 +42,16 @@ pub struct TriangleInput<'a> {
     /// The block of the screen.
     pub parameters: &'a UnifiedBlock,
     /// The scene's triangles.
-    pub among: AmongTriangles<'a>,
+    pub triangle_bindings: TriangleBindings<'a>,
     /// The rays, the camera's axes, and the sky.
-    pub beyond: Beyond<'a>,
+    pub beyond: LostRayBindings<'a>,
 }
 
 /// The program of a tracer with the bindings that all here have in common, and some of its own.
 macro_rules! follow_program {
     ($tree:ident or $query:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let TriangleInput { parameters, among, beyond } = $input;
-        by_tracer! { $tree or $query of among,
+        let TriangleInput { parameters, triangle_bindings, beyond } = $input;
+        by_tracer! { $tree or $query of triangle_bindings,
             unified: parameters,
             captures: beyond.block,
             environment: beyond.sky,

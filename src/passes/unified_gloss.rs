@@ -2,10 +2,10 @@
 //! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
-use super::lost::{Beyond, ENDS};
-use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::lost::{ENDS, LostRayBindings};
+use super::tiles::{TileRange, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
 use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::{AmongTriangles, with_reading};
+use super::triangle_scene::{TriangleBindings, with_reading};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
@@ -76,9 +76,9 @@ pub struct UnifiedGlossInput<'a> {
     /// Where to draw.
     pub canvas: Canvas<'a>,
     /// The sky, and where rays go that the screen lost.
-    pub beyond: Beyond<'a>,
+    pub beyond: LostRayBindings<'a>,
     /// The triangles, where rays go among them.
-    pub among: Option<AmongTriangles<'a>>,
+    pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 impl UnifiedGlossPass {
@@ -94,8 +94,8 @@ impl UnifiedGlossPass {
         let UnifiedSetup { over, composite, screen, followed, triangles, own_rays, tells, trace, resolve, .. } = *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
         let orthographic = setup.projection.is_orthographic();
-        let narrow = Over { list: NARROW_LIST, halved: false };
-        let [pixels, halves] = [false, true].map(|halved| Over { list: WIDE_LIST, halved });
+        let narrow = TileRange { list: NARROW_LIST, halved: false };
+        let [pixels, halves] = [false, true].map(|halved| TileRange { list: WIDE_LIST, halved });
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
             trace_narrow: match triangles {
@@ -207,9 +207,9 @@ impl UnifiedGlossPass {
 
     /// Pass "trace/narrow": a ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, among, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let records = &self.between.records;
-        match (&self.trace_narrow, among) {
+        match (&self.trace_narrow, triangle_bindings) {
             (NarrowTraces::Screen(pipeline), _) => {
                 let programs = in_either_stage! {
                     TraceNarrow => [tiles.target(records)],
@@ -229,11 +229,11 @@ impl UnifiedGlossPass {
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
             }
             // The chain of colours is not made where hits are shaded as triangles.
-            (NarrowTraces::Confirmed(pipeline), Some(among)) => {
+            (NarrowTraces::Confirmed(pipeline), Some(triangle_bindings)) => {
                 let programs = in_either_stage! {
                     TraceNarrowConfirmed => [tiles.target(records)],
                     TraceNarrowConfirmedCompute over tiles => { record_image: records.all() },
-                    among: *among,
+                    triangle_bindings: *triangle_bindings,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),
@@ -247,8 +247,8 @@ impl UnifiedGlossPass {
                 };
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
             }
-            (NarrowTraces::Triangles(pipeline), Some(among)) => {
-                let program = by_tracer! { TraceNarrowAmongTriangles or TraceNarrowQueried of *among,
+            (NarrowTraces::Triangles(pipeline), Some(triangle_bindings)) => {
+                let program = by_tracer! { TraceNarrowAmongTriangles or TraceNarrowQueried of *triangle_bindings,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     record_image: records.all(),
@@ -291,9 +291,9 @@ impl UnifiedGlossPass {
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, among, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let BetweenPasses { place, seen, .. } = &self.between;
-        match (&self.trace_wide, among) {
+        match (&self.trace_wide, triangle_bindings) {
             (WideTraces::Screen(pipeline), _) => {
                 let programs = in_either_stage! {
                     TraceWide => [place, seen].map(|image| tiles.target(image)),
@@ -312,11 +312,11 @@ impl UnifiedGlossPass {
                 };
                 pipeline.run(frame, "trace/wide", (parameters, *tiles), programs)
             }
-            (WideTraces::Confirmed(pipeline), Some(among)) => {
+            (WideTraces::Confirmed(pipeline), Some(triangle_bindings)) => {
                 let programs = in_either_stage! {
                     TraceWideConfirmed => [place, seen].map(|image| tiles.target(image)),
                     TraceWideConfirmedCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
-                    among: *among,
+                    triangle_bindings: *triangle_bindings,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),
@@ -330,8 +330,8 @@ impl UnifiedGlossPass {
                 };
                 pipeline.run(frame, "trace/wide", (parameters, *tiles), programs)
             }
-            (WideTraces::Triangles(pipeline), Some(among)) => {
-                let program = by_tracer! { TraceWideAmongTriangles or TraceWideQueried of *among,
+            (WideTraces::Triangles(pipeline), Some(triangle_bindings)) => {
+                let program = by_tracer! { TraceWideAmongTriangles or TraceWideQueried of *triangle_bindings,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     place_image: place.all(), seen_image: seen.all(),

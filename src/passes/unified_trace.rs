@@ -2,10 +2,10 @@
 //! of a list or over the whole image. Rays walk over the pyramid, whose hits may be asked to be confirmed by the triangles
 //! that pixels show; or all of them go among the triangles.
 
-use super::lost::Beyond;
-use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::lost::LostRayBindings;
+use super::tiles::{TileRange, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
 use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::{AmongTriangles, with_reading};
+use super::triangle_scene::{TriangleBindings, with_reading};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::programs::{
@@ -47,9 +47,9 @@ pub struct UnifiedTraceInput<'a> {
     /// Where to draw.
     pub canvas: Canvas<'a>,
     /// The sky, and where rays go that the screen lost.
-    pub beyond: Beyond<'a>,
+    pub beyond: LostRayBindings<'a>,
     /// The triangles, where rays go among them.
-    pub among: Option<AmongTriangles<'a>>,
+    pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 impl UnifiedTracePass {
@@ -63,7 +63,7 @@ impl UnifiedTracePass {
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
         let UnifiedSetup { followed, triangles, composite, trace, .. } = *setup;
         let orthographic = setup.projection.is_orthographic();
-        let over = Over { list: MIRROR_LIST, halved: false };
+        let range = TileRange { list: MIRROR_LIST, halved: false };
         let beside = setup.beside();
         let (stage, mirrors) = match triangles {
             None => {
@@ -79,7 +79,7 @@ impl UnifiedTracePass {
                     beside,
                     orthographic,
                 };
-                (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
+                (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, range), formats, fragment, compute)?))
             }
             Some(reading) if setup.screen => {
                 let fragment = |whole| {
@@ -92,7 +92,7 @@ impl UnifiedTracePass {
                         strip, oracle, hits, whole, followed, composite, beside, orthographic,
                     }
                 };
-                (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
+                (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, range), formats, fragment, compute)?))
             }
             Some(reading) => {
                 let tree = |whole| {
@@ -104,9 +104,9 @@ impl UnifiedTracePass {
                     with_reading! { MirrorQueriedConstants of reading, hits, whole, composite, beside, orthographic }
                 };
                 let pipelines = if reading.queries {
-                    ByTracer::Query(TiledCompute::new(gpu, over, queried)?)
+                    ByTracer::Query(TiledCompute::new(gpu, range, queried)?)
                 } else {
-                    ByTracer::Tree(TiledCompute::new(gpu, over, tree)?)
+                    ByTracer::Tree(TiledCompute::new(gpu, range, tree)?)
                 };
                 (ShaderStage::Compute, Mirrors::Triangles(pipelines))
             }
@@ -124,7 +124,7 @@ impl UnifiedTracePass {
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
-        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, among }: &UnifiedTraceInput,
+        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let wanted = self.hits.as_ref();
@@ -138,7 +138,7 @@ impl UnifiedTracePass {
             [composite, reflection, wanted.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT))]
         };
         let name = "trace/mirrors";
-        match (&self.mirrors, among) {
+        match (&self.mirrors, triangle_bindings) {
             (Mirrors::Screen(pipeline), _) => {
                 let programs = in_either_stage! {
                     Mirror => targets(),
@@ -159,7 +159,7 @@ impl UnifiedTracePass {
                 };
                 pipeline.run(frame, name, (parameters, *tiles), programs)?;
             }
-            (Mirrors::Confirmed(pipeline), Some(among)) => {
+            (Mirrors::Confirmed(pipeline), Some(triangle_bindings)) => {
                 let programs = in_either_stage! {
                     MirrorConfirmed => targets(),
                     MirrorConfirmedCompute over tiles => {
@@ -167,7 +167,7 @@ impl UnifiedTracePass {
                         reflection_image: reflection.all(),
                         hits_image: hits.all(),
                     },
-                    among: *among,
+                    triangle_bindings: *triangle_bindings,
                     unified: parameters,
                     pyramid: pyramid.0.all(),
                     normal_buffer: gbuffer.normal.all(),
@@ -181,8 +181,8 @@ impl UnifiedTracePass {
                 };
                 pipeline.run(frame, name, (parameters, *tiles), programs)?;
             }
-            (Mirrors::Triangles(pipeline), Some(among)) => {
-                let program = by_tracer! { MirrorAmongTriangles or MirrorQueried of *among,
+            (Mirrors::Triangles(pipeline), Some(triangle_bindings)) => {
+                let program = by_tracer! { MirrorAmongTriangles or MirrorQueried of *triangle_bindings,
                     Tiles: tiles.lists,
                     Counts: tiles.arguments,
                     color_image: color.all(),

@@ -1,7 +1,7 @@
 //! Lenses, views and cameras.
 
 use super::MaterialChange;
-use super::projection::{Opening, Projection, ProjectionKind};
+use super::projection::{FieldOfView, Projection, ProjectionKind};
 use crate::error::Error;
 use glam::camera::lh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
@@ -10,7 +10,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// How much it sees, and with which projection.
-    pub opening: Opening,
+    pub opening: FieldOfView,
     /// Near plane in metres, > 0; that of an orthographic projection may be at the eye.
     pub near_m: f32,
     /// Far plane in metres, > near.
@@ -27,35 +27,35 @@ impl Default for Lens {
 impl Lens {
     /// A perspective with a vertical field of view.
     pub const fn perspective(fov_y_radians: f32, near_m: f32, far_m: f32) -> Self {
-        Self { opening: Opening::Angle(fov_y_radians), near_m, far_m }
+        Self { opening: FieldOfView::Angle(fov_y_radians), near_m, far_m }
     }
 
     /// An orthographic projection of an image so many metres high.
     pub const fn orthographic(height_m: f32, near_m: f32, far_m: f32) -> Self {
-        Self { opening: Opening::Height(height_m), near_m, far_m }
+        Self { opening: FieldOfView::Height(height_m), near_m, far_m }
     }
 
     /// The kind of its projection.
     pub fn kind(&self) -> ProjectionKind {
         match self.opening {
-            Opening::Angle(_) => ProjectionKind::Perspective,
-            Opening::Height(_) => ProjectionKind::Orthographic,
+            FieldOfView::Angle(_) => ProjectionKind::Perspective,
+            FieldOfView::Height(_) => ProjectionKind::Orthographic,
         }
     }
 
     /// The vertical field of view; `None` for an orthographic projection, which has none.
     pub fn fov_y_radians(&self) -> Option<f32> {
         match self.opening {
-            Opening::Angle(fov) => Some(fov),
-            Opening::Height(_) => None,
+            FieldOfView::Angle(fov) => Some(fov),
+            FieldOfView::Height(_) => None,
         }
     }
 
     /// Metres from the lower to the upper side of what the image shows at a view-space z.
     pub fn height_at_m(&self, z: f32) -> f32 {
         match self.opening {
-            Opening::Angle(fov) => 2.0 * z * (0.5 * fov).tan(),
-            Opening::Height(height) => height,
+            FieldOfView::Angle(fov) => 2.0 * z * (0.5 * fov).tan(),
+            FieldOfView::Height(height) => height,
         }
     }
 
@@ -63,8 +63,8 @@ impl Lens {
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
         let opening = match self.opening {
-            Opening::Angle(fov) => Opening::Angle(fov),
-            Opening::Height(height) => Opening::Height(height * factor),
+            FieldOfView::Angle(fov) => FieldOfView::Angle(fov),
+            FieldOfView::Height(height) => FieldOfView::Height(height * factor),
         };
         Self { opening, near_m: self.near_m * factor, far_m: self.far_m * factor }
     }
@@ -128,8 +128,8 @@ impl Camera {
     pub fn is_sound(&self) -> bool {
         let Lens { opening, near_m: near, far_m: far } = self.lens;
         let opens = match opening {
-            Opening::Angle(fov) => fov > 0.0 && fov < std::f32::consts::PI && near > 0.0,
-            Opening::Height(height) => height > 0.0 && height.is_finite() && near >= 0.0,
+            FieldOfView::Angle(fov) => fov > 0.0 && fov < std::f32::consts::PI && near > 0.0,
+            FieldOfView::Height(height) => height > 0.0 && height.is_finite() && near >= 0.0,
         };
         opens
             && far > near
@@ -167,8 +167,8 @@ impl Camera {
     pub fn numbers(&self) -> Projection {
         match (self.projection, self.lens.opening) {
             (Some(projection), _) => projection,
-            (None, Opening::Height(height)) => self.orthographic(height),
-            (None, Opening::Angle(fov)) => {
+            (None, FieldOfView::Height(height)) => self.orthographic(height),
+            (None, FieldOfView::Angle(fov)) => {
                 let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
                 let (scale, depth) = ([usual.x_axis.x, usual.y_axis.y], [usual.z_axis.z, usual.w_axis.z]);
                 Projection { kind: ProjectionKind::Perspective, scale, shift: [0.0; 2], depth }
@@ -215,8 +215,8 @@ impl Camera {
     pub fn view_to_clip(&self) -> Mat4 {
         match (self.projection, self.lens.opening) {
             (Some(projection), _) => projection.matrix(false),
-            (None, Opening::Angle(fov)) => perspective(fov, self.aspect, self.lens.near_m, self.lens.far_m),
-            (None, Opening::Height(height)) => self.orthographic(height).matrix(false),
+            (None, FieldOfView::Angle(fov)) => perspective(fov, self.aspect, self.lens.near_m, self.lens.far_m),
+            (None, FieldOfView::Height(height)) => self.orthographic(height).matrix(false),
         }
     }
 
@@ -236,8 +236,8 @@ impl Camera {
     pub fn view_to_clip_reversed(&self) -> Mat4 {
         let fov = match (self.projection, self.lens.opening) {
             (Some(projection), _) => return projection.matrix(true),
-            (None, Opening::Height(height)) => return self.orthographic(height).matrix(true),
-            (None, Opening::Angle(fov)) => fov,
+            (None, FieldOfView::Height(height)) => return self.orthographic(height).matrix(true),
+            (None, FieldOfView::Angle(fov)) => fov,
         };
         let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
         let Some(plane) = self.near_plane.map(|p| p.as_dvec4()) else { return usual };

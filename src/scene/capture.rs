@@ -67,7 +67,7 @@ impl Capture {
 
 /// How many captures a scene is to have, and where they come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wanted {
+pub enum WantedCaptures {
     /// All captures of the scene file; if it has none, as many as pay, as the laboratory's placement judges it.
     Auto,
     /// This many: first the captures of the scene file, in its order, then places that show most of what these do not.

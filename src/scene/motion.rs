@@ -57,7 +57,7 @@ pub enum Rest {
 
 /// How values between two key frames follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Between {
+pub enum Interpolation {
     /// Stays as in the key frame before.
     Step,
     /// Changes evenly; turns go the shorter way.
@@ -71,7 +71,7 @@ pub enum Between {
 pub struct Keys<const N: usize> {
     times_s: Vec<f32>,
     values: Vec<[f32; N]>,
-    between: Between,
+    between: Interpolation,
 }
 
 impl<const N: usize> Keys<N> {
@@ -80,8 +80,8 @@ impl<const N: usize> Keys<N> {
     /// # Errors
     /// A clause that says what is wrong: no times, times that do not increase, numbers that are not finite, or another number of
     /// values than the key frames need.
-    pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, between: Between) -> Result<Self, &'static str> {
-        let each = if between == Between::Cubic { 3 } else { 1 };
+    pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, between: Interpolation) -> Result<Self, &'static str> {
+        let each = if between == Interpolation::Cubic { 3 } else { 1 };
         let numbers = || times_s.iter().chain(values.iter().flatten());
         if times_s.is_empty() || times_s.len().checked_mul(each) != Some(values.len()) {
             return Err("does not have as many values as its key frames need");
@@ -101,12 +101,12 @@ impl<const N: usize> Keys<N> {
 
     /// The value at a time; before the first key frame that of the first, behind the last that of the last.
     fn at(&self, time_s: f32) -> [f64; N] {
-        let cubic = self.between == Between::Cubic;
+        let cubic = self.between == Interpolation::Cubic;
         let value = |k: usize, part: usize| self.values[if cubic { 3 * k + part } else { k }].map(f64::from);
         let last = self.times_s.len() - 1;
         let behind = self.times_s.partition_point(|t| *t <= time_s);
         let Some(first) = behind.checked_sub(1) else { return value(0, 1) };
-        if first == last || self.between == Between::Step {
+        if first == last || self.between == Interpolation::Step {
             return value(first, 1);
         }
         let [begin, end] = [first, first + 1].map(|k| f64::from(self.times_s[k]));
@@ -249,25 +249,25 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn keys<const N: usize>(times: &[f32], values: &[[f32; N]], between: Between) -> Keys<N> {
+    fn keys<const N: usize>(times: &[f32], values: &[[f32; N]], between: Interpolation) -> Keys<N> {
         Keys::new(times.to_vec(), values.to_vec(), between).expect("key frames")
     }
 
     #[test]
     fn key_frames_hold_step_by_step_along_lines_and_along_cubics() {
         let values = [[0.0, 1.0, 2.0], [4.0, 1.0, 0.0]];
-        let linear = keys(&[1.0, 3.0], &values, Between::Linear);
-        let step = keys(&[1.0, 3.0], &values, Between::Step);
+        let linear = keys(&[1.0, 3.0], &values, Interpolation::Linear);
+        let step = keys(&[1.0, 3.0], &values, Interpolation::Step);
         assert_eq!([0.0, 1.5, 3.0, 9.0].map(|t| linear.at(t)[0]), [0.0, 1.0, 4.0, 4.0]);
         assert_eq!([0.0, 1.5, 3.0].map(|t| step.at(t)[0]), [0.0, 0.0, 4.0]);
         // x² from 0 to 2, whose slopes are 0 and 4.
         let square = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0; 3]];
-        let cubic = keys(&[0.0, 2.0], &square, Between::Cubic);
+        let cubic = keys(&[0.0, 2.0], &square, Interpolation::Cubic);
         for x in [0.0, 0.3, 1.0, 1.7] {
             assert!((cubic.at(x)[0] - f64::from(x * x)).abs() < 1e-6, "{x}");
         }
         // Half of the shorter way round, whatever the sign of the quaternion.
-        let half = keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Between::Linear).at(0.5);
+        let half = keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Interpolation::Linear).at(0.5);
         let turned = DQuat::from_array(half) * DVec3::X;
         assert!(turned.dot(DVec3::X).abs() < 1e-6, "{turned}");
     }
@@ -276,19 +276,19 @@ mod tests {
     fn key_frames_that_are_none_are_refused() {
         let one =
             |times: &[f32], count: usize, between| Keys::new(times.to_vec(), vec![[1.0; 3]; count], between).err();
-        assert_eq!(one(&[0.0, 1.0], 2, Between::Linear), None);
-        assert!(one(&[0.0, 1.0], 2, Between::Cubic).is_some_and(|why| why.contains("as many values")));
-        assert!(one(&[], 0, Between::Step).is_some());
-        assert!(one(&[1.0, 1.0], 2, Between::Step).is_some_and(|why| why.contains("do not increase")));
-        assert!(one(&[f32::NAN], 1, Between::Step).is_some_and(|why| why.contains("finite")));
+        assert_eq!(one(&[0.0, 1.0], 2, Interpolation::Linear), None);
+        assert!(one(&[0.0, 1.0], 2, Interpolation::Cubic).is_some_and(|why| why.contains("as many values")));
+        assert!(one(&[], 0, Interpolation::Step).is_some());
+        assert!(one(&[1.0, 1.0], 2, Interpolation::Step).is_some_and(|why| why.contains("do not increase")));
+        assert!(one(&[f32::NAN], 1, Interpolation::Step).is_some_and(|why| why.contains("finite")));
     }
 
     #[test]
     fn a_thing_goes_along_with_the_nodes_that_it_hangs_from() {
         // An arm turns about its foot, and what it holds slides along it.
         let turn =
-            keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()]], Between::Linear);
-        let slide = keys(&[0.0, 1.0], &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], Between::Linear);
+            keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()]], Interpolation::Linear);
+        let slide = keys(&[0.0, 1.0], &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], Interpolation::Linear);
         let foot = Rest::Parts(DVec3::new(0.0, 0.0, 5.0), DQuat::IDENTITY, DVec3::ONE);
         let held = Rest::Parts(DVec3::X, DQuat::IDENTITY, DVec3::ONE);
         let nodes = vec![
@@ -304,7 +304,7 @@ mod tests {
         motion.transform(&DMat4::from_scale(DVec3::splat(2.0)));
         let there = motion.at(1.0).next().expect("a mesh").1.place(Vec3::new(2.0, 0.0, 10.0));
         assert!(there.distance(Vec3::new(0.0, 4.0, 10.0)) < 1e-5, "{there}");
-        mover.nodes[1].changes.size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Between::Step)));
+        mover.nodes[1].changes.size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Interpolation::Step)));
         assert_eq!(mover.at(1.0), None, "a size that differs between axes is no placement");
     }
 }

@@ -47,7 +47,7 @@ impl ProjectionKind {
 
 /// How much a lens sees from the lower to the upper side of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Opening {
+pub enum FieldOfView {
     /// A perspective with a vertical field of view in radians, 0 < fov < π.
     Angle(f32),
     /// An orthographic projection of so many metres, > 0, at any distance.
@@ -91,10 +91,10 @@ impl Projection {
     }
 
     /// How much it sees.
-    pub fn opening(&self) -> Opening {
+    pub fn opening(&self) -> FieldOfView {
         match self.kind {
-            ProjectionKind::Perspective => Opening::Angle(2.0 * (1.0 / self.scale[1]).atan()),
-            ProjectionKind::Orthographic => Opening::Height(2.0 / self.scale[1]),
+            ProjectionKind::Perspective => FieldOfView::Angle(2.0 * (1.0 / self.scale[1]).atan()),
+            ProjectionKind::Orthographic => FieldOfView::Height(2.0 / self.scale[1]),
         }
     }
 }

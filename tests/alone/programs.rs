@@ -7,7 +7,7 @@ use crate::common::{built_in, own_gpu};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::methods::setup::{BeyondScreen, HistoryUse, OwnRays, Stage as ShaderStage, StageChoice};
-use ssct::methods::unified::{self, First, UnifiedParams};
+use ssct::methods::unified::{self, FirstTraced, UnifiedParams};
 use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup, Wants};
 use ssct_lab::scene::Capture;
 use ssct_lab::stage::{Globals, Shot, Stage};
@@ -47,7 +47,7 @@ fn frames_make_no_programs() {
     let plain = Setup::new(EXTENT);
     let unified =
         |name, change: fn(&mut EffectParams)| (format!("unified, {name}"), &unified::INFO, plain.clone().with(change));
-    let screen = plain.clone().with(|p: &mut UnifiedParams| p.first = First::Screen);
+    let screen = plain.clone().with(|p: &mut UnifiedParams| p.first = FirstTraced::Screen);
     let mut all: Vec<(String, &MethodInfo, Setup)> =
         METHODS.iter().map(|method| (method.name.to_owned(), method, plain.clone())).collect();
     let in_compute = plain.clone().with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);

@@ -12,7 +12,7 @@ use ssct::{
     ImageUse, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
     ReflectionsInfo, Reflectors, TriangleMesh, Triangles,
 };
-use ssct_lab::reference::unified::octahedral;
+use ssct_lab::reference::unified::encode_octahedral;
 use ssct_lab::scene::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 
@@ -211,7 +211,7 @@ impl Theirs {
                 NormalSpace::World => to_world * *n,
             };
             // Where nothing stands there is no normal to map.
-            let o = if n == Vec3::ZERO { n.truncate() } else { octahedral(n) };
+            let o = if n == Vec3::ZERO { n.truncate() } else { encode_octahedral(n) };
             let unorm = |v: f32| 0.5 * v + 0.5;
             match convention.normal.1 {
                 NormalEncoding::Float => [n.x, n.y, n.z, 0.0],

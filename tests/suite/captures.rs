@@ -15,8 +15,8 @@ use ssct::passes::PathCode;
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
 use ssct_lab::reference::images::EndInImages;
-use ssct_lab::reference::unified::{CubeWalk, Ended, Seen, Traversal};
-use ssct_lab::reference::{CaptureData, Images};
+use ssct_lab::reference::unified::{CaptureTraversal, RayEndKind, ScreenRayEnd, Traversal};
+use ssct_lab::reference::{CaptureData, ImageOracle};
 use ssct_lab::scene::capture::face_camera;
 use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
@@ -108,8 +108,8 @@ struct Count {
 /// Holds every pixel's code and place against the twin, bit by bit.
 fn check_twin(drawn: &Drawn) -> Count {
     let screen = Traversal::new(&drawn.data).followed();
-    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures).within(drawn.bounds);
-    let unbounded = CubeWalk::new(&drawn.data.camera, &drawn.captures);
+    let twin = CaptureTraversal::new(&drawn.data.camera, &drawn.captures).with_bounds(drawn.bounds);
+    let unbounded = CaptureTraversal::new(&drawn.data.camera, &drawn.captures);
     let mut count = Count::default();
     let mut wrong = Vec::new();
     for (i, found) in drawn.hits.texels().enumerate() {
@@ -120,28 +120,28 @@ fn check_twin(drawn: &Drawn) -> Count {
             continue;
         }
         assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
-        let seen = twin.on_screen(&screen, x, y);
+        let seen = twin.trace_screen(&screen, x, y);
         let is_right = match seen {
-            Seen::Nothing => true,
-            Seen::Sky => code == PATH_SKY,
-            Seen::Hit(hit) => of_hit(found, &screen, &hit),
-            Seen::Lost(ray) => {
-                let answer = twin.follow_ray(&ray);
+            ScreenRayEnd::NoRay => true,
+            ScreenRayEnd::Sky => code == PATH_SKY,
+            ScreenRayEnd::Hit(hit) => of_hit(found, &screen, &hit),
+            ScreenRayEnd::Lost(ray) => {
+                let answer = twin.trace_captures(&ray);
                 count.followed += 1;
                 count.most_steps = count.most_steps.max(answer.steps);
                 count.most_faces = count.most_faces.max(answer.faces);
                 assert!(!answer.is_exhausted, "({x}, {y}): {answer:?}");
-                match answer.ended {
-                    Ended::Unknown => {
+                match answer.kind {
+                    RayEndKind::Unknown => {
                         count.unknown += 1;
                         code == PATH_UNKNOWN && found[..3] == [-1.0; 3]
                     }
-                    ended => {
-                        count.in_sky += usize::from(ended == Ended::Sky);
-                        count.outside += usize::from(unbounded.follow_ray(&ray).ended != ended);
-                        count.in_captures += usize::from(ended != Ended::Sky);
+                    kind => {
+                        count.in_sky += usize::from(kind == RayEndKind::Sky);
+                        count.outside += usize::from(unbounded.trace_captures(&ray).kind != kind);
+                        count.in_captures += usize::from(kind != RayEndKind::Sky);
                         let bits = answer.place.to_array().map(f32::to_bits);
-                        code == ended.code() && bits == [0, 1, 2].map(|c| found[c].to_bits())
+                        code == kind.code() && bits == [0, 1, 2].map(|c| found[c].to_bits())
                     }
                 }
             }
@@ -150,7 +150,7 @@ fn check_twin(drawn: &Drawn) -> Count {
             wrong.push(format!(
                 "({x}, {y}): {found:?}, {seen:?}, {:?}",
                 match seen {
-                    Seen::Lost(ray) => Some(twin.follow_ray(&ray)),
+                    ScreenRayEnd::Lost(ray) => Some(twin.trace_captures(&ray)),
                     _ => None,
                 }
             ));
@@ -188,16 +188,16 @@ fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
 /// rounding; and those that end elsewhere all the same.
 fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let data = &drawn.data;
-    let images = Images::new(data, &drawn.captures).within(drawn.bounds);
+    let images = ImageOracle::new(data, &drawn.captures).with_bounds(drawn.bounds);
     let screen = Traversal::new(data).followed();
-    let twin = CubeWalk::new(&data.camera, &drawn.captures).within(drawn.bounds);
+    let twin = CaptureTraversal::new(&data.camera, &drawn.captures).with_bounds(drawn.bounds);
     let check = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         let found = drawn.hits.at(x, y);
-        if !data.reflects(i) || !matches!(twin.on_screen(&screen, x, y), Seen::Lost(_)) {
+        if !data.reflects(i) || !matches!(twin.trace_screen(&screen, x, y), ScreenRayEnd::Lost(_)) {
             return None;
         }
-        let on_screen = images.on_screen(x, y);
+        let on_screen = images.trace_screen(x, y);
         let truth = images.end(on_screen);
         if agrees(found, data, truth) {
             return Some((false, None));
@@ -207,10 +207,10 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
         let is_tie = (0..64).any(|n| {
             let off = DVec3::from([0, 1, 2].map(|c| stream.uniform(3 * n + c) * 2.0 - 1.0));
             let along = direction + 4.0 * f64::from(f32::EPSILON) * off;
-            agrees(found, data, images.end(images.on_screen_along(x, y, along)))
+            agrees(found, data, images.end(images.trace_screen_along(x, y, along)))
         });
         let told =
-            format!("({x}, {y}): {found:?}, {:?}, oracle: {on_screen:?}, {truth:?}", twin.on_screen(&screen, x, y));
+            format!("({x}, {y}): {found:?}, {:?}, oracle: {on_screen:?}, {truth:?}", twin.trace_screen(&screen, x, y));
         Some((is_tie, (!is_tie).then_some(told)))
     };
     let all: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(check).collect();

@@ -6,7 +6,7 @@ use ash::vk;
 use glam::{Vec2, Vec3, Vec4Swizzles};
 use ssct::gpu::{Image, Pixels};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
-use ssct::methods::unified::{First, HitColor, UnifiedParams};
+use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct::scene::{Aabb, Camera};
 use ssct::{FrameInput, ImageInput, MotionInput, Reflections, ReflectionsInfo};
@@ -26,7 +26,7 @@ fn setup() -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 8))
         .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
-        .with(|p: &mut UnifiedParams| (p.first, p.hit_color) = (First::Screen, HitColor::Screen))
+        .with(|p: &mut UnifiedParams| (p.first, p.hit_color) = (FirstTraced::Screen, HitColor::Screen))
 }
 
 /// A frame of a film: what the laboratory drew, and what it made of it.

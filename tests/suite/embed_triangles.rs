@@ -8,7 +8,7 @@ use crate::common::gpu;
 use ssct::gpu::{FrameContext, Pixels};
 use ssct::methods::effect::Effect;
 use ssct::methods::setup::BeyondScreen;
-use ssct::methods::unified::{First, HitColor, UnifiedParams};
+use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
@@ -29,7 +29,7 @@ fn in_the_laboratory(
     let method = methods::find(method).unwrap();
     let effect = Effect::new(frames, method, setup, Wants::REFLECTION, Some(&shown)).unwrap();
     let input = Input { scene: Some(shown), ..Input::of_screen(images.gbuffer(), &data.camera) };
-    let output = gbuffer::at_rest(frames, &effect, &input).unwrap();
+    let output = gbuffer::reflect_at_rest(frames, &effect, &input).unwrap();
     gbuffer::reflection(frames, &output).unwrap()
 }
 
@@ -64,13 +64,13 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let alone = gbuffer::reflect(&gpu, &data, None, &methods::unified::INFO, &Setup::new(EXTENT)).unwrap();
     // Colours of the screen are what the door takes unless it is told otherwise, and the laboratory if it is told so.
     let (all_colors, screen) = (("hit-color", "triangles"), HitColor::Screen);
-    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], First, HitColor);
+    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], FirstTraced, HitColor);
     let cases: [Case; 5] = [
-        ("unified", &[("first", "screen"), all_colors], First::Screen, HitColor::Triangles),
-        ("unified", &[("first", "triangles"), all_colors], First::Triangles, HitColor::Triangles),
-        ("unified", &[("first", "screen")], First::Screen, screen),
-        ("unified", &[("first", "triangles")], First::Triangles, screen),
-        ("traced", &[], First::Triangles, HitColor::Triangles),
+        ("unified", &[("first", "screen"), all_colors], FirstTraced::Screen, HitColor::Triangles),
+        ("unified", &[("first", "triangles"), all_colors], FirstTraced::Triangles, HitColor::Triangles),
+        ("unified", &[("first", "screen")], FirstTraced::Screen, screen),
+        ("unified", &[("first", "triangles")], FirstTraced::Triangles, screen),
+        ("traced", &[], FirstTraced::Triangles, HitColor::Triangles),
     ];
     for (method, parameters, first, hit_color) in cases {
         let setup = Setup::new(EXTENT)
@@ -158,7 +158,7 @@ fn what_the_screen_shows_of_a_hit_has_the_color_of_the_screen() {
         let theirs = Theirs::new(&mut engine, &data, NATIVE);
         let images = GBufferImages::upload(&mut frames, &data).unwrap();
         // The colours that the lights make of all surfaces.
-        let setup = Setup::new(EXTENT_LIT).with(|p: &mut UnifiedParams| p.first = First::Triangles);
+        let setup = Setup::new(EXTENT_LIT).with(|p: &mut UnifiedParams| p.first = FirstTraced::Triangles);
         let lit = in_the_laboratory(&mut frames, "unified", &setup, (&images, &data, shown));
         let mut show = |parameters: &[(&str, &str)]| {
             through_the_door(&mut engine, (&theirs, &data), &triangles, ("unified", parameters))

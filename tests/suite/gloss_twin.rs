@@ -11,13 +11,13 @@ use ssct::methods::{self, Setup, Wants, unified};
 use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
-use ssct::passes::lost::{Listed, LostRays, capture_block};
+use ssct::passes::lost::{ListContent, LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
-use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
+use ssct_lab::reference::unified::{AimedRay, Gloss, NeighbourRay, ResolvedCell, Traversal};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 
@@ -37,9 +37,9 @@ pub(crate) struct Way {
 /// What the device made of a G-buffer, pass by pass.
 pub(crate) struct Drawn {
     chain: Vec<Level<Vec3>>,
-    narrow: Level<Gathered>,
-    wide: Level<Gathered>,
-    cells: Level<Cell>,
+    narrow: Level<NeighbourRay>,
+    wide: Level<NeighbourRay>,
+    cells: Level<ResolvedCell>,
     reflection: Pixels,
     composite: Pixels,
 }
@@ -87,10 +87,10 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     } else {
         classify.whole()
     };
-    let lost = LostRays::new(gpu, extent, Listed::Nothing).unwrap();
+    let lost = LostRays::new(gpu, extent, ListContent::Nothing).unwrap();
     let block = capture_block(&data.camera, None);
     let beyond = lost.beyond(&mut frame, &block, None, false).unwrap();
-    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond, among: None };
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond, triangle_bindings: None };
     if known.narrow {
         gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();
         gloss.resolve_narrow(&mut frame, &input, &parameters).unwrap();
@@ -108,10 +108,10 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
         a.texels().zip(b.texels()).map(|(a, b)| [vec4(a), vec4(b)]).collect()
     };
-    let unpack = |t: &[f32]| Gathered::unpack([0, 1, 2, 3].map(|i: usize| t[i].to_bits()));
-    let wide = pairs(&place, &seen).into_iter().map(|[key, color]| Gathered { key, color }).collect();
+    let unpack = |t: &[f32]| NeighbourRay::unpack_record([0, 1, 2, 3].map(|i: usize| t[i].to_bits()));
+    let wide = pairs(&place, &seen).into_iter().map(|[key, color]| NeighbourRay { key, color }).collect();
     let cells = pairs(&cell_reflection, &cell_surface);
-    let cells = cells.into_iter().map(|[reflection, surface]| Cell { reflection, surface }).collect();
+    let cells = cells.into_iter().map(|[reflection, surface]| ResolvedCell { reflection, surface }).collect();
     let (reflection, composite) = (read(&reflection), read(&composite));
     Drawn {
         narrow: level(&narrow, narrow.texels().map(unpack).collect()),
@@ -145,7 +145,7 @@ const ARITHMETIC: f32 = 0.25;
 /// By how much a direction may be off on the device: 16 roundings, and what a step of 1 − u, which may be rounded to
 /// either side of a number, makes of the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). (Vulkan
 /// asks less of `cos` and `sin`; on a device that is as bad as that, rays would go elsewhere, and this test would say so.)
-fn aim_error(aim: &Aim) -> f32 {
+fn aim_error(aim: &AimedRay) -> f32 {
     let of_square = f32::EPSILON / aim.lobe.power;
     let sine = aim.direction.distance(aim.lobe.mirror);
     16.0 * f32::EPSILON / 2.0 + of_square / sine.max(of_square.sqrt())
@@ -174,13 +174,13 @@ impl Count {
 }
 
 /// A ray as it is, and as it would be were its direction off by [`aim_error`].
-fn aims(aim: Aim) -> impl Iterator<Item = Aim> {
+fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     let (x, y) = aim.direction.any_orthonormal_pair();
     let aside = (0..8).map(move |i| {
         let (sin, cos) = (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
         aim_error(&aim) * (cos * x + sin * y)
     });
-    std::iter::once(Vec3::ZERO).chain(aside).map(move |off| Aim { direction: aim.direction + off, ..aim })
+    std::iter::once(Vec3::ZERO).chain(aside).map(move |off| AimedRay { direction: aim.direction + off, ..aim })
 }
 
 /// Holds what a ray left against its twin: it lies between what the twin finds along directions that are off by no
@@ -188,13 +188,13 @@ fn aims(aim: Aim) -> impl Iterator<Item = Aim> {
 /// colours in 16 bits.
 fn check_ray(
     gloss: &Gloss,
-    aim: Aim,
-    found: &Gathered,
-    key_error: impl Fn(&Aim, &Gathered) -> [f32; 4],
-    twin: impl Fn(&Aim) -> Gathered,
+    aim: AimedRay,
+    found: &NeighbourRay,
+    key_error: impl Fn(&AimedRay, &NeighbourRay) -> [f32; 4],
+    twin: impl Fn(&AimedRay) -> NeighbourRay,
     count: &mut Count,
 ) {
-    let all: Vec<Gathered> = aims(aim).map(|aim| twin(&aim)).collect();
+    let all: Vec<NeighbourRay> = aims(aim).map(|aim| twin(&aim)).collect();
     let fold = |by: fn(Vec4, Vec4) -> Vec4| {
         let pairs = all.iter().map(|ray| [ray.key, ray.color]);
         pairs.reduce(|a, b| [by(a[0], b[0]), by(a[1], b[1])]).unwrap()
@@ -206,9 +206,9 @@ fn check_ray(
     let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
         && off(found.color, color_low, color_high).cmple(color_allowed).all();
     if !is_right && count.wrong == 0 {
-        println!("  {found:?}, twins: {all:?}, {aim:?}, {:?}", gloss.follow(&aim));
+        println!("  {found:?}, twins: {all:?}, {aim:?}, {:?}", gloss.trace_glossy_ray(&aim));
     }
-    let pixel = |aim: Aim| gloss.follow(&aim).map(|(hit, _)| hit.pixel);
+    let pixel = |aim: AimedRay| gloss.trace_glossy_ray(&aim).map(|(hit, _)| hit.pixel);
     count.add(Count {
         all: 1,
         hits: usize::from(found.key.w > 0.0),
@@ -252,23 +252,23 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
     let [narrow, wide, cells, resolve_narrow, resolve_wide] = &mut counts;
     // The middle of a narrow lobe is stored in steps of 1 / 32767 along two axes, which a rounding may move by one; the
     // root of its power is good to its last bits.
-    let narrow_error = |aim: &Aim, _: &Gathered| {
+    let narrow_error = |aim: &AimedRay, _: &NeighbourRay| {
         let step = 4.0 / 32767.0;
         [step, step, step, 8.0 * f32::EPSILON * aim.lobe.power.sqrt()]
     };
     // Places and densities of wide lobes are good to their last bits, those of the greatest coordinate; where a ray
     // goes far, its depth is good to those of the depth that it begins at. The way to a near hit counts a thousandfold.
-    let wide_error = |aim: &Aim, found: &Gathered| {
+    let wide_error = |aim: &AimedRay, found: &NeighbourRay| {
         let place = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
         let is_near = |position: Vec2| (position - aim.pixel.as_vec2() - 0.5).abs().max_element() < 8.5;
-        let near = gloss.follow(aim).is_some_and(|(hit, _)| is_near(hit.position));
+        let near = gloss.trace_glossy_ray(aim).is_some_and(|(hit, _)| is_near(hit.position));
         let last = 8.0 * f32::EPSILON * if near { 1000.0 * aim.point.abs().max_element() } else { place };
         [last, last, last, 8.0 * f32::EPSILON * 64.0]
     };
     for p in pixels(data.width, data.height) {
         let (x, y) = (p.x as u32, p.y as u32);
         if let Some(aim) = gloss.aim_narrow(p) {
-            let twin = |aim: &Aim| Gathered::unpack(gloss.narrow_ray(aim).pack());
+            let twin = |aim: &AimedRay| NeighbourRay::unpack_record(gloss.trace_narrow_pixel(aim).pack_record());
             check_ray(&gloss, aim, &drawn.narrow.at_clamped(x, y), narrow_error, twin, narrow);
         }
         let shown = [&drawn.reflection, &drawn.composite].map(|image| Vec4::from_slice(image.at(x, y)));
@@ -290,9 +290,9 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
     for cell in pixels(drawn.wide.width, drawn.wide.height) {
         let (x, y) = (cell.x as u32, cell.y as u32);
         let Some(aim) = gloss.aim_wide(cell) else { continue };
-        let twin = |aim: &Aim| gloss.wide_ray(aim);
+        let twin = |aim: &AimedRay| gloss.trace_wide_cell(aim);
         check_ray(&gloss, aim, &drawn.wide.at_clamped(x, y), wide_error, twin, wide);
-        let (found, twin) = (drawn.cells.at_clamped(x, y), gloss.cell(&drawn.wide, cell));
+        let (found, twin) = (drawn.cells.at_clamped(x, y), gloss.resolve_cell(&drawn.wide, cell));
         check_shown([found.reflection, found.surface], [twin.reflection, twin.surface], way.over, cells);
     }
     counts
@@ -404,7 +404,7 @@ fn a_ray_that_is_not_gathered_is_seen() {
         let data = rooms(&gpu, "corridor", [127, 61], roughness, 0.0);
         let mut drawn = draw(&gpu, &data, way);
         for rays in [&mut drawn.narrow, &mut drawn.wide] {
-            rays.texels.iter_mut().step_by(16).for_each(|ray| *ray = Gathered::unpack([0; 4]));
+            rays.texels.iter_mut().step_by(16).for_each(|ray| *ray = NeighbourRay::unpack_record([0; 4]));
         }
         let counts = check(&data, &drawn, way);
         assert!(counts[traced].wrong * 20 > counts[traced].all, "{counts:?}");

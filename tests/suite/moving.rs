@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use ssct::error::Result;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameReport, Gpu, Pixels};
-use ssct::methods::unified::First;
+use ssct::methods::unified::FirstTraced;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
 use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, most_levels};
 use ssct_lab::scene::{Placement, Scene};
@@ -58,7 +58,7 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
         Placement { turn, size, offset: middle + aside - size * (turn * middle) }
     };
     let places = [Vec3::new(-0.2, 0.0, -0.2).into(), turned(0.8, 1.2, Vec3::new(-0.4, 0.1, 0.0)), Placement::HERE];
-    let setups = [beyond(First::Screen), beyond(First::Triangles)];
+    let setups = [beyond(FirstTraced::Screen), beyond(FirstTraced::Triangles)];
     let unified = find("unified").unwrap();
     for (method, setup) in [(traced(), &setups[1]), (unified, &setups[0]), (unified, &setups[1])] {
         let mut stage = Stage::new(&gpu, &scene).unwrap();

@@ -11,7 +11,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::OracleVersion;
 use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
-use ssct::methods::unified::First;
+use ssct::methods::unified::FirstTraced;
 use ssct::methods::{self, Effect, EffectParams, Fallback, METHODS, Setup, Wants, unified};
 use ssct::{ClipY, ProjectionKind, Reflections};
 use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
@@ -183,7 +183,7 @@ fn traced_rays_end_where_the_world_says() {
         let (rays, wrong) = triangles::against_world(&all, &scene, &materials);
         println!("{name}: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 200 <= rays, "{name}: {wrong} of {rays} end elsewhere");
-        let screen = drawing(&unified::INFO, &triangles::beyond(First::Screen));
+        let screen = drawing(&unified::INFO, &triangles::beyond(FirstTraced::Screen));
         let (rays, wrong) = triangles::against_world(&screen, &scene, &materials);
         println!("{name}, the screen first: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 50 <= rays, "{name}: {wrong} of {rays} end elsewhere");

@@ -7,7 +7,7 @@ use serde_json::Value;
 use ssct::gpu::Pixels;
 use ssct::gpu::frame::Mode;
 use ssct::methods::setup::{Fallback, OwnRays, StageChoice};
-use ssct::methods::unified::{self, First, UnifiedParams};
+use ssct::methods::unified::{self, FirstTraced, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::process::Command;
@@ -72,7 +72,7 @@ fn draw(view: &str, roughness: f32, setup: &Setup) -> (Pixels, Vec<String>) {
     (reflection, report.recorded)
 }
 
-fn own(first: First, own: OwnRays) -> Setup {
+fn own(first: FirstTraced, own: OwnRays) -> Setup {
     beyond(first).with(|p: &mut EffectParams| p.own_rays = own)
 }
 
@@ -80,8 +80,8 @@ fn own(first: First, own: OwnRays) -> Setup {
 fn only_asked_for() {
     let has = |recorded: &[String], pass: &str| recorded.iter().any(|p| p == pass);
     for (roughness, pass) in [(0.1, "own/narrow"), (0.4, "own/wide")] {
-        let (without, plain) = draw("hall", roughness, &own(First::Screen, OwnRays::None));
-        let (with, recorded) = draw("hall", roughness, &own(First::Screen, OwnRays::Four));
+        let (without, plain) = draw("hall", roughness, &own(FirstTraced::Screen, OwnRays::None));
+        let (with, recorded) = draw("hall", roughness, &own(FirstTraced::Screen, OwnRays::Four));
         assert!(has(&recorded, pass) && !has(&plain, pass), "{recorded:?}, {plain:?}");
         assert!(without.values != with.values, "own rays change the image");
         assert!(with.values.iter().all(|v| v.is_finite() && *v >= 0.0));
@@ -93,7 +93,7 @@ fn only_asked_for() {
         assert!(alone.values != with.values && with.values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(with.texels().all(|t| t[3] <= 1.0), "no fade is above 1");
     }
-    let (_, mirrors) = draw("hall", 0.0, &own(First::Screen, OwnRays::Four));
+    let (_, mirrors) = draw("hall", 0.0, &own(FirstTraced::Screen, OwnRays::Four));
     assert!(!mirrors.iter().any(|p| p.starts_with("own/")), "{mirrors:?}");
 }
 
@@ -101,7 +101,7 @@ fn only_asked_for() {
 fn both_stages_list_the_same_pixels() {
     let on_screen = Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.own_rays = OwnRays::Four);
     let over = on_screen.with(|p: &mut EffectParams| p.fallback = Fallback::Environment);
-    for setup in [own(First::Triangles, OwnRays::Sixteen), on_screen, over] {
+    for setup in [own(FirstTraced::Triangles, OwnRays::Sixteen), on_screen, over] {
         for roughness in [0.1, 0.4] {
             let drawn = |stage| {
                 let staged = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));

@@ -6,7 +6,7 @@ use crate::common::html::{attributes, chromium, probe};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{Prepared, Setup, find};
 use ssct::parameter::Preset;
-use ssct::passes::gbuffer::Drawn;
+use ssct::passes::gbuffer::DrawnCounts;
 use ssct_lab::metrics::HitAgreement;
 use ssct_lab::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Strip, Times};
 use ssct_lab::report::images::Rgb;
@@ -14,7 +14,7 @@ use ssct_lab::report::{plot, tables};
 use ssct_lab::scene::Lens;
 use ssct_lab::stage::Globals;
 use ssct_lab::study::engine::Row;
-use ssct_lab::study::error::{Against, ErrorRecord, ImageError, source_table};
+use ssct_lab::study::error::{ErrorRecord, ErrorReference, ImageError, source_table};
 use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
 use ssct_lab::study::table::{cells, compare};
 use ssct_lab::study::timing::chart;
@@ -60,14 +60,14 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
         total: Stats::of(&[ms]),
         noise_floor: None,
         frame: Stats::of(&[ms]),
-        drawn: Drawn::default(),
+        drawn: DrawnCounts::default(),
         recorded: passes.map(str::to_owned).to_vec(),
         skipped: Vec::new(),
         samples: vec![vec![ms / 7.0; 7]],
     }
 }
 
-fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
+fn error_record(method: &str, against: ErrorReference, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
         time_ms: Some(ms),
@@ -75,7 +75,7 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         time_high_ms: Some(1.1 * ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
-        image: ImageError { rmse: (against != Against::Oracle).then_some(error), ..ImageError::default() },
+        image: ImageError { rmse: (against != ErrorReference::Oracle).then_some(error), ..ImageError::default() },
         place_agreement: None,
         floor: None,
         prepared: None,
@@ -89,7 +89,7 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
         let rows = tables[0].cells[1..].iter().map(|row| (row[0].clone(), row[3].clone()));
         rows.filter(|(_, star)| star == "*").map(|(name, _)| name).collect::<Vec<_>>()
     };
-    let record = |method: &str, ms, error| error_record(method, Against::Screen, ms, error);
+    let record = |method: &str, ms, error| error_record(method, ErrorReference::Screen, ms, error);
     // The times of copies differ by less than the noise of a tenth.
     let copies = [record("ssct", 10.0, 0.5), record("copy", 10.5, 0.5)];
     assert_eq!(stars(&copies), ["ssct", "copy"]);
@@ -160,7 +160,7 @@ fn what_is_prepared_is_plotted_where_it_differs() {
         |bytes| Prepared { time_ms: 1.0, device_bytes: bytes, captures: vec![[0.0; 3]], ..Prepared::default() };
     let record = |method: &str, bytes, error| ErrorRecord {
         prepared: Some(prepared(bytes)),
-        ..error_record(method, Against::World, 10.0, error)
+        ..error_record(method, ErrorReference::World, 10.0, error)
     };
     let names = |records: &[ErrorRecord]| {
         let charts = ErrorRecord::charts(records);
@@ -198,7 +198,7 @@ impl Made {
             .into_iter()
             .flat_map(|r| [time_record("ssct", r, 10.0), time_record("hzct", r, 8.0), time_record("sslr", r, 12.0)])
             .collect();
-        let errors: Vec<_> = [Against::Oracle, Against::Screen, Against::World]
+        let errors: Vec<_> = [ErrorReference::Oracle, ErrorReference::Screen, ErrorReference::World]
             .into_iter()
             .flat_map(|a| [error_record("ssct", a, 10.0, 0.03), error_record("hzct", a, 8.0, 0.05)])
             .collect();
@@ -230,7 +230,7 @@ impl Made {
             errors: Errors {
                 settings: "Small.".into(),
                 records: &errors,
-                plots: plot::drawn(&errors).unwrap(),
+                plots: plot::draw_charts(&errors).unwrap(),
                 pictures: vec![gallery("cell", beside, ["ssct", "reference"])],
             },
             views: &[gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
@@ -396,9 +396,9 @@ fn a_screenshot_shows_words_plots_and_pictures() {
 
 #[test]
 fn medians_by_roughness_are_of_a_method_s_first_variant() {
-    let base = error_record("unified", Against::Screen, 4.0, 0.02);
+    let base = error_record("unified", ErrorReference::Screen, 4.0, 0.02);
     let other = |head: fn(&mut Head)| {
-        let mut record = error_record("unified", Against::Screen, 4.0, 0.08);
+        let mut record = error_record("unified", ErrorReference::Screen, 4.0, 0.08);
         head(&mut record.head);
         record
     };

@@ -10,7 +10,7 @@ use ssct_lab::metrics::image::masked_rmse;
 use ssct_lab::reference::surface::World;
 use ssct_lab::stage::{Globals, gbuffer};
 use ssct_lab::study::precision::{
-    ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
+    ColorFormat, DepthFormat, ExactGBuffer, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
 
 const SIZE: [u32; 2] = [161, 91];
@@ -23,7 +23,7 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: None };
 
     let materials = globals.materials(&scene, view);
-    let exact = Exact::trace(&World::new(&scene, &materials), &view.camera(&scene, SIZE), SIZE);
+    let exact = ExactGBuffer::trace(&World::new(&scene, &materials), &view.camera(&scene, SIZE), SIZE);
     let own = Storage::OWN.store(&exact);
     let mut context = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut context, &exact.data).unwrap();

@@ -8,7 +8,7 @@ use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::setup::Tracer;
-use ssct::methods::unified::{self, First};
+use ssct::methods::unified::{self, FirstTraced};
 use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
 use ssct_lab::scene::{Encoding, Material, Scene, Texture};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
@@ -64,7 +64,7 @@ fn queries_end_rays_where_the_tree_does() {
         let scene = crate::common::built_in(name);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let materials = mirrors(&scene, view);
-        for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(First::Screen))] {
+        for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(FirstTraced::Screen))] {
             let shots = both(&mut stage, (&scene, view), &materials, (method, &setup));
             let [tree, query] = shots.each_ref().map(|shot| draw(&mut stage, shot));
             assert_eq!(tree.recorded, query.recorded);
@@ -90,7 +90,7 @@ fn lobes_of_both_tracers_are_alike() {
     for roughness in [0.1, 0.6] {
         let view = scene.view("cylinder").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
-        for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(First::Screen))] {
+        for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(FirstTraced::Screen))] {
             let shots = both(&mut stage, (&scene, "cylinder"), &materials, (method, &setup));
             let [tree, query] = shots.each_ref().map(|shot| draw(&mut stage, shot));
             let (rays, others) = differing(&tree.reflection, &query.reflection);

@@ -6,7 +6,7 @@ use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::setup::BeyondScreen;
-use ssct::methods::unified::{First, UnifiedParams};
+use ssct::methods::unified::{FirstTraced, UnifiedParams};
 use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
 use ssct::passes::PathCode;
 use ssct_lab::reference::first_hits::FirstHits;
@@ -52,7 +52,7 @@ pub(crate) fn traced() -> &'static MethodInfo {
     methods::find("traced").unwrap()
 }
 
-pub(crate) fn beyond(first: First) -> Setup {
+pub(crate) fn beyond(first: FirstTraced) -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
         .with(|p: &mut UnifiedParams| p.first = first)
@@ -114,7 +114,7 @@ fn the_screen_and_the_triangles_agree() {
     let materials = mirrors(&scene, "corridor");
     let drawing =
         |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
-    let (screen, triangles) = (drawing(First::Screen), drawing(First::Triangles));
+    let (screen, triangles) = (drawing(FirstTraced::Screen), drawing(FirstTraced::Triangles));
     let (rays, wrong) = against_world(&screen, &scene, &materials);
     assert!(rays > 1000 && wrong * 50 <= rays, "{wrong} of {rays} end elsewhere");
     let has = |drawn: &Drawn, pass: &str| drawn.recorded.iter().any(|p| p.starts_with(pass));
@@ -133,7 +133,7 @@ fn blocks_and_texels_give_the_same_image() {
     for roughness in [0.0, 0.1, 0.4] {
         let view = scene.view("car").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
-        let setup = beyond(First::Screen);
+        let setup = beyond(FirstTraced::Screen);
         let drawing =
             |by_blocks| draw(&gpu, (&scene, "car"), materials.clone(), (&methods::unified::INFO, &setup), by_blocks);
         let (texels, blocks) = (drawing(false), drawing(true));
@@ -163,7 +163,7 @@ fn a_g_buffer_alone_has_no_triangles() {
     let gpu = gpu();
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
     let none: Option<&SceneInput> = None;
-    for (method, setup) in [(traced(), Setup::new(EXTENT)), (&methods::unified::INFO, beyond(First::Auto))] {
+    for (method, setup) in [(traced(), Setup::new(EXTENT)), (&methods::unified::INFO, beyond(FirstTraced::Auto))] {
         let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, none);
         let said = made.err().expect("refused").to_string();
         assert!(said.contains(method.name) && said.contains("G-buffer alone"), "{said}");

@@ -14,7 +14,7 @@ use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::scene_data::SceneData;
 use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct_lab::metrics::hits::HitAgreement;
-use ssct_lab::reference::unified::{Code, Parameters, Traversal};
+use ssct_lab::reference::unified::{HitCode, Parameters, Traversal};
 use ssct_lab::reference::{Hierarchy, MissReason, Outcome};
 use ssct_lab::scene::{Camera, GBufferData, Lens, LoadOptions, Material, Scene, Surface, View, library, scene_file};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
@@ -130,19 +130,19 @@ pub(crate) fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -
         let code = PathCode::from_channel(found[3]).expect("a code");
         match expected {
             None => assert_eq!(code, PathCode::None, "{}", what()),
-            Some(hit) if hit.code == Code::Surface => {
+            Some(hit) if hit.code == HitCode::Surface => {
                 let uv = hit.position * twin.parameters.pixel_to_clip;
                 assert_eq!(code, PathCode::HiZ, "{}", what());
                 let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
                 assert_eq!(bits, [0, 1, 2].map(|c| found[c].to_bits()), "{}", what());
                 count += 1;
             }
-            Some(hit) if hit.code == Code::Behind => {
+            Some(hit) if hit.code == HitCode::MissBehind => {
                 assert_eq!(code, PathCode::MissBehind, "{}", what());
                 behind += 1;
             }
             Some(hit) => {
-                assert_eq!(hit.code, Code::Nothing, "{}", what());
+                assert_eq!(hit.code, HitCode::Miss, "{}", what());
                 assert!(!code.is_hit() && code != PathCode::None && code != PathCode::Unfinished, "{}", what());
             }
         }

@@ -10,7 +10,7 @@ use ssct::gpu::{FrameContext, Gpu};
 use ssct::math::OracleVersion::{self, V1, V2};
 use ssct::methods::setup::StageChoice::{self, Compute, Fragment};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
-use ssct::methods::unified::{First, HitColor, UnifiedParams};
+use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
@@ -194,7 +194,7 @@ fn among_triangles_both_stages_see_the_same_on_the_screen() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     for hit_color in [HitColor::Triangles, HitColor::Screen] {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
-            let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (First::Screen, hit_color);
+            let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (FirstTraced::Screen, hit_color);
             let setup = Setup::new([127, 61]).with(set);
             check_same(&format!("{hit_color:?}, roughness {roughness:?}"), |stages| {
                 let made = effect(&mut stage, (&scene, "puddles"), &in_stages(&setup, stages), (roughness, 1));

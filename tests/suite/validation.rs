@@ -17,7 +17,7 @@ use ssct::methods::poster::PosterParams;
 use ssct::methods::setup::{BeyondScreen, StageChoice};
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
-use ssct::methods::unified::{First, HitColor, UnifiedParams};
+use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
@@ -69,7 +69,7 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
         }
     }
     if has_stages {
-        for first in [First::Screen, First::Triangles] {
+        for first in [FirstTraced::Screen, FirstTraced::Triangles] {
             let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (first, HitColor::Screen);
             setups.push((around(&|p| p.beyond = BeyondScreen::Triangles).with(set), Wants::HITS));
         }

@@ -64,7 +64,7 @@ impl StudyOptions for AgeOptions {
         let place = &self.common.place;
         let scene = resolve::scene(place, "museum")?;
         let view = resolve::view(&scene, place, None)?;
-        let sizes = resolve::listed_or(&self.size, [480, 270]);
+        let sizes = resolve::distinct_values_or(&self.size, [480, 270]);
         let setup = self.common.method_options.setup(sizes[0]);
         let names = if self.method.is_empty() { vec![JUDGED.to_owned()] } else { self.method.clone() };
         let methods = resolve::showing(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
@@ -80,9 +80,9 @@ impl StudyOptions for AgeOptions {
             setup,
             sizes,
             globals: resolve::globals(place)?,
-            moving: resolve::listed(&self.moving),
+            moving: resolve::distinct_values(&self.moving),
             step_m: self.step,
-            faces: resolve::listed(&self.faces),
+            faces: resolve::distinct_values(&self.faces),
             frames: self.frames,
             rays: self.rays,
         };

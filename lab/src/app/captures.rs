@@ -4,13 +4,13 @@ use super::cli::DeviceOptions;
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::capture::common_near_m;
 use crate::report::captures::{self, CubePictures};
 use crate::report::files;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::obj::Handedness;
-use crate::scene::placement::{Wanted, with_captures};
+use crate::scene::placement::{WantedCaptures, with_captures};
 use crate::scene::{Capture, LoadOptions, Scene, capture_file, scene_file};
 use crate::stage::{Stage, gbuffer};
 use clap::Args;
@@ -33,8 +33,8 @@ pub struct CapturesOptions {
     ///
     /// `auto` takes the captures of the scene file or, if it has none, as many as pay. A number takes so many, first the
     /// captures of the file.
-    #[arg(long, value_name = "N|auto", value_parser = wanted, default_value = "auto")]
-    captures: Wanted,
+    #[arg(long, value_name = "N|auto", value_parser = parse_wanted_captures, default_value = "auto")]
+    captures: WantedCaptures,
     /// File for [[capture]] tables of a scene file
     ///
     /// Their places are in the coordinates of the scene file that is given, or else right-handed, as in a scene file that does
@@ -113,7 +113,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
-    let (place, inside) = (Inside::folder(folder), Path::new(""));
+    let (place, inside) = (PathInFolder::folder(folder), Path::new(""));
     let of_face = (sky.side * sky.side) as usize;
     for (f, texels) in sky.texels.chunks_exact(of_face).enumerate() {
         let file = place.join(capture_file::sky_path(inside, f));
@@ -143,10 +143,10 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
 }
 
 /// `auto` or a number of captures.
-fn wanted(text: &str) -> Result<Wanted, String> {
+fn parse_wanted_captures(text: &str) -> Result<WantedCaptures, String> {
     match text.parse::<usize>() {
-        _ if text == "auto" => Ok(Wanted::Auto),
-        Ok(count) if (1..=MAX_CAPTURES).contains(&count) => Ok(Wanted::Count(count)),
+        _ if text == "auto" => Ok(WantedCaptures::Auto),
+        Ok(count) if (1..=MAX_CAPTURES).contains(&count) => Ok(WantedCaptures::Count(count)),
         _ => Err(format!("write auto, or a number from 1 to {MAX_CAPTURES}")),
     }
 }

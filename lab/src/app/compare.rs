@@ -2,7 +2,7 @@
 
 use super::printed;
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::metrics::bootstrap::Verdict;
 use crate::report::{compare as report, files, images, tables};
 use crate::study::compare::{self, Run, Selection, THRESHOLD, TOTAL, TimeComparison};
@@ -87,7 +87,7 @@ const SHADERS: &str = "shaders.json";
 
 /// What a path holds.
 #[derive(Clone, Copy, PartialEq)]
-enum Sort {
+enum PathContent {
     Times,
     Shaders,
     Image,
@@ -103,22 +103,22 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
         return Err(Error::Usage(message.into()).into());
     }
     match a {
-        Sort::Times => times(options),
-        Sort::Shaders => compiled(options),
-        Sort::Image => pictures(options),
+        PathContent::Times => times(options),
+        PathContent::Shaders => compiled(options),
+        PathContent::Image => pictures(options),
     }
 }
 
-fn sort(path: &Path) -> Result<Sort> {
+fn sort(path: &Path) -> Result<PathContent> {
     let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if path.join(SHADERS).is_file() && !path.join(SAMPLES).is_file() {
-        return Ok(Sort::Shaders);
+        return Ok(PathContent::Shaders);
     }
     if path.is_dir() || is("csv") {
-        return Ok(Sort::Times);
+        return Ok(PathContent::Times);
     }
     if is("png") || is("exr") {
-        return Ok(Sort::Image);
+        return Ok(PathContent::Image);
     }
     std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     Err(Error::Usage(format!("{}: neither a folder of times, a .csv, a .png nor an .exr file", path.display())))
@@ -132,7 +132,7 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
         _ => runs(options, threshold)?,
     };
     if let Some(folder) = &options.output {
-        report::write_times(&Inside::folder(folder), &records, options.all)?;
+        report::write_times(&PathInFolder::folder(folder), &records, options.all)?;
     }
     print(options, || files::json(&records), || report::times(&records, options.all))?;
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
@@ -180,28 +180,29 @@ pub fn check_threshold(threshold: f64) -> Result<()> {
 fn load(path: &Path) -> Result<Run> {
     let name = path.display().to_string();
     if path.is_dir() {
-        let folder = Inside::folder(path);
+        let folder = PathInFolder::folder(path);
         let device = files::read_device(&folder.join("time.json"))?;
         return Ok(Run { name, device, samples: files::read_samples(&folder.join(SAMPLES))? });
     }
     // A link that the user names is followed; its file is in a folder of its own.
     let file = path.canonicalize().map_err(|e| Error::io("read", path, e))?;
-    let device = files::read_device(&Inside::file(path.with_file_name("time.json")))?;
-    Ok(Run { name, device, samples: files::read_samples(&Inside::file(file))? })
+    let device = files::read_device(&PathInFolder::file(path.with_file_name("time.json")))?;
+    Ok(Run { name, device, samples: files::read_samples(&PathInFolder::file(file))? })
 }
 
 fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("shaders")?;
     let paths = [&options.first, options.second()?];
-    let read =
-        |folder: &Path| -> Result<Vec<ShaderRecord>> { files::read_records(&Inside::folder(folder).join(SHADERS)) };
+    let read = |folder: &Path| -> Result<Vec<ShaderRecord>> {
+        files::read_records(&PathInFolder::folder(folder).join(SHADERS))
+    };
     let names = paths.map(|path| path.display().to_string());
     let (a, b) = (read(paths[0])?, read(paths[1])?);
     let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
     if let Some(folder) = &options.output {
-        report::write(&Inside::folder(folder), &json(), &text())?;
+        report::write(&PathInFolder::folder(folder), &json(), &text())?;
     }
     print(options, json, text)
 }
@@ -216,7 +217,7 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
         anyhow::bail!("images of one size are compared; {} has {} pixels, {} has {}", a.0, sizes.0, b.0, sizes.1);
     };
     if let Some(folder) = &options.output {
-        report::write_images(&Inside::folder(folder), &found)?;
+        report::write_images(&PathInFolder::folder(folder), &found)?;
     }
     print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
 }

@@ -21,7 +21,7 @@ fn give_up(sentence: &str) {
 }
 
 /// Adds the methods of all folders that arguments name; gives the arguments with the methods' names instead.
-pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
+pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
     let arguments: Vec<OsString> = arguments.collect();
     custom::allow_includes(includes(&arguments));

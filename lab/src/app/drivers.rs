@@ -4,7 +4,7 @@ use super::cli::{CommonOptions, size};
 use super::printed;
 use super::{progress, resolve};
 use crate::error::Error;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::{files, tables};
 use crate::stage::Globals;
 use crate::study::agreement::{AgreementRecord, AgreementSpec, DrawnRecord};
@@ -78,7 +78,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let all = records.iter().map(serde_json::to_value).chain(drawn.iter().map(serde_json::to_value));
     let json = files::json(&all.collect::<std::result::Result<Vec<Value>, _>>()?);
     if let Some(folder) = &options.output {
-        let folder = Inside::folder(folder);
+        let folder = PathInFolder::folder(folder);
         folder.join("drivers.json").write(json.as_bytes())?;
         folder.join("drivers.txt").write(text.as_bytes())?;
     }

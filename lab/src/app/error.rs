@@ -76,7 +76,7 @@ impl StudyOptions for ErrorOptions {
         let sizes = match &self.size[..] {
             [] if self.quick => vec![QUICK_SIZE],
             [] => vec![[480, 270]],
-            sizes => resolve::listed(sizes),
+            sizes => resolve::distinct_values(sizes),
         };
         let base = self.common.method_options.setup(sizes[0]);
         let views = |scene: &Scene| -> Result<Vec<View>> {

@@ -12,14 +12,14 @@ use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Gpu};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
 use crate::scene::{LoadOptions, Scene};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::names::one_line;
 use crate::study::record::DEFINITIONS;
-use plate::{Document, FinishedFigure, Plate, PrintedScene, quoted};
+use plate::{Document, FinishedFigure, Plate, PrintedScene, quote_word};
 use plates::plates;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -29,9 +29,9 @@ use workshop::Workshop;
 /// Makes the figures and writes their page.
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let own = options.scene.as_deref().map(OwnScene::load).transpose()?;
-    let wanted = wanted(&options.only, own.as_ref())?;
+    let wanted = find_plates(&options.only, own.as_ref())?;
     let gpu = resolve::gpu(&options.device)?;
-    let folder = Inside::folder(&options.output);
+    let folder = PathInFolder::folder(&options.output);
     let of_scene = own.as_ref().map(|own| own.digest.clone());
     let key = |plate: &Plate| {
         let settings = json!([settings(plate, options), of_scene]);
@@ -85,7 +85,7 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
 const INDEX: &str = "index.html";
 
 /// Writes the page of some figures of one device, whose files lie in the folder.
-pub fn write_page(folder: &Inside, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
+pub fn write_page(folder: &PathInFolder, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
     let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
     folder.join(INDEX).write(page.render(folder)?.as_bytes())
 }
@@ -150,7 +150,7 @@ fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> C
 
 /// The figures with the given numbers, with or without their document's name; all figures if none are given. With a scene
 /// from a file, only those whose print shows it.
-fn wanted(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
+fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
     let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
     let is_drawn = |p: &&Plate| own.is_none_or(|own| p.prints.is_some_and(|(printed, _)| printed == own.printed));
     let drawn: Vec<_> = plates().filter(is_drawn).collect();
@@ -165,7 +165,12 @@ fn wanted(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
-fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions, folder: &Inside) -> anyhow::Result<Entry> {
+fn make(
+    plate: &Plate,
+    workshop: &mut Workshop,
+    options: &FiguresOptions,
+    folder: &PathInFolder,
+) -> anyhow::Result<Entry> {
     let scene = file(options);
     let arguments = plate.arguments(options.size, scene.as_deref());
     let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
@@ -195,7 +200,7 @@ fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions, folder
 }
 
 /// Writes a figure to a file and returns the file's name.
-fn write(plate: &Plate, made: FinishedFigure, folder: &Inside) -> Result<String> {
+fn write(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<String> {
     match made {
         FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
@@ -255,5 +260,5 @@ fn command(options: &FiguresOptions) -> String {
 
 /// The option that names a file, as it stands in a command.
 fn in_file(options: &FiguresOptions) -> String {
-    file(options).map_or_else(String::new, |file| format!(" --scene {}", quoted(&file)))
+    file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
 }

@@ -7,9 +7,9 @@ use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, Stage as ShaderStage, StageChoice, Tracer};
-use crate::methods::unified::{First, UnifiedParams};
+use crate::methods::unified::{FirstTraced, UnifiedParams};
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::report::gpu_study_report::{self as report, CompiledPrograms, DeviceTimes, Findings, LayerMessages};
@@ -19,7 +19,7 @@ use crate::stage::{Globals, Stage};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
 use crate::study::engine::{self, Bench};
 use crate::study::error::{ErrorRecord, ErrorStudy, Variant};
-use crate::study::readme::{self, JUDGED_SIZE, Measured, ReadmeRecord, TIMED_SIZE, VIEWS};
+use crate::study::readme::{self, JUDGED_SIZE, MeasuredRecords, ReadmeRecord, TIMED_SIZE, VIEWS};
 use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{bandwidth, other_devices, shaders, steps, sweep};
@@ -112,7 +112,7 @@ impl Plan {
         // Without captures the method `captures` shows nothing, and others without what they need of a scene.
         let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
         let plain: Vec<_> = METHODS.iter().filter(shows).collect();
-        let variants = Variant::of(&plain, &setup).into_iter().chain([among_triangles(&setup, First::Auto)]);
+        let variants = Variant::of(&plain, &setup).into_iter().chain([triangles_variant(&setup, FirstTraced::Auto)]);
         let captured = Variant::of(&[&unified::INFO, &captures::INFO], &captured);
         let variants = variants.chain(captured).flat_map(|variant| in_its_stages(&variant)).collect();
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
@@ -128,7 +128,8 @@ impl Plan {
     /// `unified` with its rays asked of the screen first, and of the scene's triangles: which is cheaper depends on the
     /// number of triangles and on the device.
     fn first<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
-        let variants = [First::Screen, First::Triangles].map(|first| among_triangles(&Setup::new(self.size), first));
+        let variants =
+            [FirstTraced::Screen, FirstTraced::Triangles].map(|first| triangles_variant(&Setup::new(self.size), first));
         self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
     }
 
@@ -198,7 +199,7 @@ fn in_stage(setup: &Setup, stage: StageChoice) -> Variant {
 }
 
 /// `unified`, whose rays end among the scene's triangles.
-fn among_triangles(setup: &Setup, first: First) -> Variant {
+fn triangles_variant(setup: &Setup, first: FirstTraced) -> Variant {
     let setup = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles);
     Variant { method: &unified::INFO, setup: setup.with(|p: &mut UnifiedParams| p.first = first) }
 }
@@ -219,7 +220,7 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
 /// Measures, writes the folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
-    let to = Inside::folder(folder);
+    let to = PathInFolder::folder(folder);
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
@@ -253,7 +254,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
         time(&quoted, &mut run, &bar)?;
         let errors = readme_errors(&gpu, &plan, &mut run, &bar)?;
         let times: Vec<_> = quoted.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
-        let readme = readme::compare(&Measured { times: &times, errors: &errors })?;
+        let readme = readme::compare(&MeasuredRecords { times: &times, errors: &errors })?;
         report::write_readme(&to, gpu.info(), &command(options), &readme)?;
         let page = folder.join(report::README).display().to_string();
         writeln!(printed::out(), "{page}").map_err(|e| Error::io("name on standard output", &page, e))?;
@@ -335,10 +336,10 @@ fn findings(
         methods: METHODS.iter().filter(|m| m.lacks(scene).is_empty()).collect(),
         setup: Setup::on_screen(KEPT_SIZE),
     });
-    keep(gpu, &Inside::folder(&options.output).join(KEPT), &kept_specs)?;
+    keep(gpu, &PathInFolder::folder(&options.output).join(KEPT), &kept_specs)?;
     let (mut same, mut drawn) = (Vec::new(), Vec::new());
     for folder in &options.beside {
-        same.extend(beside(gpu, &Inside::folder(folder).join(KEPT), &kept_specs)?);
+        same.extend(compare_with_kept(gpu, &PathInFolder::folder(folder).join(KEPT), &kept_specs)?);
     }
     for other in other_devices::others(gpu, options.device.validation)? {
         for spec in &kept_specs {
@@ -379,7 +380,7 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
 }
 
 /// Keeps what the methods of the screen make, for studies on other machines.
-fn keep(gpu: &Gpu, folder: &Inside, specs: &[AgreementSpec]) -> Result<()> {
+fn keep(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<()> {
     kept_images::write_device(folder, gpu.info())?;
     for spec in specs.iter().map(of_the_screen) {
         let data = agreement::draw(gpu, &spec)?;
@@ -399,7 +400,7 @@ fn stem(spec: &AgreementSpec) -> String {
 }
 
 /// What the device makes of G-buffers that another one kept, against what that one made of them.
-fn beside(gpu: &Gpu, folder: &Inside, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
+fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
     for spec in specs.iter().map(of_the_screen) {

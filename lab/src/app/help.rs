@@ -159,7 +159,7 @@ const SHORT_WIDTH: usize = 16;
 
 /// The command line, arranged for the help that the arguments ask for.
 pub fn command(arguments: &[OsString]) -> Command {
-    arranged(asks_for_summary(arguments))
+    arranged_command(asks_for_summary(arguments))
 }
 
 /// The command line of a program that is a command by itself, arranged as a command of `ssct` is.
@@ -173,7 +173,7 @@ fn asks_for_summary(arguments: &[OsString]) -> bool {
     arguments.iter().any(|argument| argument == "-h")
 }
 
-fn arranged(is_short: bool) -> Command {
+fn arranged_command(is_short: bool) -> Command {
     let command = Cli::command();
     // What hands its arguments on to another program leaves the help to it, too.
     let has_help = |c: &&Command| !c.is_disable_help_flag_set();

@@ -3,7 +3,7 @@
 use super::compare::check_threshold;
 use super::printed;
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
 use crate::report::library;
@@ -41,7 +41,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     check_threshold(options.threshold)?;
     methods::find(&options.base)?;
     let output = options.output.as_deref().unwrap_or(&options.folder);
-    let page = Inside::folder(output).join(PAGE);
+    let page = PathInFolder::folder(output).join(PAGE);
     may_be_written(&page)?;
     let library = library::scan(&options.folder)?;
     if library.runs.is_empty() {
@@ -50,7 +50,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
         anyhow::bail!("{}: no folder in it holds records of the studies{why}", options.folder.display());
     }
     let (trends, changes) = (trends(&library.runs, &options.base), changes(&library.runs, options.threshold));
-    let way = way(output, &options.folder)?;
+    let way = relative_path(output, &options.folder)?;
     let html = LibraryPage {
         command: &command(options),
         library: &library,
@@ -79,7 +79,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
 }
 
 /// Refuses to write over a page that is not of a library, such as the page of a study.
-fn may_be_written(page: &Inside) -> Result<()> {
+fn may_be_written(page: &PathInFolder) -> Result<()> {
     let is_library = |text: &str| text.contains(&format!("<title>ssct {LIBRARY_TITLE}</title>"));
     match page.read()? {
         Some(there) if !is_library(&String::from_utf8_lossy(&there)) => {
@@ -92,8 +92,8 @@ fn may_be_written(page: &Inside) -> Result<()> {
 
 /// The path from the page's folder to the library's: empty, or with a slash at its end. `None` if the library is not
 /// below the page's folder.
-fn way(output: &Path, library: &Path) -> Result<Option<String>> {
-    Inside::folder(output).make()?;
+fn relative_path(output: &Path, library: &Path) -> Result<Option<String>> {
+    PathInFolder::folder(output).make()?;
     let whole = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
     let (output, library) = (whole(output)?, whole(library)?);
     let parts = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();

@@ -7,7 +7,7 @@ use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::results::{self, Results};
 use crate::study::cell_list::CellList;
 use crate::study::engine::{self, Bench, Row, Study};
@@ -90,7 +90,7 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     }
     let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
     let keep = &mut |file: &ExtraFile| {
-        to.output.as_ref().map_or(Ok(()), |folder| results::keep(&Inside::folder(folder), file))
+        to.output.as_ref().map_or(Ok(()), |folder| results::keep(&PathInFolder::folder(folder), file))
     };
     let advance = &mut |steps: usize| bar.inc(steps as u64);
     let outcome =
@@ -115,7 +115,7 @@ fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]
     let missing = engine::missing::<R>(list, journal);
     let results = Results { rows, list, missing: &missing };
     if let Some(folder) = &to.output {
-        results.write(&Inside::folder(folder))?;
+        results.write(&PathInFolder::folder(folder))?;
     }
     let shown = if to.json { results.json() } else { results.text() };
     printed::out().write_all(shown.as_bytes())?;

@@ -7,7 +7,7 @@ use super::run::Run;
 use super::{figures, reference_part, studies};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::devices::{by_device, device_name};
 use crate::report::html::{self, DeviceText, Entry};
 use crate::report::results::{PAGE, device_folder};
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 
 /// Merges the runs, writes the files of the whole study, and says which cells are missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
-    let is_run = |folder: &PathBuf| Inside::folder(folder).join(CELLS).is_there();
+    let is_run = |folder: &PathBuf| PathInFolder::folder(folder).join(CELLS).is_there();
     if !options.folders.iter().any(is_run) && options.folders.iter().any(|folder| reference_part::has_parts(folder)) {
         return reference_part::merge(options);
     }
@@ -45,7 +45,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     inputs.iter().try_for_each(merger.check)?;
     let merged = merge(&inputs, merger.results)?;
     check_program(&inputs[0].folder, &merged.cells)?;
-    let folder = Inside::folder(&options.output);
+    let folder = PathInFolder::folder(&options.output);
     check_nothing_is_lost(&folder, &merged)?;
     let count = merged.cells.cells.len();
     if !merged.missing.is_empty() && !options.partial {
@@ -83,7 +83,7 @@ fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
 
 /// Refuses to write over results that are not among those that are merged, whether the run that has them was finished
 /// or not: they would be lost.
-fn check_nothing_is_lost(folder: &Inside, merged: &MergedRun) -> Result<()> {
+fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()> {
     let kept: BTreeSet<String> = merged.lines.iter().filter_map(|line| journal::key_of(line)).collect();
     let lost = run_folder::keys(folder)?.into_iter().filter(|key| !kept.contains(key)).count();
     if lost == 0 {
@@ -127,7 +127,7 @@ fn check_figures(input: &MergeInput) -> Result<()> {
 
 /// A figure with the device that drew it.
 #[derive(Clone, Serialize)]
-struct Drawn {
+struct DrawnFigure {
     device: DeviceInfo,
     #[serde(flatten)]
     entry: Entry,
@@ -141,7 +141,7 @@ fn unreadable(e: serde_json::Error) -> Error {
 fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result<()> {
     let drawn = |result: &MergedResult| {
         let entry = Entry::deserialize(&result.value).map_err(unreadable)?;
-        Ok(Drawn { device: merged.cells.devices[result.device].clone(), entry })
+        Ok(DrawnFigure { device: merged.cells.devices[result.device].clone(), entry })
     };
     let all = merged.results.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     let CellList { command, definitions, devices, .. } = &merged.cells;
@@ -172,9 +172,9 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
 }
 
 /// The places where the runs on a device, or on any, may have one of its figures.
-fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<Inside> {
+fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
     let of_run = |input: &MergeInput| {
-        let run = Inside::folder(&input.folder);
+        let run = PathInFolder::folder(&input.folder);
         let apart = input.cells.devices.len() > 1;
         let devices = input.cells.devices.iter().enumerate().filter(|(_, d)| device.is_none_or(|device| *d == device));
         let folder = |(n, _): (usize, _)| if apart { run.join(device_folder(n)) } else { run.clone() };

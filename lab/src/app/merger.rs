@@ -1,7 +1,7 @@
 //! How the runs of a study become one, whatever the study.
 
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::copies;
 use crate::report::devices::by_device;
 use crate::report::results::{Results, device_folder};
@@ -29,7 +29,7 @@ pub struct Merging<'a> {
     /// The whole.
     pub merged: &'a MergedRun,
     /// The folder of the whole.
-    pub folder: &'a Inside,
+    pub folder: &'a PathInFolder,
 }
 
 impl Merger {
@@ -56,7 +56,7 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
         let has_device = |input: &&MergeInput| input.cells.devices.contains(device);
         let of_device: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
         for name in R::FOLDERS {
-            copies::copy_files(&below(&of_device, name), &to.join(name), false)?;
+            copies::copy_files(&named_folders(&of_device, name), &to.join(name), false)?;
         }
     }
     Results { rows: &rows, list: &merged.cells, missing: &merged.missing }.write(folder)?;
@@ -66,7 +66,7 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
 /// Checks the journal of a run, and the files beside it that would be copied.
 fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
-    let folders = R::FOLDERS.iter().flat_map(|name| below(&[input], name));
+    let folders = R::FOLDERS.iter().flat_map(|name| named_folders(&[input], name));
     folders.into_iter().try_for_each(|folder| copies::check(&folder))
 }
 
@@ -76,9 +76,9 @@ pub fn wrong_journal(input: &MergeInput, line: Option<usize>, why: &str) -> Erro
 }
 
 /// The folders of one name in each run and in the folders of its devices.
-fn below(inputs: &[&MergeInput], name: &str) -> Vec<Inside> {
+fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
     let of_run = |input: &&MergeInput| {
-        let run = Inside::folder(&input.folder);
+        let run = PathInFolder::folder(&input.folder);
         let devices = (0..input.cells.devices.len()).map(|n| run.join(device_folder(n)).join(name));
         std::iter::once(run.join(name)).chain(devices).collect::<Vec<_>>()
     };

@@ -47,7 +47,7 @@ impl StudyOptions for PathOptions {
         }
         let mut scene = resolve::scene(place, "rooms")?;
         let path = resolve::path(&scene, &self.path, "--path")?;
-        let sizes = resolve::listed_or(&self.size, [960, 540]);
+        let sizes = resolve::distinct_values_or(&self.size, [960, 540]);
         let setup = self.common.method_options.setup(sizes[0]);
         scene.lens = resolve::lens(place, scene.lens)?;
         let methods = resolve::methods(&self.method, &setup, &[&scene], &[scene.lens])?;

@@ -7,11 +7,11 @@ use crate::reference::surface::World;
 use crate::scene::{GBufferData, Material, Scene};
 use crate::stage::{RenderedImage, Shot, Stage, gbuffer};
 use crate::study::inspect::Inspection;
-use crate::study::pixel::{Made, PixelMethod, PixelReport, explain, verdicts};
+use crate::study::pixel::{MethodImages, PixelMethod, PixelReport, explain, verdicts};
 
 /// What a frame was of.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct FrameSubject<'a> {
     /// The method.
     pub method: &'a MethodInfo,
     /// How it is set up.
@@ -52,7 +52,7 @@ fn outside([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Error {
 /// A frame on the host, and the world that it shows.
 pub struct Judge<'a> {
     inspection: Inspection,
-    made: Made<'a>,
+    made: MethodImages<'a>,
     world: World<'a>,
     method: PixelMethod<'a>,
 }
@@ -66,13 +66,13 @@ impl<'a> Judge<'a> {
         stage: &mut Stage,
         shot: &Shot,
         rendered: &'a RenderedImage,
-        Seen { method, setup, scene, materials }: Seen<'a>,
+        FrameSubject { method, setup, scene, materials }: FrameSubject<'a>,
     ) -> Result<Self> {
         let data = gbuffer::read(&mut stage.context, shot)?;
         let hits = rendered.hits.clone();
         Ok(Self {
             inspection: Inspection::new(data, hits, (method, setup), &rendered.report.recorded),
-            made: Made { reflection: &rendered.reflection, composite: &rendered.composite },
+            made: MethodImages { reflection: &rendered.reflection, composite: &rendered.composite },
             world: World::new(scene, materials),
             method: PixelMethod { name: method.name, bounces: setup.effect().bounces },
         })

@@ -68,9 +68,9 @@ impl StudyOptions for PrecisionOptions {
         let methods = match &self.method[..] {
             [] => {
                 let both = [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?;
-                resolve::taking(both, &resolve::lenses(&scene, &views))
+                resolve::methods_taking_lenses(both, &resolve::lenses(&scene, &views))
             }
-            names => resolve::listed(names).iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+            names => resolve::distinct_values(names).iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
         };
         if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
             let message =

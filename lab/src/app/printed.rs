@@ -5,14 +5,14 @@ use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use std::io::{Result, StdoutLock, Write};
 
 /// Standard output, without characters that a terminal obeys.
-pub struct Printed(StdoutLock<'static>);
+pub struct PrintableOutput(StdoutLock<'static>);
 
 /// Standard output, for as long as something is printed.
-pub fn out() -> Printed {
-    Printed(std::io::stdout().lock())
+pub fn out() -> PrintableOutput {
+    PrintableOutput(std::io::stdout().lock())
 }
 
-impl Write for Printed {
+impl Write for PrintableOutput {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         // Texts come whole, each with the characters that it begins.
         let text = String::from_utf8_lossy(bytes);

@@ -5,13 +5,13 @@ use super::cli::MergeOptions;
 use super::printed;
 use super::run::command_line;
 use crate::error::{Error, Result};
-use crate::inside::{Inside, Listed};
+use crate::inside::{FolderEntry, PathInFolder};
 use crate::reference::kept_samples::{part_file, short, whole_file};
 use crate::reference::world::WorldReference;
 use crate::reference::world::state::WorldState;
 use crate::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
 use crate::report::files;
-use crate::report::run_folder::Claim;
+use crate::report::run_folder::FolderClaim;
 use crate::scene::{Scene, View};
 use crate::study::merge::difference_of_properties;
 use crate::study::names::one_line;
@@ -134,7 +134,7 @@ type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
 /// The shares in a folder.
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
-    let inside = Inside::folder(folder);
+    let inside = PathInFolder::folder(folder);
     for listed in inside.list()?.into_iter().filter(is_part) {
         let place = inside.join(&listed.name);
         let path = place.path();
@@ -157,11 +157,11 @@ fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
 
 /// Whether a folder holds shares of references, sound or not.
 pub fn has_parts(folder: &Path) -> bool {
-    Inside::folder(folder).list().is_ok_and(|all| all.iter().any(is_part))
+    PathInFolder::folder(folder).list().is_ok_and(|all| all.iter().any(is_part))
 }
 
 /// Whether a file of a folder describes a share.
-fn is_part(listed: &Listed) -> bool {
+fn is_part(listed: &FolderEntry) -> bool {
     listed.name.ends_with(&format!(".{PART}"))
 }
 
@@ -195,7 +195,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             missing.join(", ")
         );
     }
-    let _claim = Claim::new(&options.output)?;
+    let _claim = FolderClaim::new(&options.output)?;
     for (part, whole) in &merged {
         whole.save(&whole_file(&options.output, &part.fingerprint))?;
     }

@@ -5,7 +5,7 @@ use super::pixel::{self, Judge};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::dump::Dump;
 use crate::report::figures::Figure;
@@ -55,7 +55,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let materials = globals.materials(&scene, &view);
     let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone())?;
     let rendered = image::render(&mut stage, &shot, inside)?;
-    let seen = pixel::Seen { method, setup: &setup, scene: &scene, materials: &materials };
+    let seen = pixel::FrameSubject { method, setup: &setup, scene: &scene, materials: &materials };
     let looks_inside = options.dump.is_some() || options.pixel.is_some();
     let judge = looks_inside.then(|| Judge::new(&mut stage, &shot, &rendered, seen)).transpose()?;
     let explained = judge.as_ref().zip(options.pixel).map(|(judge, pixel)| judge.explained(pixel)).transpose()?;
@@ -63,7 +63,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let intermediates = rendered.intermediates.as_ref();
     if let (Some(folder), Some(all), Some(judge)) = (&options.dump, intermediates, &judge) {
         let (lens, reflection, verdicts) = (&camera.lens, &rendered.reflection, &judge.verdicts());
-        Dump { intermediates: all, lens, reflection, verdicts }.write(&Inside::folder(folder))?;
+        Dump { intermediates: all, lens, reflection, verdicts }.write(&PathInFolder::folder(folder))?;
     }
     if let Some(path) = &options.output {
         match (options.figure, intermediates) {

@@ -8,7 +8,7 @@ use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::needs::Need;
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
-use crate::scene::{CameraPath, Lens, LoadOptions, Motion, Opening, Scene, View, gltf, library, obj, scene_file};
+use crate::scene::{CameraPath, FieldOfView, Lens, LoadOptions, Motion, Scene, View, gltf, library, obj, scene_file};
 use crate::stage::Globals;
 use crate::study::error::Variant;
 use crate::study::exhibit::distinct;
@@ -138,13 +138,13 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
         if !(fov > 0.0 && fov < 180.0) {
             return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
         }
-        lens.opening = Opening::Angle(fov.to_radians());
+        lens.opening = FieldOfView::Angle(fov.to_radians());
     }
     if let Some(height) = options.orthographic_height {
         if !(height > 0.0 && height.is_finite()) {
             return Err(Error::Usage(format!("--orthographic-height {height}: must be a number of metres above 0")));
         }
-        lens.opening = Opening::Height(height);
+        lens.opening = FieldOfView::Height(height);
     }
     lens.near_m = options.near.unwrap_or(lens.near_m);
     lens.far_m = options.far.unwrap_or(lens.far_m);
@@ -205,7 +205,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     if options.roughness.is_empty() {
         return Ok(vec![factors(None)]);
     }
-    listed(&options.roughness).into_iter().map(|r| Ok(factors(Some(in_unit("--roughness", r)?)))).collect()
+    distinct_values(&options.roughness).into_iter().map(|r| Ok(factors(Some(in_unit("--roughness", r)?)))).collect()
 }
 
 /// The global factors where only one roughness makes sense; `why` says so.
@@ -217,13 +217,13 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
 }
 
 /// The values of a list, each once, in the order in which they were first named.
-pub fn listed<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
+pub fn distinct_values<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
     distinct(values.iter().cloned())
 }
 
 /// The values of a list, each once; `usual` without any.
-pub fn listed_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T> {
-    if values.is_empty() { vec![usual] } else { listed(values) }
+pub fn distinct_values_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T> {
+    if values.is_empty() { vec![usual] } else { distinct_values(values) }
 }
 
 /// The variants that were typed, each once, over a base.
@@ -251,7 +251,7 @@ pub fn methods(
     lenses: &[Lens],
 ) -> Result<Vec<&'static MethodInfo>> {
     let chosen = methods::choose(names, setup)?;
-    showing(if names.is_empty() { taking(chosen, lenses) } else { chosen }, |method| method, scenes)
+    showing(if names.is_empty() { methods_taking_lenses(chosen, lenses) } else { chosen }, |method| method, scenes)
 }
 
 /// Leaves out what would show nothing in any of some scenes, since a method lacks what it needs there, and says of each scene
@@ -283,7 +283,7 @@ pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scene
 }
 
 /// Leaves out of a default list the methods that do not take every camera, and says so.
-pub fn taking(methods: Vec<&'static MethodInfo>, lenses: &[Lens]) -> Vec<&'static MethodInfo> {
+pub fn methods_taking_lenses(methods: Vec<&'static MethodInfo>, lenses: &[Lens]) -> Vec<&'static MethodInfo> {
     let is_orthographic = lenses.iter().any(|lens| lens.kind().is_orthographic());
     let (taken, others): (Vec<_>, Vec<_>) =
         methods.into_iter().partition(|method| method.takes_orthographic || !is_orthographic);

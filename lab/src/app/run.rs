@@ -2,7 +2,7 @@
 //! show it.
 
 use crate::error::{Error, Result};
-use crate::report::run_folder::{Claim, JOURNAL};
+use crate::report::run_folder::{FolderClaim, JOURNAL};
 use crate::study::cell_list::CellList;
 use crate::study::journal::Journal;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -18,7 +18,7 @@ static ASKED: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 pub struct Run {
     /// What was measured, and where it is kept.
     pub journal: Journal,
-    claim: Option<(Claim, PathBuf)>,
+    claim: Option<(FolderClaim, PathBuf)>,
 }
 
 impl Run {
@@ -26,9 +26,9 @@ impl Run {
     /// samples; at the second signal, at once.
     ///
     /// # Errors
-    /// Errors of [`Claim::new`] and [`Claim::journal`].
+    /// Errors of [`FolderClaim::new`] and [`FolderClaim::journal`].
     pub fn begin(folder: Option<&Path>, resume: bool) -> Result<Self> {
-        let claim = folder.map(|f| Ok::<_, Error>((Claim::new(f)?, f.to_owned()))).transpose()?;
+        let claim = folder.map(|f| Ok::<_, Error>((FolderClaim::new(f)?, f.to_owned()))).transpose()?;
         let journal = claim.as_ref().map(|(claim, _)| claim.journal(resume)).transpose()?.unwrap_or_default();
         Self::listening(journal, claim)
     }
@@ -36,14 +36,14 @@ impl Run {
     /// Claims the folder as [`Run::begin`] does, and begins anew whatever is there: all of it is known and written again.
     ///
     /// # Errors
-    /// Errors of [`Claim::new`] and [`Claim::new_journal`].
+    /// Errors of [`FolderClaim::new`] and [`FolderClaim::new_journal`].
     pub fn begin_anew(folder: &Path) -> Result<Self> {
-        let claim = Claim::new(folder)?;
+        let claim = FolderClaim::new(folder)?;
         let journal = claim.new_journal()?;
         Self::listening(journal, Some((claim, folder.to_owned())))
     }
 
-    fn listening(journal: Journal, claim: Option<(Claim, PathBuf)>) -> Result<Self> {
+    fn listening(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
         let again = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
             let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::sources;
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::stage::Globals;
-use crate::study::engine::Last;
+use crate::study::engine::LastMade;
 use crate::study::error::Variant;
 use crate::study::shaders::ShadersStudy;
 use clap::Args;
@@ -105,6 +105,6 @@ impl StudyOptions for ShadersOptions {
             }
             ref given => given.to_vec(),
         };
-        Ok(ShadersStudy { scene, view, variants, extent: self.size, globals, stage: Last::default() })
+        Ok(ShadersStudy { scene, view, variants, extent: self.size, globals, stage: LastMade::default() })
     }
 }

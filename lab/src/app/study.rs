@@ -5,11 +5,11 @@ use super::cli::StudyOptions;
 use super::error::{QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::printed;
 use super::run::{Run, go_on};
-use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, Shown, TRUTH_FOLDER};
+use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, ShownView, TRUTH_FOLDER};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Times};
 use crate::report::results::{self, Results};
@@ -18,11 +18,11 @@ use crate::scene::{Scene, View, library};
 use crate::stage::{Globals, Stage};
 use crate::study::agreement::{AgreementRecord, AgreementSpec};
 use crate::study::cell_list::CellList;
-use crate::study::engine::{self, Bench, Last};
+use crate::study::engine::{self, Bench, LastMade};
 use crate::study::error::{ErrorRecord, ErrorStudy, Variant};
 use crate::study::exhibit::ExtraFile;
 use crate::study::journal::Journal;
-use crate::study::table::{self, Compared, compare};
+use crate::study::table::{self, ComparedRow, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{TimeRecord, other_devices};
 use indicatif::ProgressBar;
@@ -194,7 +194,7 @@ impl Part<'_> {
 
 /// What is made until now, beside what the journal holds.
 #[derive(Default)]
-struct Made {
+struct StudyResults {
     views: Vec<Gallery>,
     figures: Vec<Picture>,
     same: Vec<AgreementRecord>,
@@ -230,7 +230,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         validation: options.device.validation,
         bar: progress::bar("study", parts.iter().map(|part| part.steps(&plan)).sum()),
     };
-    let mut made = Made::default();
+    let mut made = StudyResults::default();
     let outcome = study.measure(&mut run.journal, &mut made);
     study.bar.finish_and_clear();
     // Whatever ended the measurement: what there is, is written. What ended it counts for more than what could not be
@@ -248,8 +248,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
 }
 
 /// What the last page had.
-struct Written {
-    table: Vec<Compared>,
+struct WrittenPage {
+    table: Vec<ComparedRow>,
     page_bytes: usize,
 }
 
@@ -260,8 +260,8 @@ impl<'a> Study<'a> {
     }
 
     /// Makes every part, and writes the page after each but the last.
-    fn measure(&self, journal: &mut Journal, made: &mut Made) -> anyhow::Result<()> {
-        let mut last = Last::default();
+    fn measure(&self, journal: &mut Journal, made: &mut StudyResults) -> anyhow::Result<()> {
+        let mut last = LastMade::default();
         for (n, part) in self.parts.iter().enumerate() {
             self.make(part, journal, made, &mut last)?;
             made.parts = n + 1;
@@ -280,14 +280,14 @@ impl<'a> Study<'a> {
         &self,
         part: &Part<'a>,
         journal: &mut Journal,
-        made: &mut Made,
-        last: &mut Last<&'a str, Stage>,
+        made: &mut StudyResults,
+        last: &mut LastMade<&'a str, Stage>,
     ) -> anyhow::Result<()> {
         let (folder, step) = (self.pictures.place(), &mut || progress::step(&self.bar));
         match part {
             Part::Pictures(scene, view) => {
                 let methods = self.plan.methods_in(scene);
-                let shown = Shown { scene, view, size: self.plan.size, methods: &methods };
+                let shown = ShownView { scene, view, size: self.plan.size, methods: &methods };
                 let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
                 made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
@@ -314,7 +314,7 @@ impl<'a> Study<'a> {
     }
 
     /// Writes the records and the page with what there is.
-    fn write(&self, journal: &Journal, made: &Made) -> anyhow::Result<Written> {
+    fn write(&self, journal: &Journal, made: &StudyResults) -> anyhow::Result<WrittenPage> {
         let (folder, mut tabled, mut viewed) = (self.pictures.place(), Vec::new(), Vec::new());
         let mut errors: Vec<ErrorRecord> = Vec::new();
         for part in self.parts {
@@ -347,7 +347,7 @@ impl<'a> Study<'a> {
             errors: Errors {
                 settings: error_settings(self.plan),
                 records: &errors,
-                plots: plot::drawn(&errors).map_err(anyhow::Error::msg)?,
+                plots: plot::draw_charts(&errors).map_err(anyhow::Error::msg)?,
                 pictures: study_pictures::of_errors(&errors, &self.plan.methods),
             },
             views: &made.views,
@@ -357,7 +357,7 @@ impl<'a> Study<'a> {
         };
         let html = page.render(&self.pictures)?;
         folder.join("index.html").write(html.as_bytes())?;
-        Ok(Written { table, page_bytes: html.len() })
+        Ok(WrittenPage { table, page_bytes: html.len() })
     }
 }
 
@@ -376,7 +376,7 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
 }
 
 /// What lies beside the page.
-fn records(folder: &Inside) -> Vec<(String, String)> {
+fn records(folder: &PathInFolder) -> Vec<(String, String)> {
     let record = |file: &str, what: &str| (file.to_owned(), what.to_owned());
     let mut all = vec![
         record("time.json", "every time, one record a method, view, size and roughness"),

@@ -3,7 +3,7 @@
 use super::reference;
 use crate::error::Result;
 use crate::gpu::Pixels;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
@@ -29,7 +29,7 @@ pub const ERROR_FOLDER: &str = "error";
 pub const GLOSSY: Globals = table::factors(0.1, 1.0);
 
 /// A view, and the methods that it is shown by.
-pub struct Shown<'a> {
+pub struct ShownView<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The view.
@@ -44,11 +44,11 @@ pub struct Shown<'a> {
 /// them.
 pub fn of_view(
     stage: &mut Stage,
-    subject: &Shown,
-    folder: &Inside,
+    subject: &ShownView,
+    folder: &PathInFolder,
     step: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Gallery> {
-    let Shown { scene, view, size, methods } = *subject;
+    let ShownView { scene, view, size, methods } = *subject;
     let plain = Setup::new(size);
     let on_screen = Setup::on_screen(size);
     let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
@@ -86,7 +86,7 @@ pub fn of_view(
 }
 
 /// Figures 4.4, 4.5, 4.9 and 4.10 on a scene that has a view `corridor`.
-pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &Inside, size: [u32; 2]) -> Result<Vec<Picture>> {
+pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: [u32; 2]) -> Result<Vec<Picture>> {
     let wanted = [
         (
             Figure::VisibilityChain,

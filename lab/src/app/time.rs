@@ -14,7 +14,7 @@ use crate::study::cell_list::CellList;
 use crate::study::error::Variant;
 use crate::study::journal::Journal;
 use crate::study::table as table_5_8;
-use crate::study::timing::{self, Beside, TimeJob, TimeSettings, TimeStudy};
+use crate::study::timing::{self, ThesisFigures, TimeJob, TimeSettings, TimeStudy};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -102,9 +102,9 @@ impl StudyOptions for TimeOptions {
             return Err(Error::Usage("--samples 0: at least one is needed".into()));
         }
         let (beside, jobs) = match self.table {
-            Some(Table::Captions) => (Beside::Captions, caption_jobs(self)?),
-            Some(Table::T5_8) => (Beside::Table, vec![job(self, true)?]),
-            None => (Beside::Nothing, vec![job(self, false)?]),
+            Some(Table::Captions) => (ThesisFigures::Captions, caption_jobs(self)?),
+            Some(Table::T5_8) => (ThesisFigures::Table, vec![job(self, true)?]),
+            None => (ThesisFigures::Nothing, vec![job(self, false)?]),
         };
         let judges = self.variant.len() > 1;
         let settings = TimeSettings { beside, samples: self.samples, a_a: self.a_a, judges };
@@ -147,7 +147,7 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
             let (named, has) = (named.join(", "), table_5_8::rows_and_seconds());
             return Err(Error::Usage(format!("--table 5.8 has no row for {named}; {has}")));
         }
-        return Ok(resolve::listed(&options.size));
+        return Ok(resolve::distinct_values(&options.size));
     }
     Ok(if table { all } else { vec![[960, 540]] })
 }
@@ -161,7 +161,7 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     let wanted = if options.common.place.roughness.is_empty() {
         known.to_vec()
     } else {
-        resolve::listed(&options.common.place.roughness)
+        resolve::distinct_values(&options.common.place.roughness)
     };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         let has = table_5_8::rows_and_seconds();
@@ -193,7 +193,7 @@ fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
             has_reference,
         })
     };
-    wanted(options, &scenes)?.into_iter().map(job).collect()
+    find_captions(options, &scenes)?.into_iter().map(job).collect()
 }
 
 /// The scene of the flags, or the built-in ones that stand for the figures.
@@ -209,7 +209,7 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
 }
 
 /// The captions whose view a scene has, and that the flags ask for.
-fn wanted<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
+fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
     let asked = options.common.place.view.as_deref();
     let caption_and_scene = |c: &Caption| {
         let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;

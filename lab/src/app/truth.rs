@@ -4,7 +4,7 @@ use super::cli::{SceneOptions, size};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::mitsuba::{Export, export};
 use clap::{Args, Subcommand};
 use std::io::Write;
@@ -54,7 +54,7 @@ pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &options.place, None)?;
     let materials = globals.materials(&scene, &view);
     let exported = export(
-        &Inside::folder(&options.output),
+        &PathInFolder::folder(&options.output),
         &Export {
             scene: &scene,
             materials: &materials,

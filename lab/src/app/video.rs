@@ -6,7 +6,7 @@ use super::resolve;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use crate::study::video::{VideoStudy, Way};
+use crate::study::video::{CameraWay, VideoStudy};
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -82,11 +82,13 @@ impl StudyOptions for VideoOptions {
         scene.lens = resolve::lens(place, scene.lens)?;
         let way = named(self, &scene)?;
         let globals = resolve::globals(place)?;
-        let sizes = resolve::listed_or(&self.size, [320, 180]);
+        let sizes = resolve::distinct_values_or(&self.size, [320, 180]);
         let base = self.common.method_options.setup(sizes[0]);
         let lenses = match &way {
-            Way::Path(_) => vec![scene.lens],
-            Way::Walk(view) | Way::Turn(view) | Way::Stop(view) | Way::Rest(view) => resolve::lenses(&scene, [view]),
+            CameraWay::Path(_) => vec![scene.lens],
+            CameraWay::Walk(view) | CameraWay::Turn(view) | CameraWay::Stop(view) | CameraWay::Rest(view) => {
+                resolve::lenses(&scene, [view])
+            }
         };
         let variants = resolve::variants(&self.variants, &base, (&[&scene], &lenses), false)?;
         resolve::meshes(&scene, "--moving", &self.moving)?;
@@ -108,31 +110,31 @@ impl StudyOptions for VideoOptions {
             frames: self.frames,
             frames_per_second: self.fps,
             rays: self.rays,
-            moving: resolve::listed(&self.moving),
+            moving: resolve::distinct_values(&self.moving),
             step_m: self.step.unwrap_or(Vec3::ZERO),
             step_frames: self.step_frames,
-            held: resolve::listed(&self.held),
+            held: resolve::distinct_values(&self.held),
             jitter: self.jitter,
         })
     }
 }
 
 /// The way that a flag names.
-fn named(options: &VideoOptions, scene: &Scene) -> Result<Way> {
+fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
     let place = &options.common.place;
     let name = options.way.as_path();
-    let of_view: fn(_) -> Way = match name.to_string_lossy().as_ref() {
-        "walk" => Way::Walk,
-        "turn" => Way::Turn,
-        "stop" => Way::Stop,
-        "rest" => Way::Rest,
+    let of_view: fn(_) -> CameraWay = match name.to_string_lossy().as_ref() {
+        "walk" => CameraWay::Walk,
+        "turn" => CameraWay::Turn,
+        "stop" => CameraWay::Stop,
+        "rest" => CameraWay::Rest,
         _ => {
             let path = resolve::path(scene, name, "--way")?;
             if place.view.is_some() || place.eye.is_some() {
                 let message = "--way: a path says where the camera is; leave out --view and --eye";
                 return Err(Error::Usage(message.into()));
             }
-            return Ok(Way::Path(path));
+            return Ok(CameraWay::Path(path));
         }
     };
     resolve::view(scene, place, None).map(of_view)

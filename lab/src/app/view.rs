@@ -19,7 +19,7 @@ pub struct ViewArguments {
 
 /// Runs the window's program in place of this one.
 pub fn run(options: &ViewArguments) -> anyhow::Result<()> {
-    let program = beside(std::env::current_exe().ok().as_deref());
+    let program = find_window_program(std::env::current_exe().ok().as_deref());
     let mut command = Command::new(program.unwrap_or_else(|| PROGRAM.into()));
     let error = replace(command.args(&options.arguments));
     let why = if error.kind() == std::io::ErrorKind::NotFound {
@@ -31,7 +31,7 @@ pub fn run(options: &ViewArguments) -> anyhow::Result<()> {
 }
 
 /// The window's program in the folder of this one, if it is there.
-fn beside(own: Option<&Path>) -> Option<PathBuf> {
+fn find_window_program(own: Option<&Path>) -> Option<PathBuf> {
     let program = own?.with_file_name(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
     program.is_file().then_some(program)
 }

@@ -6,7 +6,7 @@ use super::published;
 use super::reflect::{self, BlockLayout, Variable, VariableKind};
 use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
-use super::values::{Feed, Filled, FrameState};
+use super::values::{Feed, FilledField, FrameState};
 use super::{inputs, kinds};
 use crate::error::{Error, Result};
 use crate::gpu::Sampler;
@@ -68,7 +68,7 @@ pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Resu
 /// What a pass's shader binds, in the order of its bindings.
 pub struct PassBindings {
     pub inputs: Vec<BoundInput>,
-    pub push: Vec<Filled>,
+    pub push: Vec<FilledField>,
     pub push_size: usize,
 }
 
@@ -77,7 +77,7 @@ pub enum BoundInput {
     Stored(String, LevelOf, bool),
     /// Its name, whether it is only read, and the bytes that it must have.
     Buffer(String, bool, u32),
-    Uniform(Vec<Filled>, usize),
+    Uniform(Vec<FilledField>, usize),
 }
 
 impl PassBindings {
@@ -140,7 +140,7 @@ impl PassShader<'_> {
 
     /// What fills a block. Fields that the shader does not read need nothing, and loose uniforms may have values of their
     /// own.
-    fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<Filled>> {
+    fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<FilledField>> {
         let mut fields = Vec::new();
         for field in &layout.fields {
             let full = format!("{block}.{}", field.name);
@@ -163,7 +163,7 @@ impl PassShader<'_> {
                     continue;
                 }
             };
-            let filled = Filled::new(field, feed);
+            let filled = FilledField::new(field, feed);
             fields.push(filled.map_err(|m| self.wrong(span, &format!("{full} of {}: {m}", self.file)))?);
         }
         Ok(fields)

@@ -97,17 +97,17 @@ impl<'a> Includes<'a> {
             self.refused.get_or_insert_with(|| why.clone());
             return Err(why);
         }
-        self.open.push((path.clone(), whole(&path)));
+        self.open.push((path.clone(), canonical_path(&path)));
         self.files.push(path.clone());
         Ok((path.to_string_lossy().into_owned(), text))
     }
 
     fn check(&self, path: &Path) -> std::result::Result<(), String> {
         check_place(path, self.folder)?;
-        let itself = whole(path);
+        let itself = canonical_path(path);
         let before = self.open.iter().filter(|(_, open)| *open == itself).count();
         // A file may include itself once more where a guard leaves it empty then.
-        if before + usize::from(whole(&self.files[0]) == itself) > 1 {
+        if before + usize::from(canonical_path(&self.files[0]) == itself) > 1 {
             return Err(format!("{} includes itself", path.display()));
         }
         if self.open.len() >= MOST_DEPTH {
@@ -121,7 +121,7 @@ impl<'a> Includes<'a> {
 }
 
 /// A path from the root of the file system; the path itself if there is no such file.
-fn whole(path: &Path) -> PathBuf {
+fn canonical_path(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 

@@ -30,14 +30,14 @@ use ash::vk;
 
 /// What makes the sources that a method reads.
 pub struct Inputs {
-    made: Vec<(ImageSource, Made)>,
+    made: Vec<(ImageSource, SourceMaker)>,
     /// Names of the images that are made, in their order, for whoever looks inside.
     names: Vec<&'static str>,
     projection: ProjectionKind,
 }
 
 /// What makes a source, and where it then is.
-enum Made {
+enum SourceMaker {
     /// Nothing needs to be made: it is in the G-buffer, or comes with the input.
     There,
     Chain(ColorChainPass),
@@ -85,8 +85,8 @@ impl Inputs {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
         }
-        let converted = |what: i32, axes: Axes, format: vk::Format| -> Result<Made> {
-            Ok(Made::Converted {
+        let converted = |what: i32, axes: Axes, format: vk::Format| -> Result<SourceMaker> {
+            Ok(SourceMaker::Converted {
                 pipeline: GraphicsPipeline::fullscreen(gpu, [format])?,
                 image: Image::target(gpu, &source.to_string(), format, extent)?,
                 what,
@@ -99,20 +99,20 @@ impl Inputs {
             | ImageSource::Material
             | ImageSource::Sky
             | ImageSource::Captures(_)
-            | ImageSource::Own(_) => Made::There,
+            | ImageSource::Own(_) => SourceMaker::There,
             ImageSource::LitColourChain { gaussian } => {
                 let filter = if *gaussian { ChainFilter::Gaussian } else { ChainFilter::Hardware };
-                Made::Chain(ColorChainPass::new(gpu, ShaderStage::Fragment, extent, LIT_COLOR, filter)?)
+                SourceMaker::Chain(ColorChainPass::new(gpu, ShaderStage::Fragment, extent, LIT_COLOR, filter)?)
             }
-            ImageSource::Depth(Depth::Reversed) => Made::There,
+            ImageSource::Depth(Depth::Reversed) => SourceMaker::There,
             ImageSource::Depth(Depth::Standard) => {
-                Made::Thesis(HiZPass::depth_alone(gpu, ShaderStage::Fragment, extent)?)
+                SourceMaker::Thesis(HiZPass::depth_alone(gpu, ShaderStage::Fragment, extent)?)
             }
             ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Axes::Left, float)?,
             ImageSource::Normal(Normal { world, encoding }) => {
                 let axes = if *world { conventions.world } else { conventions.view };
                 if !world && *encoding == NormalEncoding::Float && axes == Axes::Left {
-                    Made::There
+                    SourceMaker::There
                 } else {
                     let first = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
                     converted(first + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
@@ -125,14 +125,14 @@ impl Inputs {
                 };
                 converted(what, axes, vk::Format::R32G32B32A32_SFLOAT)?
             }
-            ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, ShaderStage::Fragment, extent, true)?),
+            ImageSource::ThesisHiZ => SourceMaker::Thesis(HiZPass::new(gpu, ShaderStage::Fragment, extent, true)?),
             ImageSource::Visibility => {
                 self.add(gpu, extent, &ImageSource::ThesisHiZ, conventions)?;
-                Made::Visibility(VisibilityPass::new(gpu, ShaderStage::Fragment, extent)?)
+                SourceMaker::Visibility(VisibilityPass::new(gpu, ShaderStage::Fragment, extent)?)
             }
-            ImageSource::Pyramid => Made::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
+            ImageSource::Pyramid => SourceMaker::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
             ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
-            ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
+            ImageSource::BlueNoise => SourceMaker::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
                 let original = ImageSource::Depth(*depth);
                 self.add(gpu, extent, &original, conventions)?;
@@ -142,7 +142,7 @@ impl Inputs {
                 let levels = image::full_chain(size);
                 let usage = U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
                 let desc = ImageDesc { name: &name, format: float, extent: size, levels, layers: 1, usage };
-                Made::Reduced {
+                SourceMaker::Reduced {
                     copy: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: true })?,
                     reduce: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: false })?,
                     chain: Image::new(gpu, &desc)?,
@@ -152,7 +152,7 @@ impl Inputs {
             ImageSource::Previous(original) => {
                 if let ImageSource::Own(_) = **original {
                     // The method keeps its own images.
-                    Made::There
+                    SourceMaker::There
                 } else {
                     if **original == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour image, which the shader then reads instead.
@@ -166,7 +166,7 @@ impl Inputs {
                     self.add(gpu, extent, original, conventions)?;
                     let (name, format) = (source.to_string(), self.kept_format(original));
                     let image = || Image::target(gpu, &name, format, extent);
-                    Made::Kept { original: (**original).clone(), images: vec![image()?, image()?] }
+                    SourceMaker::Kept { original: (**original).clone(), images: vec![image()?, image()?] }
                 }
             }
         };
@@ -177,8 +177,8 @@ impl Inputs {
     /// The format of what is kept of a source.
     fn kept_format(&self, source: &ImageSource) -> vk::Format {
         match self.made.iter().find(|(known, _)| known == source) {
-            Some((_, Made::Converted { image, .. })) => image.format(),
-            Some((_, Made::Thesis(_))) => vk::Format::R32G32_SFLOAT,
+            Some((_, SourceMaker::Converted { image, .. })) => image.format(),
+            Some((_, SourceMaker::Thesis(_))) => vk::Format::R32G32_SFLOAT,
             _ => match source {
                 ImageSource::Depth(_) => vk::Format::R32_SFLOAT,
                 ImageSource::Material => vk::Format::R16G16_SFLOAT,
@@ -194,21 +194,21 @@ impl Inputs {
         for (source, made) in &self.made {
             let name = source.to_string();
             match made {
-                Made::There | Made::Noise(_) | Made::Kept { .. } => {}
-                Made::Chain(pass) => {
+                SourceMaker::There | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {}
+                SourceMaker::Chain(pass) => {
                     pass.record(frame, gbuffer)?;
                 }
-                Made::Thesis(pass) => {
+                SourceMaker::Thesis(pass) => {
                     pass.record(frame, gbuffer)?;
                 }
-                Made::Visibility(pass) => {
+                SourceMaker::Visibility(pass) => {
                     let hi_z = ThesisHiZ(self.image(&ImageSource::ThesisHiZ, input, 0)?);
                     pass.record(frame, hi_z, &input.camera.lens)?;
                 }
-                Made::Pyramid(pass) => {
+                SourceMaker::Pyramid(pass) => {
                     pass.record(frame, gbuffer, &unified::parameters(input.camera, extent, false))?;
                 }
-                Made::Converted { pipeline, image, what, axes } => {
+                SourceMaker::Converted { pipeline, image, what, axes } => {
                     let program = Convert {
                         camera: &camera_block(input.camera, extent),
                         depth_buffer: Sampled::nearest(gbuffer.depth.all()),
@@ -217,7 +217,7 @@ impl Inputs {
                     };
                     frame.fullscreen(&name, pipeline, [Target::overwrite(image.all())], &program)?;
                 }
-                Made::Reduced { copy, reduce, chain, original } => {
+                SourceMaker::Reduced { copy, reduce, chain, original } => {
                     let depth = self.slice(original, input, 0)?;
                     for level in 0..chain.levels() {
                         let below = if level == 0 { depth } else { chain.level(level - 1) };
@@ -237,12 +237,14 @@ impl Inputs {
     pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
         self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
             let (content, image) = match made {
-                Made::There | Made::Chain(_) | Made::Noise(_) | Made::Kept { .. } => return None,
-                Made::Thesis(pass) => (Content::StandardDepth, pass.made().0),
-                Made::Visibility(pass) => (Content::Share, pass.made().0),
-                Made::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
-                Made::Converted { image, .. } => (content(source), image),
-                Made::Reduced { chain, original: reduced, .. } => (content(reduced), chain),
+                SourceMaker::There | SourceMaker::Chain(_) | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {
+                    return None;
+                }
+                SourceMaker::Thesis(pass) => (Content::StandardDepth, pass.made().0),
+                SourceMaker::Visibility(pass) => (Content::Share, pass.made().0),
+                SourceMaker::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
+                SourceMaker::Converted { image, .. } => (content(source), image),
+                SourceMaker::Reduced { chain, original: reduced, .. } => (content(reduced), chain),
             };
             Some(Intermediate { name, content, image })
         })
@@ -251,7 +253,7 @@ impl Inputs {
     /// Keeps what the next frame reads of this one.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
         for (source, made) in &self.made {
-            if let Made::Kept { original, images } = made {
+            if let SourceMaker::Kept { original, images } = made {
                 frame.blit(&format!("keep {source}"), self.slice(original, input, turn)?, images[turn].all())?;
             }
         }
@@ -261,7 +263,7 @@ impl Inputs {
     /// Clears what the first frame reads of the one before.
     pub fn begin(&self, frame: &mut Frame) -> Result<()> {
         for (source, made) in &self.made {
-            if let Made::Kept { images, .. } = made {
+            if let SourceMaker::Kept { images, .. } = made {
                 for image in images {
                     frame.clear(&format!("clear {source}"), image.all(), [0.0; 4])?;
                 }
@@ -276,12 +278,12 @@ impl Inputs {
         let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
         let made = self.made.iter().find(|(known, _)| known == source).map(|(_, made)| made);
         Ok(match (made, source) {
-            (Some(Made::Thesis(pass)), _) => pass.made().0,
-            (Some(Made::Visibility(pass)), _) => pass.made().0,
-            (Some(Made::Pyramid(pass)), _) => pass.made().0,
-            (Some(Made::Converted { image, .. }), _) | (Some(Made::Noise(image)), _) => image,
-            (Some(Made::Reduced { chain, .. }), _) => chain,
-            (Some(Made::Kept { images, .. }), _) => &images[1 - turn],
+            (Some(SourceMaker::Thesis(pass)), _) => pass.made().0,
+            (Some(SourceMaker::Visibility(pass)), _) => pass.made().0,
+            (Some(SourceMaker::Pyramid(pass)), _) => pass.made().0,
+            (Some(SourceMaker::Converted { image, .. }), _) | (Some(SourceMaker::Noise(image)), _) => image,
+            (Some(SourceMaker::Reduced { chain, .. }), _) => chain,
+            (Some(SourceMaker::Kept { images, .. }), _) => &images[1 - turn],
             (_, ImageSource::LitColour | ImageSource::LitColourChain { .. }) => color,
             (_, ImageSource::Depth(_)) => depth,
             (_, ImageSource::Normal(_)) => normal,

@@ -25,7 +25,7 @@ const QUALIFIERS: [&str; 12] = [
 
 /// What was taken out of a text.
 #[derive(Debug, Default, PartialEq)]
-pub struct Hoisted {
+pub struct HoistedUniforms {
     /// The text with blocks in the place of loose uniforms. Lines stay where they are.
     pub text: String,
     /// Names of uniforms and the values that they have of their own; `None` for one that is no plain number.
@@ -33,8 +33,8 @@ pub struct Hoisted {
 }
 
 /// Makes blocks of uniforms that stand alone.
-pub fn hoisted(text: &str) -> Hoisted {
-    let mut made = Hoisted::default();
+pub fn hoisted(text: &str) -> HoistedUniforms {
+    let mut made = HoistedUniforms::default();
     let mut blocks = Blocks::default();
     let mut rest = 0;
     for (start, end) in declarations(text) {

@@ -14,7 +14,7 @@ use super::source::ImageSource;
 use crate::error::{Error, Result};
 use crate::scene::source_text::{self, SourceText};
 use ash::vk;
-use passes::Known;
+use passes::KnownNames;
 use sections::{BufferSection, OutputSection, ParameterSection, Sections};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -116,7 +116,7 @@ impl Manifest {
                 return Err(wrong(buffer.span(), format!("{name} is the name of an image already")));
             }
         }
-        let known = Known { images: &images, buffers: &buffers };
+        let known = KnownNames { images: &images, buffers: &buffers };
         let parameters: Vec<String> = sections.parameter.keys().cloned().collect();
         let mut ordered: Vec<_> = sections.parameter.into_iter().collect();
         ordered.sort_by_key(|(_, section)| section.span().start);
@@ -196,7 +196,7 @@ impl Manifest {
 
 /// How a table is written in a manifest.
 #[derive(Clone, Copy)]
-enum Written {
+enum TableForm {
     /// Its keys stand at the top.
     Top,
     /// `[table]`.
@@ -208,12 +208,12 @@ enum Written {
 }
 
 /// Tables of a manifest, and the keys that each of them must have.
-const REQUIRED: [(&str, Written, &[&str]); 5] = [
-    ("", Written::Top, &["name", "summary", "pass", "output"]),
-    ("parameter", Written::ByName, &["help", "default"]),
-    ("image", Written::ByName, &["format"]),
-    ("output", Written::Once, &["reflection"]),
-    ("pass", Written::InOrder, &["name", "shader"]),
+const REQUIRED: [(&str, TableForm, &[&str]); 5] = [
+    ("", TableForm::Top, &["name", "summary", "pass", "output"]),
+    ("parameter", TableForm::ByName, &["help", "default"]),
+    ("image", TableForm::ByName, &["format"]),
+    ("output", TableForm::Once, &["reflection"]),
+    ("pass", TableForm::InOrder, &["name", "shader"]),
 ];
 
 /// An error about a key that is missing, with all keys that are missing; every other error as it is.
@@ -243,18 +243,18 @@ fn missing_keys(manifest: &toml::Table) -> Vec<String> {
 }
 
 /// The tables of a name, and what stands before their keys in messages.
-fn tables<'t>(manifest: &'t toml::Table, name: &str, written: Written) -> Vec<(String, &'t toml::Table)> {
+fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<(String, &'t toml::Table)> {
     let value = manifest.get(name);
     let table = value.and_then(toml::Value::as_table);
     let list = value.and_then(toml::Value::as_array).into_iter().flatten();
     match written {
-        Written::Top => vec![(String::new(), manifest)],
-        Written::Once => table.map(|table| (format!("{name}."), table)).into_iter().collect(),
-        Written::ByName => {
+        TableForm::Top => vec![(String::new(), manifest)],
+        TableForm::Once => table.map(|table| (format!("{name}."), table)).into_iter().collect(),
+        TableForm::ByName => {
             let named = table.into_iter().flatten();
             named.filter_map(|(own, value)| Some((format!("{name}.{own}."), value.as_table()?))).collect()
         }
-        Written::InOrder => {
+        TableForm::InOrder => {
             list.zip(1..).filter_map(|(value, n)| Some((format!("{name} {n}: "), value.as_table()?))).collect()
         }
     }

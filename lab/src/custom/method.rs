@@ -7,13 +7,13 @@ use super::inputs::Inputs;
 use super::manifest::{ImageSection, InputKind, LevelOf, Manifest, Pass, PassReach, PassStage, format_of};
 use super::shader;
 use super::source::ImageSource;
-use super::values::{Filled, FrameState};
+use super::values::{FilledField, FrameState};
 use crate::error::{Error, Result};
-use crate::gpu::loose::{LooseProgram, Reach};
+use crate::gpu::loose::{DispatchSize, LooseProgram};
 use crate::gpu::memory::{Buffer, MemoryPlace};
 use crate::gpu::program::Sampled;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Resource, Target, image};
-use crate::methods::{Input, Intermediate, Making, Method, Setup, Traced};
+use crate::methods::{Input, Intermediate, Method, MethodOutput, MethodRequest, Setup};
 use crate::parameter::{Parameter, Values};
 use crate::passes::{Content, Hits, LIT_COLOR, Reflection};
 use crate::scene::Camera;
@@ -35,7 +35,7 @@ pub struct CustomMethod {
 
 /// One version of the files, and the one after it.
 struct Version {
-    running: Running,
+    running: RunningVersion,
     next: OnceCell<Box<Version>>,
 }
 
@@ -55,15 +55,15 @@ impl CustomMethod {
         gpu: &Gpu,
         manifest: &Manifest,
         parameters: &[Parameter],
-        making: &Making,
+        request: &MethodRequest,
         watched: bool,
     ) -> Result<Self> {
-        let running = Running::new(gpu, manifest, parameters, &making.setup, making.hits)?;
+        let running = RunningVersion::new(gpu, manifest, parameters, &request.setup, request.hits)?;
         let reload = watched.then(|| Reload {
             gpu: gpu.clone(),
             folder: manifest.folder.clone(),
-            setup: making.setup.clone(),
-            hits: making.hits,
+            setup: request.setup.clone(),
+            hits: request.hits,
             looked: Cell::new(Instant::now()),
             seen: RefCell::new(stamps(&running.files)),
         });
@@ -80,7 +80,7 @@ impl CustomMethod {
 }
 
 impl Method for CustomMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         if let Some(reload) = &self.reload {
             let last = self.last();
             if let Some(running) = reload.changed(&last.running) {
@@ -94,7 +94,7 @@ impl Method for CustomMethod {
 impl Reload {
     /// The method anew, if its files changed since they were last looked at and it can be made of them. Parameters stay as
     /// they were declared.
-    fn changed(&self, now: &Running) -> Option<Running> {
+    fn changed(&self, now: &RunningVersion) -> Option<RunningVersion> {
         if self.looked.get().elapsed() < PERIOD {
             return None;
         }
@@ -105,7 +105,7 @@ impl Reload {
         }
         *self.seen.borrow_mut() = seen;
         let made = Manifest::read(&self.folder)
-            .and_then(|manifest| Running::new(&self.gpu, &manifest, &now.parameters, &self.setup, self.hits));
+            .and_then(|manifest| RunningVersion::new(&self.gpu, &manifest, &now.parameters, &self.setup, self.hits));
         match made {
             Ok(running) => {
                 *self.seen.borrow_mut() = stamps(&running.files);
@@ -125,8 +125,8 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<SystemTime>> {
 }
 
 /// Pipelines and images of one version of the files.
-struct Running {
-    passes: Vec<Recorded>,
+struct RunningVersion {
+    passes: Vec<PreparedPass>,
     inputs: Inputs,
     images: BTreeMap<String, OwnImage>,
     buffers: BTreeMap<String, (Buffer, Option<u32>)>,
@@ -151,13 +151,13 @@ struct OwnImage {
 }
 
 /// A pass with its pipeline.
-struct Recorded {
+struct PreparedPass {
     pass: Pass,
     program: LooseProgram,
     bindings: PassBindings,
 }
 
-impl Running {
+impl RunningVersion {
     fn new(gpu: &Gpu, manifest: &Manifest, parameters: &[Parameter], setup: &Setup, hits: bool) -> Result<Self> {
         let Setup { extent, projection, .. } = *setup;
         bindings::check_projection(manifest, projection)?;
@@ -222,7 +222,7 @@ impl Running {
                     LooseProgram::fragment(gpu, made.shader, &constants, &formats)?
                 }
             };
-            passes.push(Recorded { pass: pass.clone(), program, bindings });
+            passes.push(PreparedPass { pass: pass.clone(), program, bindings });
             compiled.push(made);
         }
         bindings::unread(manifest, &compiled)?;
@@ -258,7 +258,7 @@ impl Running {
         &images[turn % images.len()]
     }
 
-    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let before = self.before.replace(Some(*input.camera));
         let number = self.frames.replace(self.frames.get().wrapping_add(1));
         let turn = number as usize % 2;
@@ -326,7 +326,7 @@ impl Running {
         // An image of the method's own that has the name of one that it reads is the one that its author looks for.
         let read = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
         let intermediates = read.chain(own).collect();
-        Ok(Traced { hits: hits.map(Hits), intermediates, ..Traced::new(Reflection(reflection)) })
+        Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
 
     /// Records a pass for a level; whether the images have it.
@@ -334,7 +334,7 @@ impl Running {
         &'a self,
         frame: &mut Frame,
         input: &Input<'a, '_>,
-        Recorded { pass, program, bindings }: &'a Recorded,
+        PreparedPass { pass, program, bindings }: &'a PreparedPass,
         (level, turn): (u32, usize),
         state: &impl Fn([u32; 2], u32) -> FrameState<'s>,
     ) -> Result<bool> {
@@ -352,15 +352,17 @@ impl Running {
             let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
             targets.push(slice);
         }
-        let (pass_extent, reach) = match &pass.reach {
+        let (pass_extent, dispatch_size) = match &pass.reach {
             PassReach::Targets => (targets[0].extent(), None),
             PassReach::Threads(name, wanted_level) => {
                 let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
                 let [width, height] = slice.extent();
-                ([width, height], Some(Reach::Threads([width, height, 1])))
+                ([width, height], Some(DispatchSize::Threads([width, height, 1])))
             }
-            PassReach::Workgroups(groups) => (input.gbuffer.depth.extent(), Some(Reach::Workgroups(*groups))),
-            PassReach::Indirect(name) => (input.gbuffer.depth.extent(), Some(Reach::Said(&self.buffers[name].0))),
+            PassReach::Workgroups(groups) => (input.gbuffer.depth.extent(), Some(DispatchSize::Workgroups(*groups))),
+            PassReach::Indirect(name) => {
+                (input.gbuffer.depth.extent(), Some(DispatchSize::Indirect(&self.buffers[name].0)))
+            }
         };
         if let Some(other) = targets.iter().find(|t| t.extent() != pass_extent) {
             let message =
@@ -368,7 +370,7 @@ impl Running {
             return Err(self.manifest.error(&pass.span, message));
         }
         let state = state(pass_extent, level);
-        let block = |fields: &[Filled], size: usize| {
+        let block = |fields: &[FilledField], size: usize| {
             let mut bytes = vec![0; size];
             fields.iter().for_each(|f| f.write(&mut bytes, &state));
             bytes
@@ -415,7 +417,7 @@ impl Running {
         }
         let push = block(&bindings.push, bindings.push_size);
         let name = if pass.levels.is_some() { format!("{}/{level}", pass.name) } else { pass.name.clone() };
-        match reach {
+        match dispatch_size {
             None => {
                 let target = |(slice, (image, _)): (ImageSlice<'a>, &(String, LevelOf))| {
                     let unwanted = is_unwanted(&self.manifest, image, self.hits);
@@ -424,7 +426,7 @@ impl Running {
                 let targets: Vec<Target> = targets.into_iter().zip(&pass.targets).map(target).collect();
                 frame.draw_loose(&name, program, &targets, resources, &push)?;
             }
-            Some(reach) => frame.dispatch_loose(&name, program, resources, &push, reach)?,
+            Some(dispatch_size) => frame.dispatch_loose(&name, program, resources, &push, dispatch_size)?,
         }
         Ok(true)
     }

@@ -3,12 +3,12 @@
 
 use super::built_in;
 use super::includes::{self, Includes, MAX_BYTES};
-use super::loose_uniforms::{self, Hoisted};
+use super::loose_uniforms::{self, HoistedUniforms};
 use super::manifest::{Manifest, Pass, PassStage};
 use super::old_glsl;
 use super::reflect::{ShaderInterface, VariableKind, reflect};
 use crate::error::{Error, Result};
-use crate::gpu::interface::{Bound, Interface, Push};
+use crate::gpu::interface::{Interface, PushBlock, StageBinding};
 use crate::gpu::loose;
 use crate::gpu::shader::Shader;
 use crate::scene::{bounded, source_text};
@@ -29,7 +29,7 @@ pub struct CompiledPass {
 }
 
 /// Code before it is reflected.
-struct Compiled {
+struct CompiledCode {
     words: Vec<u32>,
     own: Vec<(String, Option<Vec<f64>>)>,
     files: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
 
 /// What a pipeline needs to know of an interface.
 fn bound(interface: &ShaderInterface) -> Interface {
-    let bindings = interface.variables.iter().map(|v| Bound {
+    let bindings = interface.variables.iter().map(|v| StageBinding {
         binding: v.binding,
         name: v.name.clone(),
         kind: match v.kind {
@@ -72,7 +72,7 @@ fn bound(interface: &ShaderInterface) -> Interface {
     });
     Interface {
         bindings: bindings.collect(),
-        push: interface.push.as_ref().map(|(block, layout)| Push {
+        push: interface.push.as_ref().map(|(block, layout)| PushBlock {
             name: block.clone(),
             block: block.clone(),
             size: layout.size,
@@ -85,7 +85,7 @@ fn bound(interface: &ShaderInterface) -> Interface {
     }
 }
 
-fn binary(path: &Path) -> Result<Compiled> {
+fn binary(path: &Path) -> Result<CompiledCode> {
     let bytes = bounded::read(path, "a shader", MAX_BYTES)?;
     let is_code =
         bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
@@ -93,7 +93,7 @@ fn binary(path: &Path) -> Result<Compiled> {
         return Err(Error::malformed(path, None, "is not SPIR-V"));
     }
     let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-    Ok(Compiled { words, own: Vec::new(), files: vec![path.to_path_buf()] })
+    Ok(CompiledCode { words, own: Vec::new(), files: vec![path.to_path_buf()] })
 }
 
 /// One for the whole process: the last that is dropped forgets GLSL's built-in functions, and the next reads them again, which takes
@@ -102,7 +102,7 @@ static COMPILER: LazyLock<std::result::Result<Compiler, shaderc::Error>> = LazyL
 
 /// Compiles GLSL in two steps: the compiler's preprocessor takes out comments, macros, includes and what is switched off,
 /// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
-fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
+fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     let path = &pass.shader;
     let source = match built_in::text(path) {
         Some(text) => text.to_owned(),
@@ -145,12 +145,12 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<Compiled> {
         (error, _) => error,
     };
     let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(says)?.as_text();
-    let Hoisted { text, own } = loose_uniforms::hoisted(&plain);
+    let HoistedUniforms { text, own } = loose_uniforms::hoisted(&plain);
     let made = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(says)?;
     let words = made.as_binary().to_vec();
     drop(options);
     let awaited = pass.awaited.iter().cloned();
-    Ok(Compiled { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
+    Ok(CompiledCode { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
 }
 
 /// The first of the compiler's messages, with the file and line that it is about.

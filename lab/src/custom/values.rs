@@ -124,12 +124,12 @@ pub struct FrameState<'a> {
 
 /// A field of a block, and what fills it.
 #[derive(Debug, Clone)]
-pub struct Filled {
+pub struct FilledField {
     field: BlockField,
     given: Feed,
 }
 
-impl Filled {
+impl FilledField {
     /// A field with what fills it.
     ///
     /// # Errors
@@ -392,23 +392,24 @@ mod tests {
     #[test]
     fn a_field_takes_as_many_numbers_as_it_has() {
         let three = field(Component::Float, [1, 1, 3], &[4, 8, 12]);
-        assert!(Filled::new(&three, Feed::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
-        assert!(Filled::new(&three, Feed::Numbers(vec![1.0])).is_err());
-        assert!(Filled::new(&field(Component::Float, [1, 1, 1], &[0]), Feed::Named("size")).is_err());
+        assert!(FilledField::new(&three, Feed::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
+        assert!(FilledField::new(&three, Feed::Numbers(vec![1.0])).is_err());
+        assert!(FilledField::new(&field(Component::Float, [1, 1, 1], &[0]), Feed::Named("size")).is_err());
         assert!(
-            Filled::new(&field(Component::Float, [1, 2, 2], &[0, 4, 16, 20]), Feed::Named("view-to-clip")).is_err()
+            FilledField::new(&field(Component::Float, [1, 2, 2], &[0, 4, 16, 20]), Feed::Named("view-to-clip"))
+                .is_err()
         );
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);
         let values = Values::default();
         let state = state(&camera, &values, Conventions::default());
         let mut bytes = [0; 12];
         let two = field(Component::Int, [1, 1, 2], &[4, 8]);
-        Filled::new(&two, Feed::Named("pass-size")).unwrap().write(&mut bytes, &state);
+        FilledField::new(&two, Feed::Named("pass-size")).unwrap().write(&mut bytes, &state);
         assert_eq!(bytes, [0, 0, 0, 0, 100, 0, 0, 0, 50, 0, 0, 0]);
         // The elements of an array lie 16 bytes apart.
         let mut bytes = [0; 32];
         let array = field(Component::Uint, [2, 1, 1], &[0, 16]);
-        Filled::new(&array, Feed::Numbers(vec![1.0, 2.0])).unwrap().write(&mut bytes, &state);
+        FilledField::new(&array, Feed::Numbers(vec![1.0, 2.0])).unwrap().write(&mut bytes, &state);
         assert_eq!((bytes[0], bytes[16], bytes.iter().map(|b| u32::from(*b)).sum::<u32>()), (1, 2, 3));
     }
 
@@ -419,7 +420,8 @@ mod tests {
         let state = state(&camera, &values, Conventions::default());
         let places: Vec<u32> = (0..3).flat_map(|c| (0..3).map(move |r| 16 * c + 4 * r)).collect();
         let mut bytes = [0; 48];
-        let filled = Filled::new(&field(Component::Float, [1, 3, 3], &places), Feed::Named("world-to-view")).unwrap();
+        let filled =
+            FilledField::new(&field(Component::Float, [1, 3, 3], &places), Feed::Named("world-to-view")).unwrap();
         filled.write(&mut bytes, &state);
         let whole = matrix(&state, "world-to-view");
         for (k, place) in places.iter().enumerate() {

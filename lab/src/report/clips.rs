@@ -10,7 +10,7 @@ const QUALITY: f32 = 85.0;
 ///
 /// # Errors
 /// What the encoder says, of images too large for the format.
-pub fn animated(film: &Film, frames_per_second: f32) -> Result<Vec<u8>, String> {
+pub fn encode_animation(film: &Film, frames_per_second: f32) -> Result<Vec<u8>, String> {
     let said = |e: webp_animation::Error| format!("{e:?}");
     let config = EncodingConfig::new_lossy(QUALITY);
     let options = EncoderOptions { encoding_config: Some(config), ..EncoderOptions::default() };

@@ -5,26 +5,26 @@ use super::legend::scale;
 use super::{files, tables};
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::math::display_byte;
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 use crate::study::compare::{self, ImageComparison, Side, TOTAL, TimeComparison};
 use crate::study::names::one_line;
 
 /// Writes compare.json and compare.txt.
-pub fn write(folder: &Inside, json: &str, text: &str) -> Result<()> {
+pub fn write(folder: &PathInFolder, json: &str, text: &str) -> Result<()> {
     folder.join("compare.json").write(json.as_bytes())?;
     folder.join("compare.txt").write(text.as_bytes())
 }
 
 /// Writes a comparison of times as compare.json and compare.txt.
-pub fn write_times(folder: &Inside, records: &[TimeComparison], all: bool) -> Result<()> {
+pub fn write_times(folder: &PathInFolder, records: &[TimeComparison], all: bool) -> Result<()> {
     write(folder, &files::json(records), &times(records, all))
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
 /// or more, sRGB-encoded; magenta is no number) with its scale as error-scale.svg, and FLIP's map as flip.png.
-pub fn write_images(folder: &Inside, found: &ImageComparison) -> Result<()> {
+pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()> {
     write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
     let (width, height) = (found.width, found.height);
     let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
@@ -45,7 +45,7 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
     if let Some(warning) = &first.warning {
         text += &format!("warning: {warning}\n");
     }
-    text += &how(first);
+    text += &interval_method_text(first);
     text += &tables::aligned(&compare::cells(records, all));
     let both = || records.iter().filter(|r| r.only_in.is_none());
     if both().any(|r| r.noise_floor.is_some()) {
@@ -75,7 +75,7 @@ fn sides(first: &TimeComparison) -> String {
 }
 
 /// How the intervals were found, and what the verdicts mean.
-fn how(first: &TimeComparison) -> String {
+fn interval_method_text(first: &TimeComparison) -> String {
     let how = &first.judgement;
     let (share, resamples, seed) = (how.confidence * 100.0, how.resamples, how.seed);
     let found = if first.paired {

@@ -2,7 +2,7 @@
 //! in their folders are copied, under names that are names alone.
 
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::study::names::safe_word;
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ pub fn check_name(name: &str) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// [`Error::Malformed`] for a file that is not copied, [`Error::Io`] for a folder that cannot be read.
-pub fn check(folder: &Inside) -> Result<()> {
+pub fn check(folder: &PathInFolder) -> Result<()> {
     for listed in folder.list()? {
         let place = folder.join(&listed.name);
         check_name(&listed.name).map_err(|why| Error::malformed(place.path(), None, why))?;
@@ -45,17 +45,17 @@ pub fn check(folder: &Inside) -> Result<()> {
 /// Checks a picture, if it is there.
 ///
 /// # Errors
-/// The errors of [`Inside::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
-pub fn check_file(place: &Inside) -> Result<()> {
+/// The errors of [`PathInFolder::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
+pub fn check_file(place: &PathInFolder) -> Result<()> {
     if is_drawing(place) { read_checked(place).map(drop) } else { place.open().map(drop) }
 }
 
-fn is_drawing(place: &Inside) -> bool {
+fn is_drawing(place: &PathInFolder) -> bool {
     place.path().extension().is_some_and(|e| e == "svg")
 }
 
 /// Reads a picture, if it is there, and checks it.
-fn read_checked(place: &Inside) -> Result<Option<Vec<u8>>> {
+fn read_checked(place: &PathInFolder) -> Result<Option<Vec<u8>>> {
     let bytes = place.read()?;
     if let Some(svg) = bytes.as_deref().filter(|_| is_drawing(place)) {
         check_drawing(svg, place)?;
@@ -64,7 +64,7 @@ fn read_checked(place: &Inside) -> Result<Option<Vec<u8>>> {
 }
 
 /// A drawing is opened by itself, too, where a browser would run what stands in it.
-fn check_drawing(svg: &[u8], place: &Inside) -> Result<()> {
+fn check_drawing(svg: &[u8], place: &PathInFolder) -> Result<()> {
     let wrong = |why: String| Err(Error::malformed(place.path(), None, format!("is no drawing that is copied: {why}")));
     let Ok(text) = str::from_utf8(svg) else { return wrong("it is no text".to_owned()) };
     for tag in text.split('<').skip(1) {
@@ -104,8 +104,8 @@ fn attributes(tag: &str) -> &str {
 ///
 /// # Errors
 /// Errors of [`check`] and of [`copy_file`].
-pub fn copy_files(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
-    let mut all: BTreeMap<String, Vec<Inside>> = BTreeMap::new();
+pub fn copy_files(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Result<()> {
+    let mut all: BTreeMap<String, Vec<PathInFolder>> = BTreeMap::new();
     for folder in from {
         check(folder)?;
         for listed in folder.list()? {
@@ -119,8 +119,8 @@ pub fn copy_files(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
 ///
 /// # Errors
 /// The errors of [`check_file`] and of writing, and [`Error::Malformed`] for files that are not equal.
-pub fn copy_file(from: &[Inside], to: &Inside, same: bool) -> Result<()> {
-    let mut first: Option<(&Inside, Vec<u8>)> = None;
+pub fn copy_file(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Result<()> {
+    let mut first: Option<(&PathInFolder, Vec<u8>)> = None;
     for place in from {
         match (&first, read_checked(place)?) {
             (None, Some(bytes)) => first = Some((place, bytes)),
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn first_files_of_a_name_are_copied_and_others_may_have_to_be_equal() {
         let folder = tempfile::tempdir().expect("a folder");
-        let place = |name: &str| Inside::folder(folder.path()).join(name);
+        let place = |name: &str| PathInFolder::folder(folder.path()).join(name);
         for (path, text) in [("a/1.png", "one"), ("b/1.png", "other"), ("b/2.png", "two"), ("c/2.png", "two")] {
             place(path).write(text.as_bytes()).expect("written");
         }
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn drawings_that_could_do_more_than_be_seen_are_refused() {
-        let place = Inside::folder("run").join("x.svg");
+        let place = PathInFolder::folder("run").join("x.svg");
         let check = |svg: &str| check_drawing(svg.as_bytes(), &place).map_err(|e| e.to_string());
         let good = "<?xml version=\"1.0\"?><svg width=\"1\"><!-- a --><g><text x=\"1\">on = href</text></g></svg>";
         assert_eq!(check(good), Ok(()));

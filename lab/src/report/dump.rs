@@ -6,7 +6,7 @@ use super::images::{Color, PATH_COLORS, Rgb, paths, picture, write_exr};
 use super::legend::legend;
 use crate::error::Result;
 use crate::gpu::Pixels;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::metrics::verdict::PixelVerdict;
 use crate::passes::{Content, PathCode};
 use crate::scene::Lens;
@@ -37,7 +37,7 @@ impl Dump<'_> {
     ///
     /// # Errors
     /// Errors of writing.
-    pub fn write(&self, folder: &Inside) -> Result<()> {
+    pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         for (stem, content, pixels) in self.intermediates {
             picture(*content, pixels, self.lens).write_png(folder.join(format!("{stem}.png")))?;
             write_exr(folder.join(format!("{stem}.exr")), pixels, channels(*content))?;
@@ -50,7 +50,7 @@ impl Dump<'_> {
         self.write_verdicts(folder)
     }
 
-    fn write_fade(&self, folder: &Inside) -> Result<()> {
+    fn write_fade(&self, folder: &PathInFolder) -> Result<()> {
         let Pixels { width, height, .. } = *self.reflection;
         let values = self.reflection.texels().map(|texel| texel[3]).collect();
         let fade = Pixels { width, height, channels: 1, values };
@@ -58,7 +58,7 @@ impl Dump<'_> {
         write_exr(folder.join("fade.exr"), &fade, &["fade"])
     }
 
-    fn write_verdicts(&self, folder: &Inside) -> Result<()> {
+    fn write_verdicts(&self, folder: &PathInFolder) -> Result<()> {
         let Pixels { width, height, .. } = *self.reflection;
         let row = |verdict: &PixelVerdict| VERDICT_COLORS.iter().position(|(known, ..)| known == verdict).unwrap_or(0);
         let rows: Vec<usize> = self.verdicts.iter().map(row).collect();

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::{self, EffectParams, MethodInfo};
 use crate::parameter::{Parameter, Parameters};
 use crate::study::compare::{Subject, TimeSample};
@@ -13,8 +13,8 @@ use serde::de::DeserializeOwned;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Writes a file whole or not at all ([`Inside::write`]); a path is one that the user named.
-pub fn write(to: impl Into<Inside>, bytes: &[u8]) -> Result<()> {
+/// Writes a file whole or not at all ([`PathInFolder::write`]); a path is one that the user named.
+pub fn write(to: impl Into<PathInFolder>, bytes: &[u8]) -> Result<()> {
     to.into().write(bytes)
 }
 
@@ -39,7 +39,7 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 ///
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] if it holds other records.
-pub fn read_records<R: DeserializeOwned>(file: &Inside) -> Result<Vec<R>> {
+pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> {
     serde_json::from_slice(&file.bytes()?)
         .map_err(|e| Error::malformed(file.path(), None, format!("holds other records: {e}")))
 }
@@ -49,7 +49,7 @@ pub fn read_records<R: DeserializeOwned>(file: &Inside) -> Result<Vec<R>> {
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
 /// or has a time that is no finite number ≥ 0, or if there are no rows.
-pub fn read_samples(file: &Inside) -> Result<Vec<TimeSample>> {
+pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     let (path, text) = (&file.path(), file.bytes()?);
     let mut rows = Vec::new();
     let mut reader = csv::Reader::from_reader(&text[..]);
@@ -120,7 +120,7 @@ fn subject(
 ///
 /// # Errors
 /// [`Error::Io`] if it is there and can't be read, [`Error::Malformed`] if it holds no record with a device.
-pub fn read_device(file: &Inside) -> Result<Option<DeviceInfo>> {
+pub fn read_device(file: &PathInFolder) -> Result<Option<DeviceInfo>> {
     let Some(text) = file.read()? else { return Ok(None) };
     let path = &file.path();
     let wrong = |e: serde_json::Error| Error::malformed(path, None, format!("holds no record with a device: {e}"));

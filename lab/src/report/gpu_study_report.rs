@@ -3,7 +3,7 @@
 use super::{files, html};
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::setup::Stage;
 use crate::parameter::Choices;
 use crate::study::TimeRecord;
@@ -82,7 +82,7 @@ pub const README: &str = "readme.html";
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write_readme(folder: &Inside, device: &DeviceInfo, command: &str, readme: &[ReadmeRecord]) -> Result<()> {
+pub fn write_readme(folder: &PathInFolder, device: &DeviceInfo, command: &str, readme: &[ReadmeRecord]) -> Result<()> {
     let table = readme::table(readme);
     let page = html::tables_page(&table.title, Some(device), command, std::slice::from_ref(&table));
     folder.join(README).write(page.as_bytes())
@@ -93,7 +93,7 @@ pub fn write_readme(folder: &Inside, device: &DeviceInfo, command: &str, readme:
 /// # Errors
 /// Errors of writing a file.
 pub fn write(
-    folder: &Inside,
+    folder: &PathInFolder,
     device: &DeviceInfo,
     command: &str,
     (times, readme): (&DeviceTimes, &[ReadmeRecord]),

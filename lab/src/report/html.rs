@@ -24,7 +24,7 @@ use crate::study::error::ErrorRecord;
 use crate::study::exhibit::Table;
 use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use crate::study::record::{DEFINITIONS, Provenance};
-use crate::study::table::Compared;
+use crate::study::table::ComparedRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::path::PathBuf;
 
@@ -55,7 +55,7 @@ pub struct Times<'a> {
     /// One sentence: which views were timed, and how.
     pub settings: String,
     /// Rows of table 5.8.
-    pub table: &'a [Compared],
+    pub table: &'a [ComparedRow],
     /// The measurements behind the table.
     pub table_records: &'a [TimeRecord],
     /// The measurements of the views.

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
 use crate::passes::Content;
 use crate::passes::PathCode;
@@ -32,17 +32,17 @@ impl Rgb {
     }
 
     /// Writes a PNG.
-    pub fn write_png(&self, to: impl Into<Inside>) -> Result<()> {
+    pub fn write_png(&self, to: impl Into<PathInFolder>) -> Result<()> {
         write_png(&to.into(), [self.width, self.height], &self.bytes, image::ExtendedColorType::Rgb8)
     }
 }
 
 /// Writes 8-bit RGBA, rows from the top, as it stands.
-pub fn write_rgba_png(to: impl Into<Inside>, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
+pub fn write_rgba_png(to: impl Into<PathInFolder>, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
     write_png(&to.into(), extent, rgba, image::ExtendedColorType::Rgba8)
 }
 
-fn write_png(to: &Inside, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
+fn write_png(to: &PathInFolder, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
     let mut encoded = Cursor::new(Vec::new());
     image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
         .map_err(|e| Error::io("encode", to.path(), std::io::Error::other(e)))?;
@@ -63,7 +63,7 @@ pub fn check_extension(path: &Path) -> Result<()> {
 }
 
 /// Writes a linear image by its extension: `.png` (the display image) or `.exr` (32-bit floats).
-pub fn write_image(to: impl Into<Inside>, pixels: &Pixels) -> Result<()> {
+pub fn write_image(to: impl Into<PathInFolder>, pixels: &Pixels) -> Result<()> {
     let to = to.into();
     check_extension(&to.path())?;
     if is(&to.path(), "exr") { write_exr(to, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(&to) }
@@ -74,7 +74,7 @@ fn is(path: &Path, extension: &str) -> bool {
 }
 
 /// Writes every channel as 32-bit floats, under the names given.
-pub fn write_exr(to: impl Into<Inside>, pixels: &Pixels, names: &[&str]) -> Result<()> {
+pub fn write_exr(to: impl Into<PathInFolder>, pixels: &Pixels, names: &[&str]) -> Result<()> {
     use exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
     };

@@ -5,7 +5,7 @@ use super::files;
 use super::images::{exr_channels, write_exr};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::methods::MethodInfo;
 use crate::scene::{GBufferData, gbuffer_file};
 use crate::study::agreement::DeviceImage;
@@ -13,11 +13,11 @@ use crate::study::agreement::DeviceImage;
 const COLOR: [&str; 4] = ["R", "G", "B", "A"];
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
 
-fn gbuffer_path(folder: &Inside, stem: &str) -> Inside {
+fn gbuffer_path(folder: &PathInFolder, stem: &str) -> PathInFolder {
     folder.join(format!("gbuffer-{stem}.exr"))
 }
 
-fn image_path(folder: &Inside, method: &str, stem: &str, what: &str) -> Inside {
+fn image_path(folder: &PathInFolder, method: &str, stem: &str, what: &str) -> PathInFolder {
     folder.join(format!("{method}-{stem}{what}.exr"))
 }
 
@@ -25,7 +25,7 @@ fn image_path(folder: &Inside, method: &str, stem: &str, what: &str) -> Inside {
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write_device(folder: &Inside, device: &DeviceInfo) -> Result<()> {
+pub fn write_device(folder: &PathInFolder, device: &DeviceInfo) -> Result<()> {
     files::write(folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
 }
 
@@ -33,7 +33,7 @@ pub fn write_device(folder: &Inside, device: &DeviceInfo) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Io`] for a file that cannot be read, [`Error::Malformed`] for one that says something else.
-pub fn read_device(folder: &Inside) -> Result<DeviceInfo> {
+pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
     let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));
     let all: Vec<DeviceInfo> = serde_json::from_slice(&path.bytes()?).map_err(|e| wrong(format!(": {e}")))?;
@@ -44,7 +44,7 @@ pub fn read_device(folder: &Inside) -> Result<DeviceInfo> {
 ///
 /// # Errors
 /// Errors of writing a file.
-pub fn write(folder: &Inside, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
+pub fn write(folder: &PathInFolder, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
     let path = gbuffer_path(folder, stem);
     path.write(&gbuffer_file::encode(data, &path.path())?)?;
     for DeviceImage { method, reflection, hits } in made {
@@ -60,7 +60,7 @@ pub fn write(folder: &Inside, stem: &str, data: &GBufferData, made: &[DeviceImag
 ///
 /// # Errors
 /// Errors of [`gbuffer_file::load`].
-pub fn read_gbuffer(folder: &Inside, stem: &str) -> Result<GBufferData> {
+pub fn read_gbuffer(folder: &PathInFolder, stem: &str) -> Result<GBufferData> {
     let path = gbuffer_path(folder, stem);
     gbuffer_file::decode(&path.bytes()?, &path.path())
 }
@@ -70,7 +70,7 @@ pub fn read_gbuffer(folder: &Inside, stem: &str) -> Result<GBufferData> {
 /// # Errors
 /// [`Error::Malformed`] for a file that cannot be read as such an image, or is of another size than the G-buffer.
 pub fn read(
-    folder: &Inside,
+    folder: &PathInFolder,
     stem: &str,
     data: &GBufferData,
     methods: &[&'static MethodInfo],

@@ -5,7 +5,7 @@ use super::files;
 use super::run_folder::{JOURNAL, is_finished};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::study::compare;
 use crate::study::library::changes::totals_only;
 use crate::study::library::read::{self, KINDS, ReadRecord};
@@ -42,7 +42,7 @@ pub struct Library {
 /// [`Error::Io`] if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
     // That a folder below cannot be read is a part of the answer; that the root cannot is an error.
-    let inside = Inside::folder(root);
+    let inside = PathInFolder::folder(root);
     inside.list()?;
     let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
@@ -54,10 +54,10 @@ pub fn scan(root: &Path) -> Result<Library> {
         let name = relative(root, &folder);
         let whole = whole.join(folder.strip_prefix(root).unwrap_or(&folder));
         match run(&folder, &whole, &name, &files) {
-            Found::Run(run) => library.runs.push(*run),
-            Found::Unreadable(why) => library.unreadable.push((name, why)),
-            Found::Nothing if files.is_empty() => {}
-            Found::Nothing => library.without_records.push(name),
+            FolderContent::Run(run) => library.runs.push(*run),
+            FolderContent::Unreadable(why) => library.unreadable.push((name, why)),
+            FolderContent::Nothing if files.is_empty() => {}
+            FolderContent::Nothing => library.without_records.push(name),
         }
     }
     library.runs.sort_by(|a, b| (&a.date, &a.name).cmp(&(&b.date, &b.name)));
@@ -65,7 +65,7 @@ pub fn scan(root: &Path) -> Result<Library> {
 }
 
 /// Every folder from a root down, with whatever else than folders is in it.
-fn folders(root: &Inside, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
+fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut found = BTreeMap::new();
     let mut left = vec![root.clone()];
     while let Some(folder) = left.pop() {
@@ -109,7 +109,7 @@ fn relative(root: &Path, folder: &Path) -> String {
 }
 
 /// What a folder turned out to hold.
-enum Found {
+enum FolderContent {
     Run(Box<LibraryRun>),
     Unreadable(String),
     Nothing,
@@ -117,8 +117,8 @@ enum Found {
 
 /// Reads every array of records among a folder's files, and the raw samples. `whole` is the folder's path from the root
 /// of the file system: one of its names may begin with the date.
-fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
-    let mut all = Gathered::default();
+fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
+    let mut all = FolderRecords::default();
     let (mut wrong, mut notes) = (Vec::new(), Vec::new());
     for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "json")) {
         match records(path) {
@@ -127,15 +127,15 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
             Err(why) => wrong.push(why),
         }
     }
-    let inside = Inside::folder(folder);
+    let inside = PathInFolder::folder(folder);
     let unfinished = inside.join(JOURNAL).is_there() && !is_finished(&inside).unwrap_or(false);
     if all.files.is_empty() {
         return match (wrong.is_empty(), unfinished) {
-            (false, _) => Found::Unreadable(wrong.join("; ")),
+            (false, _) => FolderContent::Unreadable(wrong.join("; ")),
             (true, true) => {
-                Found::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records"))
+                FolderContent::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records"))
             }
-            (true, false) => Found::Nothing,
+            (true, false) => FolderContent::Nothing,
         };
     }
     notes.extend(wrong);
@@ -147,7 +147,7 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
         None
     });
     let (date, dated_by) = date(whole, files);
-    Found::Run(Box::new(LibraryRun {
+    FolderContent::Run(Box::new(LibraryRun {
         name: name.to_owned(),
         date,
         dated_by,
@@ -167,7 +167,7 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let must = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
-    let content = Inside::file(path)
+    let content = PathInFolder::file(path)
         .bytes()
         .map_err(|e| e.to_string())
         .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
@@ -181,22 +181,22 @@ fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
 
 /// What the records of a folder say together.
 #[derive(Default)]
-struct Gathered {
+struct FolderRecords {
     files: Vec<RecordFile>,
     programs: BTreeSet<String>,
     definitions: BTreeSet<u32>,
     devices: Vec<DeviceInfo>,
     measurements: Vec<Measurement>,
     /// The index of each measurement, so that one that comes again is recognised.
-    known: HashMap<Measured, usize>,
+    known: HashMap<MeasurementKey, usize>,
     /// Cases of the stress study that failed, and all cases.
     stress: [usize; 2],
 }
 
 /// What tells measurements of a run apart: device, setting, view, method and quantity.
-type Measured = (usize, Setting, String, String, Quantity);
+type MeasurementKey = (usize, Setting, String, String, Quantity);
 
-impl Gathered {
+impl FolderRecords {
     /// Adds the records of a file, and a note for those that do not count.
     fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
         let (mut bad, mut again) = (Vec::new(), 0);
@@ -252,8 +252,8 @@ impl Gathered {
 }
 
 /// The totals of a run's raw samples, if it has any.
-fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::Run>> {
-    let file = Inside::folder(folder).join(SAMPLES);
+fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<compare::Run>> {
+    let file = PathInFolder::folder(folder).join(SAMPLES);
     if file.open()?.is_none() {
         return Ok(None);
     }

@@ -8,7 +8,7 @@
 
 use super::images::write_rgba_png;
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
 use crate::reference::world::{RAY_START_M, WorldReference};
@@ -51,7 +51,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// [`Error::Usage`] for an orthographic camera, and errors of writing files.
-pub fn export(folder: &Inside, what: &Export) -> Result<Exported> {
+pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     let fov_y_radians = what.camera.lens.fov_y_radians().ok_or_else(|| {
         let message = "scenes are exported for Mitsuba with perspectives alone, and this camera is orthographic";
         Error::Usage(message.into())
@@ -207,7 +207,7 @@ fn description(what: &Export, materials: &[Material]) -> Value {
 }
 
 /// The folder of the arrays.
-struct Arrays<'a>(&'a Inside);
+struct Arrays<'a>(&'a PathInFolder);
 
 impl Arrays<'_> {
     /// What each pixel's centre sees: direction, mesh and triangle (−1: none), position, lit colour.
@@ -299,7 +299,7 @@ mod tests {
         let camera = Camera::new(view.eye, view.look_at, scene.lens, 1.5);
         let folder = tempfile::tempdir().expect("a folder");
         let what = Export { scene: &scene, materials: &scene.materials, camera, extent: [12, 8], samples: 2, seed: 1 };
-        let exported = export(&Inside::folder(folder.path()), &what).expect("an export");
+        let exported = export(&PathInFolder::folder(folder.path()), &what).expect("an export");
         assert_eq!(exported.triangles, scene.triangle_count());
         let read = |name: &str| std::fs::read(folder.path().join(name)).expect(name);
 

@@ -40,7 +40,7 @@ pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     lines.extend(report.world_end.as_ref().map(|end| ("world", world(end))));
     match &report.walk {
         Some(walk) => lines.extend([
-            ("walk", walked(walk)),
+            ("walk", walk_text(walk)),
             ("last cell", walk.last.as_ref().map_or_else(|| "none".to_owned(), cell)),
         ]),
         None if report.surface.reflects => {
@@ -105,7 +105,7 @@ fn where_seen(pixel: Option<[impl std::fmt::Display; 2]>) -> String {
     pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default()
 }
 
-fn walked(walk: &WalkReport) -> String {
+fn walk_text(walk: &WalkReport) -> String {
     format!("{}; it {}", counted(walk.steps, "step"), walk.end)
 }
 

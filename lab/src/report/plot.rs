@@ -40,7 +40,7 @@ pub struct DrawnChart {
 ///
 /// # Errors
 /// What the drawing library says.
-pub fn drawn<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
+pub fn draw_charts<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
     let draw = |chart: Chart| Ok(DrawnChart { svg: draw(&chart.drawing)?, chart });
     R::charts(rows).into_iter().map(draw).collect()
 }
@@ -52,7 +52,7 @@ pub fn drawn<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
 pub fn draw(drawing: &Drawing) -> Result<String, String> {
     let svg = match drawing {
         Drawing::Lines([x, y], all) => lines(all, [x, y]),
-        Drawing::Points([x, y], points) => against(points, [x, y]),
+        Drawing::Points([x, y], points) => draw_cost_against_error(points, [x, y]),
         Drawing::Bars(bars) => stage_bars(bars),
     };
     svg.map(|svg| without_obeyed(&svg, is_obeyed_in_lines).into_owned())
@@ -135,7 +135,7 @@ fn legend_height(stages: &[String]) -> u32 {
 
 /// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected. A point without
 /// an error has no place on a log axis, and stands at its foot, at a tick that says 0.
-fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
+fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
     let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
@@ -370,14 +370,14 @@ mod tests {
     fn a_point_without_an_error_stands_at_the_foot() {
         let point = |name: &str, position, on_front| NamedPoint { name: name.into(), position, on_front };
         let points = [point("exact", [5.0, 0.0], true), point("wrong", [9.0, 0.2], false)];
-        let svg = against(&points, ["ms", "error"]).unwrap_or_default();
+        let svg = draw_cost_against_error(&points, ["ms", "error"]).unwrap_or_default();
         let circles: Vec<_> =
             svg.split("<circle").skip(1).filter_map(|c| c.split("cy=\"").nth(1)?.split('"').next()).collect();
         let lowest = |n: usize| circles[n].parse::<i32>().unwrap_or_default();
         assert!(circles.len() == 2 && lowest(0) > lowest(1), "{circles:?}");
         assert!(svg.contains(">\n0\n<"), "a tick says 0");
-        assert!(!against(&points[1..], ["ms", "error"]).unwrap_or_default().contains(">\n0\n<"));
-        assert!(against(&points[..1], ["ms", "error"]).is_ok());
+        assert!(!draw_cost_against_error(&points[1..], ["ms", "error"]).unwrap_or_default().contains(">\n0\n<"));
+        assert!(draw_cost_against_error(&points[..1], ["ms", "error"]).is_ok());
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::plot::{self, DrawnChart};
 use super::{clips, files, tables};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::study::cell_list::CellList;
 use crate::study::columns::Columns;
 use crate::study::engine::Row;
@@ -57,7 +57,7 @@ impl<R: Row> Results<'_, R> {
     ///
     /// # Errors
     /// [`Error::Io`] with the file that cannot be written.
-    pub fn write(&self, folder: &Inside) -> Result<()> {
+    pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         let apart = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
         for (n, (device, rows)) in apart.iter().enumerate() {
@@ -80,18 +80,18 @@ impl<R: Row> Results<'_, R> {
         folder.join(PAGE).write(self.page(self.rows, &parts).as_bytes())
     }
 
-    fn part(&self, folder: &Inside, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
+    fn part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
         let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
         // An interrupted run may lack the pictures of what it measured.
         clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_there()));
-        let charts = plot::drawn(rows).map_err(failed)?;
+        let charts = plot::draw_charts(rows).map_err(failed)?;
         let tables = R::tables(rows, &self.list.settings);
         Ok(DevicePart { device: device.clone(), folder: None, charts, tables, clips })
     }
 
     /// The files of one device, but for the page.
-    fn write_part(&self, folder: &Inside, rows: &[R], part: &DevicePart) -> Result<()> {
+    fn write_part(&self, folder: &PathInFolder, rows: &[R], part: &DevicePart) -> Result<()> {
         let write = |name: &str, text: &str| folder.join(name).write(text.as_bytes());
         for (stem, rows) in R::files(rows) {
             write(&format!("{stem}.json"), &files::json(&rows))?;
@@ -163,7 +163,7 @@ fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be written, and for a film that is too large for its format.
-pub fn keep(folder: &Inside, file: &ExtraFile) -> Result<()> {
+pub fn keep(folder: &PathInFolder, file: &ExtraFile) -> Result<()> {
     let path = folder.join(&file.path);
     match &file.content {
         Content::Picture([width, height], bytes) => {
@@ -174,7 +174,7 @@ pub fn keep(folder: &Inside, file: &ExtraFile) -> Result<()> {
             write_exr(&path, &pixels, &[name])
         }
         Content::Film(film, frames_per_second) => {
-            let encoded = clips::animated(film, *frames_per_second);
+            let encoded = clips::encode_animation(film, *frames_per_second);
             path.write(&encoded.map_err(|e| Error::io("encode", path.path(), std::io::Error::other(e)))?)
         }
     }

@@ -1,7 +1,7 @@
 //! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
 
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::study::cell_list::CellList;
 use crate::study::journal::{self, Journal};
 use crate::study::merge::{Line, MergeInput};
@@ -26,26 +26,26 @@ const FINISHED: &str = "{\"finished\":true}";
 /// Whether the last line of a folder's journal says that its run was finished; false if there is no journal.
 ///
 /// # Errors
-/// The errors of [`Inside::read`].
-pub fn is_finished(folder: &Inside) -> Result<bool> {
+/// The errors of [`PathInFolder::read`].
+pub fn is_finished(folder: &PathInFolder) -> Result<bool> {
     let text = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED))
 }
 
 /// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
 /// back.
-pub struct Claim {
-    folder: Inside,
+pub struct FolderClaim {
+    folder: PathInFolder,
     _lock: File,
 }
 
-impl Claim {
+impl FolderClaim {
     /// Makes the folder if it is missing, sees whether it can be written into, and locks it.
     ///
     /// # Errors
     /// [`Error::Io`] for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
     pub fn new(folder: &Path) -> Result<Self> {
-        let inside = Inside::folder(folder);
+        let inside = PathInFolder::folder(folder);
         inside.make()?;
         inside.check_writable()?;
         let lock = lockable(folder).map_err(|e| Error::io("open", folder, e))?;
@@ -137,7 +137,7 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
         Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::io("read", folder, e)),
         Err(_) => None,
     };
-    let inside = Inside::folder(folder);
+    let inside = PathInFolder::folder(folder);
     let Some(text) = inside.join(CELLS).read()? else {
         let what = "does not say which cells it has (no cells.json): it is no folder of a run that can be merged";
         return Err(Error::malformed(folder, None, what));
@@ -166,8 +166,8 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
 /// The keys of everything that the journal of a folder has, for whoever is about to write over it.
 ///
 /// # Errors
-/// The errors of [`Inside::read`].
-pub fn keys(folder: &Inside) -> Result<BTreeSet<String>> {
+/// The errors of [`PathInFolder::read`].
+pub fn keys(folder: &PathInFolder) -> Result<BTreeSet<String>> {
     let bytes = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&bytes).lines().filter_map(journal::key_of).collect())
 }
@@ -181,7 +181,7 @@ fn lockable(folder: &Path) -> std::io::Result<File> {
 /// What is locked: a file in it, where a folder cannot be.
 #[cfg(not(unix))]
 fn lockable(folder: &Path) -> std::io::Result<File> {
-    Inside::folder(folder).join(".ssct-lock").append().map_err(std::io::Error::other)
+    PathInFolder::folder(folder).join(".ssct-lock").append().map_err(std::io::Error::other)
 }
 
 #[cfg(test)]
@@ -192,8 +192,8 @@ mod tests {
     fn a_folder_is_one_runs_and_its_journal_goes_on_from_whole_lines() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("new/folder");
-        let claim = Claim::new(&path).expect("free");
-        assert!(matches!(Claim::new(&path), Err(Error::Busy { .. })));
+        let claim = FolderClaim::new(&path).expect("free");
+        assert!(matches!(FolderClaim::new(&path), Err(Error::Busy { .. })));
         let mut journal = claim.journal(false).expect("empty");
         journal.put("a".into(), &1).expect("written");
         journal.put("b".into(), &2).expect("written");
@@ -204,7 +204,7 @@ mod tests {
         let mut text = std::fs::read(&file).expect("there");
         text.extend(b"{\"key\":\"c\",\"val");
         std::fs::write(&file, text).expect("written");
-        let claim = Claim::new(&path).expect("free again");
+        let claim = FolderClaim::new(&path).expect("free again");
         let refused = claim.journal(false).err().expect("not over what was measured").to_string();
         assert!(refused.contains("was not finished"), "{refused}");
         let mut journal = claim.journal(true).expect("there");

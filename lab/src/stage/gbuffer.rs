@@ -78,7 +78,7 @@ pub fn read_sky(stage: &mut Stage) -> Result<SkyCube> {
 }
 
 /// What a method makes of a G-buffer.
-pub struct Reflected {
+pub struct ReflectedImages {
     /// Linear colour, RGBA.
     pub composite: Pixels,
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
@@ -95,7 +95,7 @@ pub fn reflect(
     captures: Option<&CaptureFolder>,
     method: &MethodInfo,
     setup: &Setup,
-) -> Result<Reflected> {
+) -> Result<ReflectedImages> {
     let mut context = FrameContext::new(gpu)?;
     let images = GBufferImages::upload(&mut context, data)?;
     let setup = setup.at([data.width, data.height]).seen_by(data.camera.kind());
@@ -130,7 +130,7 @@ pub fn reflect_in(
     data: &GBufferData,
     method: &MethodInfo,
     setup: &Setup,
-) -> Result<Reflected> {
+) -> Result<ReflectedImages> {
     let mut stage = Stage::new(gpu, scene)?;
     let (context, scene_data) = stage.parts();
     let images = GBufferImages::upload(context, data)?;
@@ -142,13 +142,20 @@ pub fn reflect_in(
     reflected(context, &effect, &input)
 }
 
-fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<Reflected> {
-    let output = at_rest(context, effect, input)?;
-    Ok(Reflected { composite: context.read(output.composite.level(0))?, reflection: reflection(context, &output)? })
+fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<ReflectedImages> {
+    let output = reflect_at_rest(context, effect, input)?;
+    Ok(ReflectedImages {
+        composite: context.read(output.composite.level(0))?,
+        reflection: reflection(context, &output)?,
+    })
 }
 
 /// What an effect makes of a G-buffer at rest: with a history, after as many frames as this averages, from the first on.
-pub fn at_rest<'a>(context: &mut FrameContext, effect: &'a Effect, input: &Input<'a, '_>) -> Result<Output<'a>> {
+pub fn reflect_at_rest<'a>(
+    context: &mut FrameContext,
+    effect: &'a Effect,
+    input: &Input<'a, '_>,
+) -> Result<Output<'a>> {
     effect.restart_history();
     for _ in 1..effect.frames_at_rest() {
         let mut frame = context.begin(Mode::Plain)?;

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::{FrameReport, ImageSlice, Pixels};
 use crate::methods::{Intermediate, Output};
 use crate::passes::Content;
-use crate::passes::gbuffer::Drawn;
+use crate::passes::gbuffer::DrawnCounts;
 use crate::passes::pyramid;
 
 /// A finished image and how it was made.
@@ -16,7 +16,7 @@ pub struct RenderedImage {
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
     pub reflection: Pixels,
     /// Meshes drawn and culled.
-    pub drawn: Drawn,
+    pub drawn: DrawnCounts,
     /// Passes recorded.
     pub report: FrameReport,
     /// Where each ray ended, if the shot was made with hits and the method tells.

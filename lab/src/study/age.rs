@@ -6,7 +6,7 @@ use super::engine::{Bench, Planned, Row, Study};
 use super::exhibit::{Chart, Drawing, Line, Table};
 use super::journal::scene_digest;
 use super::names::cell_name;
-use super::record::{Head, Of, Provenance, Stats};
+use super::record::{Head, Provenance, RecordSubject, Stats};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
@@ -202,7 +202,7 @@ impl Study for AgeStudy {
             let shot = Shot::new(&mut stage, cell.method, &setup, Wants::REFLECTION, camera, materials.clone())?;
             let place = (&self.scene, &self.view);
             let record = AgeRecord {
-                head: Head::new("age", bench.gpu, place, Of::Method(cell.method), &setup, &cell.globals),
+                head: Head::new("age", bench.gpu, place, RecordSubject::Method(cell.method), &setup, &cell.globals),
                 moving: self.moving.clone(),
                 step_m: self.step_m.to_array(),
                 faces_per_frame: faces,

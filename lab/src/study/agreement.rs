@@ -5,7 +5,7 @@ use super::columns::{Column, columns, figure, part};
 use super::compare::display;
 use super::exhibit::Table;
 use super::names::name_among;
-use super::record::{Head, Of};
+use super::record::{Head, RecordSubject};
 use super::ties::is_tie;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu, Pixels, Precision};
@@ -17,7 +17,7 @@ use crate::passes::GBuffer;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
 use crate::scene::{GBufferData, Scene, View};
-use crate::stage::gbuffer::{self, at_rest, hit_positions};
+use crate::stage::gbuffer::{self, hit_positions, reflect_at_rest};
 use crate::stage::{Globals, Shot, Stage};
 use std::rc::Rc;
 
@@ -177,7 +177,7 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
         let effect = Effect::new(context, method, &setup, Wants::HITS, Some(&beside))?;
         let sky = Some(scene.sky());
         let input = Input { scene: Some(beside), sky, ..Input::of_screen(gbuffer, &data.camera) };
-        let output = at_rest(context, &effect, &input)?;
+        let output = reflect_at_rest(context, &effect, &input)?;
         all.push(DeviceImage {
             method,
             reflection: gbuffer::reflection(context, &output)?,
@@ -209,7 +209,14 @@ pub fn compare(
         let told = made.method.follows_oracle && version.is_first() && mirrors;
         let ties = positions.as_ref().filter(|_| told).map(|ends| ties_of(data, &mask, ends));
         AgreementRecord {
-            head: Head::new("agreement", gpu, (spec.scene, spec.view), Of::Method(made.method), &setup, &spec.globals),
+            head: Head::new(
+                "agreement",
+                gpu,
+                (spec.scene, spec.view),
+                RecordSubject::Method(made.method),
+                &setup,
+                &spec.globals,
+            ),
             base: base.clone(),
             pixels: mask.iter().filter(|m| **m).count(),
             hits: positions.map(|[a, b]| HitAgreement::new(&mask, &b, &a)).unwrap_or_default(),

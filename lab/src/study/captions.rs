@@ -3,7 +3,7 @@
 
 use super::exhibit::Table;
 use super::names::roughness;
-use super::record::{Head, Of};
+use super::record::{Head, RecordSubject};
 use super::{Stats, TimeRecord};
 use crate::gpu::Gpu;
 use crate::methods::Setup;
@@ -91,7 +91,7 @@ pub fn time_reference(
     let reference = WorldReference::new(&world, &first_hits, &camera, 1);
     let mut state = reference.start();
     reference.add(&mut state, rays);
-    let subject = Of::Other { name: REFERENCE, method: None };
+    let subject = RecordSubject::Other { name: REFERENCE, method: None };
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
     let head = Head::new("reference", gpu, (scene, view), subject, &setup, globals);
     ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
@@ -116,7 +116,7 @@ impl Pair {
 
 /// A caption beside its measurement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compared {
+pub struct ComparedCaption {
     /// The caption.
     pub caption: Caption,
     /// Roughness here; the captions give none.
@@ -129,7 +129,7 @@ pub struct Compared {
 
 /// Sets measurements beside their captions, one row for each caption and roughness that SSCT was
 /// measured at.
-pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Compared> {
+pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<ComparedCaption> {
     let is_match =
         |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
     let rows = CAPTIONS.iter().flat_map(|caption| {
@@ -139,7 +139,7 @@ pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Comp
             let method = here.clone().find(|r| same(&r.head)).map(|r| r.total.median_ms);
             let reference = references.iter().find(|r| is_match(&r.head, caption) && same(&r.head)).map(|r| r.wall_ms);
             let Stats { median_ms, .. } = ssct.total;
-            Compared {
+            ComparedCaption {
                 caption: *caption,
                 roughness: ssct.head.roughness,
                 published: Pair::new(caption.ssct_ms, caption.other_ms),
@@ -165,7 +165,7 @@ pub fn table(records: &[TimeRecord], references: &[ReferenceTime]) -> Table {
 }
 
 /// The thesis's captions beside our own times: milliseconds, and ratios to SSCT.
-fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
+fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
     let header = [
         "figure",
         "view",

@@ -219,7 +219,7 @@ impl Judgement {
 fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     let [Some(a), Some(b)] = sides else { return None };
     if paired {
-        let pairs = a.beside(b);
+        let pairs = a.paired_times(b);
         return Some((median_of_ratios(&pairs, SEED)?, pairs.len()));
     }
     Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
@@ -273,7 +273,7 @@ pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
     let [groups_a, groups_b] = groups_of_both(a, b);
     let (first, _) = groups_a.first()?;
     let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(s, _)| s))?;
-    Some(([first.told_from(other, "--"), other.told_from(first, "--")], first.place() == other.place()))
+    Some(([first.difference_from(other, "--"), other.difference_from(first, "--")], first.place() == other.place()))
 }
 
 /// What is wrong with a comparison of something with itself.

@@ -157,15 +157,15 @@ impl Bench<'_> {
 }
 
 /// What was made last, which is kept as long as the same is asked for.
-pub struct Last<K, T>(Option<(K, T)>);
+pub struct LastMade<K, T>(Option<(K, T)>);
 
-impl<K, T> Default for Last<K, T> {
+impl<K, T> Default for LastMade<K, T> {
     fn default() -> Self {
         Self(None)
     }
 }
 
-impl<K: PartialEq, T> Last<K, T> {
+impl<K: PartialEq, T> LastMade<K, T> {
     /// What was made last, if it was made for this key; otherwise it is dropped first, for its memory, and a new one is
     /// made.
     ///

@@ -11,13 +11,13 @@ mod truth;
 pub use self::judged::ImageError;
 use self::judged::{MethodHits, Record};
 pub use self::pictures::{flip_file, picture_file};
-pub use self::row::{Against, ErrorRecord, source_table};
+pub use self::row::{ErrorRecord, ErrorReference, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
 use super::compare::{SEED, display};
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
-use super::record::{Of, Stats};
+use super::record::{RecordSubject, Stats};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
@@ -182,7 +182,7 @@ fn measure(
         let mut hits = None;
         let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
         if variant.method.is_screen_space() || among_triangles {
-            let setup = alone(&variant.setup);
+            let setup = without_fallback(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;
             let (_, _, output) = stage.output(&traced)?;
             let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
@@ -191,7 +191,7 @@ fn measure(
                 ends: gbuffer::ray_ends(&p, &truth.data),
             });
         }
-        let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(&time));
+        let mut head = Record::new(gpu, spec, RecordSubject::Method(variant.method), &variant.setup, Some(&time));
         head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
         let is_same = |other: &&Variant| other.method.name == variant.method.name;
@@ -202,17 +202,18 @@ fn measure(
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
-        let setup = alone(&variant.setup);
+        let setup = without_fallback(&variant.setup);
         let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
-        let subject = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
+        let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
         let head = Record::new(gpu, spec, subject, &setup, None);
         cell.records.extend(head.against_all(&truth, true, &color, None));
         let exact = Variant { setup: setup.clone(), ..variant.clone() };
         cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
         for screen in &truth.screens {
             let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
-            let head = Record::new(gpu, spec, Of::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
-            cell.records.push(head.image(Against::World, &truth, &truth.world, &screen.image.color));
+            let head =
+                Record::new(gpu, spec, RecordSubject::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
+            cell.records.push(head.image(ErrorReference::World, &truth, &truth.world, &screen.image.color));
         }
     }
     Ok(cell)
@@ -279,7 +280,7 @@ fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
 }
 
 /// The time of a variant in a cell, in milliseconds.
-struct Timed {
+struct VariantTime {
     median_ms: f64,
     /// Both ends of the interval of the median over resamples of the frames; `None` with too few frames.
     interval: Option<[f64; 2]>,
@@ -292,14 +293,14 @@ fn totals(
     shots: &mut [Shot],
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<Vec<Timed>> {
+) -> Result<Vec<VariantTime>> {
     let cell = spec.digest(gpu);
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, shots, &rounds, &key, journal, go_on)?;
     let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
-    let timed = |samples: Vec<f64>| Timed {
+    let timed = |samples: Vec<f64>| VariantTime {
         median_ms: Stats::of(&samples).median_ms,
         interval: interval_of_median(&samples, SEED),
     };
@@ -307,7 +308,7 @@ fn totals(
 }
 
 /// A method without what lies behind it, whose rays go where they go in front of that.
-fn alone(setup: &Setup) -> Setup {
+fn without_fallback(setup: &Setup) -> Setup {
     let beyond = setup.effect().beyond(true);
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
 }

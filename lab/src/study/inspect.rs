@@ -17,7 +17,7 @@ use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
 use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
-use crate::reference::unified::{CubeWalk, Seen, Traversal};
+use crate::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
 use crate::reference::{Level, Oracle, Trace};
 use crate::scene::GBufferData;
 use glam::{Vec2, Vec3};
@@ -370,8 +370,8 @@ impl Inspection {
             let [u, v, depth] = [0, 1, 2].map(|c| f64::from(texel[c]));
             place(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
         } else if self.is_followed {
-            match CubeWalk::new(&g.camera, &[]).on_screen(&self.traversal(), x, y) {
-                Seen::Lost(ray) => g.camera.eye() + ray.start,
+            match CaptureTraversal::new(&g.camera, &[]).trace_screen(&self.traversal(), x, y) {
+                ScreenRayEnd::Lost(ray) => g.camera.eye() + ray.start,
                 _ => begin,
             }
         } else {

@@ -7,7 +7,7 @@ use super::zones::Zones;
 use crate::error::Result;
 use crate::gpu::FrameReport;
 use crate::gpu::frame::Mode;
-use crate::passes::gbuffer::Drawn;
+use crate::passes::gbuffer::DrawnCounts;
 use crate::scene::Camera;
 use crate::stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ pub struct Sample {
     /// Its passes and their times.
     pub report: FrameReport,
     /// What the scene passes drew.
-    pub drawn: Drawn,
+    pub drawn: DrawnCounts,
 }
 
 impl Sample {

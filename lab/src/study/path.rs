@@ -8,7 +8,7 @@ use super::exhibit::{Chart, Drawing, Line};
 use super::interleave::{Round, interleave, kept};
 use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
-use super::record::{Head, Of, Provenance, Stats};
+use super::record::{Head, Provenance, RecordSubject, Stats};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
@@ -191,7 +191,7 @@ impl Study for PathStudy {
 
     fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
         let (start, setup) = (self.view(0), self.setup.at(planned.cell));
-        let head = |m| Head::new("path", gpu, (&self.scene, &start), Of::Method(m), &setup, &self.globals);
+        let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);
         let heads = self.methods.iter().map(|m| json!(head(m)));
         self.prefixes(gpu, planned.cell).into_iter().zip(heads).collect()
     }

@@ -10,7 +10,7 @@ use crate::metrics::verdict::{PixelVerdict, difference};
 use crate::passes::PathCode;
 use crate::reference::Outcome;
 use crate::reference::first_hits::FirstHits;
-use crate::reference::pixel::{Estimated, PixelInWorld, PixelSampling, Unseen, all_references, references};
+use crate::reference::pixel::{EstimatedColor, PixelInWorld, PixelSampling, UnseenReason, all_references, references};
 use crate::reference::surface::World;
 use crate::reference::world_hits::WorldHit;
 use crate::scene::{Camera, GBufferData, Surface};
@@ -25,7 +25,7 @@ pub const PICTURE_RAYS: u32 = 16;
 
 /// What a frame made, on the host: images of one size.
 #[derive(Clone, Copy)]
-pub struct Made<'a> {
+pub struct MethodImages<'a> {
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
     pub reflection: &'a Pixels,
     /// The finished image, linear.
@@ -205,7 +205,7 @@ pub struct LastCell {
 /// Explains a pixel of a frame; `None` off the picture.
 pub fn explain(
     inspection: &Inspection,
-    made: Made,
+    made: MethodImages,
     world: &World,
     method: PixelMethod,
     pixel: [u32; 2],
@@ -239,7 +239,7 @@ pub fn explain(
 }
 
 /// Judges the reflection of every pixel of a frame, rows from the top.
-pub fn verdicts(inspection: &Inspection, made: Made, world: &World, bounces: u32) -> Vec<PixelVerdict> {
+pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, bounces: u32) -> Vec<PixelVerdict> {
     let gbuffer = &inspection.gbuffer;
     let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle() };
     let (screens, worlds) = all_references(world, gbuffer, sampling);
@@ -268,13 +268,18 @@ impl SurfaceReport {
 }
 
 impl ColorReport {
-    fn new(gbuffer: &GBufferData, made: Made, [x, y]: [u32; 2], references: Option<(Estimated, Estimated)>) -> Self {
+    fn new(
+        gbuffer: &GBufferData,
+        made: MethodImages,
+        [x, y]: [u32; 2],
+        references: Option<(EstimatedColor, EstimatedColor)>,
+    ) -> Self {
         let index = gbuffer.index(x, y);
         let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.at(x, y)[c]);
         let image = color(made.composite);
         let fade = made.reflection.at(x, y)[3];
         let shown = fade * Vec3::from(color(made.reflection));
-        let reference = |found: Estimated| ReferenceColor {
+        let reference = |found: EstimatedColor| ReferenceColor {
             difference: difference(shown, found.color),
             color: found.color.to_array(),
             standard_error: found.standard_error.to_array(),
@@ -343,8 +348,8 @@ impl WorldEnd {
             }
         };
         let (hidden_by, shown_view_z_m) = match &found.unseen {
-            Some(Unseen::Hidden { by, view_z_m }) => (by.clone(), Some(*view_z_m)),
-            Some(Unseen::NotDrawn { view_z_m }) => (None, Some(*view_z_m).filter(|z| z.is_finite())),
+            Some(UnseenReason::Hidden { by, view_z_m }) => (by.clone(), Some(*view_z_m)),
+            Some(UnseenReason::NotDrawn { view_z_m }) => (None, Some(*view_z_m).filter(|z| z.is_finite())),
             _ => (None, None),
         };
         let is_before_near = view_z_m < f64::from(camera.lens.near_m);
@@ -355,7 +360,7 @@ impl WorldEnd {
             view_z_m: Some(view_z_m),
             pixel: pixel.map(|p| p.to_array()),
             shown: visible,
-            hidden: found.unseen.as_ref().map(|unseen| reasons::unseen(unseen, is_before_near)),
+            hidden: found.unseen.as_ref().map(|unseen| reasons::unseen_text(unseen, is_before_near)),
             hidden_by,
             shown_view_z_m,
         })

@@ -12,7 +12,7 @@ use super::columns::{columns, figure, part};
 use super::engine::{Bench, Planned, Study};
 use super::journal::scene_digest;
 use super::names::cell_name;
-use super::record::{Head, Of};
+use super::record::{Head, RecordSubject};
 use crate::error::Result;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
@@ -27,7 +27,7 @@ use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::{World, sky_color};
 use crate::scene::{Camera, GBufferData, Scene, Surface, View};
 use crate::stage::Globals;
-use crate::stage::gbuffer::{at_rest, hit_positions, reflection};
+use crate::stage::gbuffer::{hit_positions, reflect_at_rest, reflection};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::json;
@@ -61,14 +61,14 @@ columns! {
 
 /// A G-buffer before any format rounds it.
 #[derive(Debug, Clone)]
-pub struct Exact {
+pub struct ExactGBuffer {
     /// Everything in f32; reflectivity and roughness as 16-bit floats hold them.
     pub data: GBufferData,
     /// Reversed depth in f64.
     pub depth: Vec<f64>,
 }
 
-impl Exact {
+impl ExactGBuffer {
     /// Traces the pixels' centres.
     pub fn trace(world: &World, camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let rays = PrimaryRays::new(camera, [width, height]);
@@ -129,7 +129,7 @@ pub struct PrecisionSpec<'a> {
 
 /// The unrounded G-buffer, and what is true there.
 struct Truth {
-    exact: Exact,
+    exact: ExactGBuffer,
     /// Reflecting pixels.
     mask: Vec<bool>,
     /// The oracle's hits, if every reflector is a mirror.
@@ -145,7 +145,7 @@ impl Truth {
     fn new(spec: &PrecisionSpec) -> Self {
         let materials = spec.globals.materials(spec.scene, spec.view);
         let world = World::new(spec.scene, &materials);
-        let exact = Exact::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
+        let exact = ExactGBuffer::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
         let mirrors = mask.iter().zip(&exact.data.roughness).all(|(m, r)| !m || *r <= 0.0);
         let screen = screen(&exact.data, &mask, spec);
@@ -161,7 +161,7 @@ impl Truth {
     fn record(
         &self,
         spec: &PrecisionSpec,
-        subject: Of,
+        subject: RecordSubject,
         (storage, stored): (Storage, &GBufferData),
         color: &[[f32; 3]],
         hits: Option<&Hits>,
@@ -260,7 +260,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
             let hits = oracle_hits(&stored, &truth.mask);
             records.push(truth.record(
                 spec,
-                Of::Other { name: ORACLE, method: None },
+                RecordSubject::Other { name: ORACLE, method: None },
                 (storage, &stored),
                 &color,
                 Some(&hits),
@@ -272,11 +272,11 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
         for (method, effect) in &effects {
             let images = if method.follows_oracle { &own } else { &wide };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
-            let output = at_rest(&mut context, effect, &input)?;
+            let output = reflect_at_rest(&mut context, effect, &input)?;
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
             let hits = output.traced.hits.map(|h| context.read(h.0.all())).transpose()?;
             let hits = hits.map(|image| hit_positions(&image));
-            records.push(truth.record(spec, Of::Method(method), (storage, &stored), &color, hits.as_ref()));
+            records.push(truth.record(spec, RecordSubject::Method(method), (storage, &stored), &color, hits.as_ref()));
         }
     }
     Ok(records)

@@ -4,7 +4,7 @@
 //! The README's figures are medians over many views. So that like is held against like, the numbers of the views that are
 //! measured here come with them (`readme.csv`, which `make docs` writes from the README's own records).
 
-use super::error::{Against, ErrorRecord, Variant};
+use super::error::{ErrorRecord, ErrorReference, Variant};
 use super::exhibit::Table;
 use super::record::{Head, TimeRecord};
 use crate::error::{Error, Result};
@@ -36,7 +36,8 @@ const SHARE_TOLERANCE: f64 = 0.002;
 
 /// A number of the README as its record has it on one view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Quoted {
+#[serde(rename = "Quoted")]
+pub struct QuotedNumber {
     /// Which table or text of the README.
     pub place: String,
     /// Its row there.
@@ -110,7 +111,7 @@ pub struct ReadmeRecord {
     pub kind: &'static str,
     /// Where the number stands, and what it says.
     #[serde(flatten)]
-    pub quoted: Quoted,
+    pub quoted: QuotedNumber,
     /// The number by the README's records: the median of the views that were measured here.
     pub there: Option<f64>,
     /// The median of the same views here.
@@ -122,7 +123,7 @@ pub struct ReadmeRecord {
 }
 
 /// What was measured here.
-pub struct Measured<'a> {
+pub struct MeasuredRecords<'a> {
     /// Times of [`variants`].
     pub times: &'a [TimeRecord],
     /// Errors of them.
@@ -157,23 +158,23 @@ fn name(head: &Head) -> String {
     if is_alone { ON_SCREEN.to_owned() } else { head.method.clone() }
 }
 
-impl Measured<'_> {
+impl MeasuredRecords<'_> {
     /// A number of the README on its view, as measured here.
-    fn value(&self, quoted: &Quoted) -> Option<f64> {
+    fn value(&self, quoted: &QuotedNumber) -> Option<f64> {
         let one = |variant: &str| match quoted.figure {
             Figure::Time => {
                 let mut own = self.times.iter().filter(|r| is_of(&r.head, quoted, variant));
                 own.next().map(|r| r.total.median_ms)
             }
             Figure::Error => {
-                let against = if quoted.variant == ON_SCREEN { Against::Screen } else { Against::World };
+                let against = if quoted.variant == ON_SCREEN { ErrorReference::Screen } else { ErrorReference::World };
                 let own = self.error(quoted, variant, against)?;
                 // The reference's own variance is no error of the method's.
                 let noise = own.image.standard_error.unwrap_or_default();
                 own.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
             }
-            Figure::Ends => self.error(quoted, variant, Against::World)?.place_agreement,
-            Figure::Hits => self.error(quoted, variant, Against::Oracle)?.hits.hit_agreement,
+            Figure::Ends => self.error(quoted, variant, ErrorReference::World)?.place_agreement,
+            Figure::Hits => self.error(quoted, variant, ErrorReference::Oracle)?.hits.hit_agreement,
             Figure::Elsewhere => None,
         };
         let value = one(&quoted.variant)?;
@@ -184,12 +185,12 @@ impl Measured<'_> {
         }
     }
 
-    fn error(&self, quoted: &Quoted, variant: &str, against: Against) -> Option<&ErrorRecord> {
+    fn error(&self, quoted: &QuotedNumber, variant: &str, against: ErrorReference) -> Option<&ErrorRecord> {
         self.errors.iter().find(|r| r.against == against && is_of(&r.head, quoted, variant))
     }
 }
 
-fn is_of(head: &Head, quoted: &Quoted, variant: &str) -> bool {
+fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
     let is_there = head.scene == quoted.scene && head.view == quoted.view && name(head) == variant;
     let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
     is_there && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| near(a, b))
@@ -199,7 +200,7 @@ fn is_of(head: &Head, quoted: &Quoted, variant: &str) -> bool {
 ///
 /// # Errors
 /// [`Error::Usage`] if the file cannot be read, which a test excludes.
-pub fn quoted() -> Result<Vec<Quoted>> {
+pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     let read = csv::Reader::from_reader(QUOTED.as_bytes()).into_deserialize().collect::<csv::Result<_>>();
     read.map_err(|e| Error::Usage(format!("the README's numbers: {e}")))
 }
@@ -207,11 +208,11 @@ pub fn quoted() -> Result<Vec<Quoted>> {
 /// Every number of the README beside what was measured.
 ///
 /// # Errors
-/// Errors of [`quoted`].
-pub fn compare(measured: &Measured) -> Result<Vec<ReadmeRecord>> {
+/// Errors of [`quoted_numbers`].
+pub fn compare(measured: &MeasuredRecords) -> Result<Vec<ReadmeRecord>> {
     let mut records: Vec<ReadmeRecord> = Vec::new();
-    let all = quoted()?;
-    let is_one = |a: &Quoted, b: &Quoted| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
+    let all = quoted_numbers()?;
+    let is_one = |a: &QuotedNumber, b: &QuotedNumber| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
     for views in all.chunk_by(is_one) {
         let pairs: Vec<_> = views.iter().filter_map(|q| q.value.zip(measured.value(q))).collect();
         let medians = || (median_of(pairs.iter().map(|p| p.0)), median_of(pairs.iter().map(|p| p.1)));
@@ -295,7 +296,7 @@ mod tests {
 
     #[test]
     fn every_number_is_of_a_view_that_is_measured_or_of_another_command() {
-        let all = quoted().unwrap();
+        let all = quoted_numbers().unwrap();
         let names = ["ssct", "hzct", ON_SCREEN, "unified", "traced"];
         for q in &all {
             let is_elsewhere = q.figure == Figure::Elsewhere;
@@ -319,7 +320,7 @@ mod tests {
 
     #[test]
     fn without_measurements_nothing_compares() {
-        let records = compare(&Measured { times: &[], errors: &[] }).unwrap();
+        let records = compare(&MeasuredRecords { times: &[], errors: &[] }).unwrap();
         assert!(records.len() > 20 && records.iter().all(|r| r.verdict == Verdict::NotComparable && r.views == 0));
         let table = table(&records);
         assert_eq!(table.cells.len(), records.len() + 1);

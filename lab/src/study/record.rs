@@ -7,8 +7,8 @@ use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
 use crate::methods::{self, EffectParams, MethodInfo, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
-use crate::passes::gbuffer::Drawn;
-use crate::scene::{Lens, Opening, Scene, View};
+use crate::passes::gbuffer::DrawnCounts;
+use crate::scene::{FieldOfView, Lens, Scene, View};
 use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
@@ -114,8 +114,8 @@ pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals
     let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
     let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
     let height = match lens.opening {
-        Opening::Angle(_) => None,
-        Opening::Height(height) => Some(("orthographic_height_m", Some(height))),
+        FieldOfView::Angle(_) => None,
+        FieldOfView::Height(height) => Some(("orthographic_height_m", Some(height))),
     };
     let factors = [
         ("fov_degrees", lens.fov_y_radians().map(f32::to_degrees)),
@@ -170,11 +170,18 @@ pub struct Head {
 impl Head {
     /// The head of a measurement by this program. What is of no method, such as a reference, is called by a name of its
     /// own.
-    pub fn new(kind: &str, gpu: &Gpu, place: (&Scene, &View), subject: Of, setup: &Setup, globals: &Globals) -> Self {
+    pub fn new(
+        kind: &str,
+        gpu: &Gpu,
+        place: (&Scene, &View),
+        subject: RecordSubject,
+        setup: &Setup,
+        globals: &Globals,
+    ) -> Self {
         let (scene, view) = place;
         let (name, method) = match subject {
-            Of::Method(method) => (method.name, Some(method)),
-            Of::Other { name, method } => (name, method),
+            RecordSubject::Method(method) => (method.name, Some(method)),
+            RecordSubject::Other { name, method } => (name, method),
         };
         Self {
             kind: kind.to_owned(),
@@ -274,7 +281,7 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
 
 /// What a record is of.
 #[derive(Clone, Copy)]
-pub enum Of<'a> {
+pub enum RecordSubject<'a> {
     /// A method.
     Method(&'a MethodInfo),
     /// Something else, with the method whose parameters it uses, if it uses any.
@@ -302,7 +309,7 @@ columns! {
         /// From the frame's first timestamp to its last, scene passes included.
         pub frame: Stats = nested(""),
         /// Meshes and triangles drawn.
-        pub drawn: Drawn,
+        pub drawn: DrawnCounts,
         /// Labels of the passes recorded.
         pub recorded: Vec<String>,
         /// Passes that the frame did not need.

@@ -6,12 +6,12 @@ pub mod compare;
 pub mod kinds;
 
 use super::columns::{columns, part, series, time};
-use super::engine::{Bench, Last, Planned, Row, Study};
+use super::engine::{Bench, LastMade, Planned, Row, Study};
 use super::error::Variant;
 use super::exhibit::Table;
 use super::journal::scene_digest;
 use super::names::cell_name;
-use super::record::{Head, Of, Provenance};
+use super::record::{Head, Provenance, RecordSubject};
 use crate::error::Result;
 use crate::gpu::executables::{CompiledProgram, Executable};
 use crate::gpu::frame::Mode;
@@ -40,7 +40,7 @@ pub struct ShadersStudy {
     /// Global factors. A roughness decides which programs a method runs.
     pub globals: Vec<Globals>,
     /// The scene on the device, once it is there.
-    pub stage: Last<(), Stage>,
+    pub stage: LastMade<(), Stage>,
 }
 
 columns! {
@@ -104,7 +104,7 @@ fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     names
 }
 
-fn shown(value: Option<f64>) -> String {
+fn statistic_text(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |v| if v.fract() == 0.0 { format!("{v:.0}") } else { format!("{v:.2}") })
 }
 
@@ -148,7 +148,7 @@ fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
         let here: Vec<&ShaderRecord> =
             rows.iter().filter(|r| r.runs_in == FRAME && frame(r) == (variant.clone(), roughness.clone())).collect();
         let value = |(name, fold): &(&String, Fold)| {
-            shown(here.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
+            statistic_text(here.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
         };
         let count = here.len().to_string();
         cells.push([variant, roughness, count].into_iter().chain(folded.iter().map(value)).collect());
@@ -162,7 +162,8 @@ fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<Strin
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
     for r in rows.iter().filter(|r| r.runs_in != PREPARE) {
         let own = [r.program.clone(), r.constants.clone(), r.stage.clone(), r.subgroup_size.to_string()];
-        let row: Vec<String> = own.into_iter().chain(names.iter().map(|name| shown(r.statistic(name)))).collect();
+        let row: Vec<String> =
+            own.into_iter().chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect();
         if !cells.contains(&row) {
             cells.push(row);
         }
@@ -177,7 +178,7 @@ fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let mut cells = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
     for r in rows {
         let own = r.identity().into_iter().chain([r.subgroup_size.to_string(), r.passes.clone()]);
-        cells.push(own.chain(names.iter().map(|name| shown(r.statistic(name)))).collect());
+        cells.push(own.chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect());
     }
     cells
 }
@@ -244,7 +245,7 @@ pub fn compiled(
     ran.retain(|p| p.counted);
     let is_other = |p: &CompiledProgram| ran.iter().all(|r| (&r.program, &r.constants) != (&p.program, &p.constants));
     rested.retain(|p| p.counted && is_other(p));
-    let head = Head::new("shaders", &gpu, (scene, view), Of::Method(method), &setup, globals);
+    let head = Head::new("shaders", &gpu, (scene, view), RecordSubject::Method(method), &setup, globals);
     let all = [(FRAME, &ran), (FRAME_AT_REST, &rested), (PREPARE, &prepared)];
     Ok(all.into_iter().flat_map(|(when, ran)| records(&head, when, ran)).collect())
 }

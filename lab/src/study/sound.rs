@@ -16,12 +16,12 @@ const SETUP: &str = "setup";
 pub fn fault<R: Columns>(record: &Value) -> Option<String> {
     let mut ranges = R::columns().ranges;
     ranges.extend(["width", "height"].map(|name| (name, [1.0, MOST_PIXELS])));
-    within(record, &ranges)
+    range_fault(record, &ranges)
 }
 
-fn within(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
+fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     match value {
-        Value::Array(items) => items.iter().find_map(|item| within(item, ranges)),
+        Value::Array(items) => items.iter().find_map(|item| range_fault(item, ranges)),
         Value::Object(fields) => {
             fields.iter().filter(|(name, _)| *name != SETUP).find_map(|(name, value)| field(name, value, ranges))
         }
@@ -39,7 +39,7 @@ fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -
         let is_name = safe_word(method) == method;
         return (!is_name).then(|| format!("has the method {method:?}, which is no name of a method"));
     }
-    within(value, ranges)
+    range_fault(value, ranges)
 }
 
 /// The fields of samples that say how long something took.

@@ -6,8 +6,8 @@ use super::record::Provenance;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::reference::CaptureData;
-use crate::reference::unified::{CubeWalk, Seen, Traversal};
-use crate::scene::placement::{self, Wanted};
+use crate::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
+use crate::scene::placement::{self, WantedCaptures};
 use crate::scene::{Aabb, GBufferData, Scene, View};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, Stage};
@@ -101,11 +101,13 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     let on_screen: Vec<u32> = pixels.par_iter().filter_map(on_screen).collect();
 
     let (captures, bounds) = captures(gpu, scene, view, globals)?;
-    let (screen, walk) = (alone.followed(), CubeWalk::new(&data.camera, &captures).within(bounds));
+    let (screen, walk) = (alone.followed(), CaptureTraversal::new(&data.camera, &captures).with_bounds(bounds));
     let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
     let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
     let lost = |(x, y): &(u32, u32)| match walk.on_screen(&screen, *x, *y) {
-        Seen::Lost(ray) if data.reflects(data.index(*x, *y)) => Some(walk.follow_ray(&ray).steps.max(0) as u32),
+        ScreenRayEnd::Lost(ray) if data.reflects(data.index(*x, *y)) => {
+            Some(walk.trace_captures(&ray).steps.max(0) as u32)
+        }
         _ => None,
     };
     let lost: Vec<u32> = pixels.par_iter().filter_map(lost).collect();
@@ -129,7 +131,7 @@ fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
 /// Four captures, placed by the program, as the device draws them, and the scene's bounds.
 fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
     let mut scene = scene.clone();
-    placement::with_captures(&mut scene, Wanted::Count(4));
+    placement::with_captures(&mut scene, WantedCaptures::Count(4));
     let materials = globals.materials(&scene, view);
     let mut drawn: Vec<CaptureData> =
         scene.captures.iter().map(|c| CaptureData { place: c.position, faces: Vec::new() }).collect();

@@ -28,7 +28,7 @@ use crate::stage::Globals;
 use crate::stage::gbuffer::hit_positions;
 use cases::Case;
 use glam::Vec3;
-use lineup::{Made, SceneLineup, ScreenLineup};
+use lineup::{FrameImages, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
 
 /// The method that must pass every case; the published ones must only survive.
@@ -97,13 +97,13 @@ columns! {
 
 /// Pixels by what is wrong with them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Wrong {
+struct WrongPixels {
     nan: usize,
     inf: usize,
     negative: usize,
 }
 
-impl Wrong {
+impl WrongPixels {
     /// Counts pixels by the bits of their channels in some images of one size; `counts` says of which
     /// image and pixel.
     fn count(images: &[&Pixels], counts: impl Fn(usize, usize) -> bool) -> Self {
@@ -144,7 +144,7 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     for n in 0..lineup.len() {
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         let setup = Setup::on_screen(case.extent());
-        let judged = Judged { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
+        let judged = JudgedFrame { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
         let compared = truth.as_ref().and_then(|truth| truth.compare(&made, method));
         records.push(made.judge(gpu, &judged, method, &data, compared));
     }
@@ -174,7 +174,7 @@ impl<'a> Truth<'a> {
 
     /// Compares what a method made, if it has hits. Ties are counted of the method that is judged alone: each takes
     /// hundreds of rays to find out.
-    fn compare(&self, made: &Made, method: &MethodInfo) -> Option<Compared> {
+    fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
         let hits = hit_positions(made.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
@@ -184,12 +184,12 @@ impl<'a> Truth<'a> {
             is_tie(&self.hierarchy, [pixel % width, pixel / width], hits[pixel as usize])
         };
         let ties = (method.name == JUDGED).then(|| wrong.par_iter().filter(tie).count());
-        Some(Compared { rays: self.pixels.len(), wrong: wrong.len(), ties, least: AGREEMENT })
+        Some(ComparedRays { rays: self.pixels.len(), wrong: wrong.len(), ties, least: AGREEMENT })
     }
 }
 
 /// Rays of a frame whose ends were compared with the truth.
-struct Compared {
+struct ComparedRays {
     rays: usize,
     wrong: usize,
     /// Wrong ones that rounding alone makes so; `None` if nobody counted them.
@@ -198,7 +198,7 @@ struct Compared {
     least: f64,
 }
 
-impl Compared {
+impl ComparedRays {
     /// The share of the rays that are right; `None` for no ray.
     fn agreement(&self) -> Option<f64> {
         (self.rays > 0).then(|| (self.rays - self.wrong) as f64 / self.rays as f64)
@@ -210,7 +210,7 @@ impl Compared {
 }
 
 /// What a frame was made of.
-struct Judged<'a> {
+struct JudgedFrame<'a> {
     case: &'a str,
     setup: &'a Setup,
     globals: &'a Globals,
@@ -218,17 +218,17 @@ struct Judged<'a> {
     must_pass: bool,
 }
 
-impl Made {
+impl FrameImages {
     fn judge(
         &self,
         gpu: &Gpu,
-        &Judged { case, setup, globals, must_pass }: &Judged,
+        &JudgedFrame { case, setup, globals, must_pass }: &JudgedFrame,
         method: &MethodInfo,
         data: &GBufferData,
-        compared: Option<Compared>,
+        compared: Option<ComparedRays>,
     ) -> StressRecord {
         let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
-        let wrong = Wrong::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
+        let wrong = WrongPixels::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
         let exhausted = self.hits.as_ref().map(|h| {
             let out = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
             h.texels().filter(out).count()
@@ -249,12 +249,14 @@ impl Made {
             negative: wrong.negative,
             exhausted,
             compared: compared.as_ref().map(|c| c.rays),
-            hit_agreement: compared.as_ref().and_then(Compared::agreement),
+            hit_agreement: compared.as_ref().and_then(ComparedRays::agreement),
             ties: compared.as_ref().and_then(|c| c.ties),
             time_ms,
             slow: time_ms > SLOW_MS.0 + SLOW_MS.1 * pixels as f64,
             judged: must_pass || method.name == JUDGED,
-            pass: wrong == Wrong::default() && exhausted.is_none_or(|n| n == 0) && compared.is_none_or(|c| c.passes()),
+            pass: wrong == WrongPixels::default()
+                && exhausted.is_none_or(|n| n == 0)
+                && compared.is_none_or(|c| c.passes()),
         }
     }
 }
@@ -323,7 +325,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let Some(data) = lineup.draw(camera)? else { continue };
         let made = lineup.made()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
-        let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
+        let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
         records.extend(lineup.methods().zip(&made).map(|(m, made)| {
             // The screen's oracle knows nothing of hits in captures.
             let truth = truth.as_ref().filter(|_| m.is_screen_space());

@@ -91,7 +91,7 @@ pub fn methods() -> Vec<&'static MethodInfo> {
 
 /// A row with both times and both ratios. The ratio carries over between machines; times don't.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Compared {
+pub struct ComparedRow {
     /// Pixels.
     pub width: u32,
     /// Pixels.
@@ -144,7 +144,7 @@ impl Column {
 
 /// Sets measured records beside the table's rows. Rows that were not measured are left out, and so are roughness values
 /// that the table does not have. A size that it does not have gets rows without figures in print.
-pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
+pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     let drifts = drift(records);
     let rows = rows_of(records).into_iter().filter_map(|(size, roughness, published)| {
         let is_here = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
@@ -157,7 +157,7 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
                 TABLE_5_8[0].of(&r.head.method)?;
                 let published_ms = published.and_then(|row| row.of(&r.head.method));
                 let other = r.head.method != "ssct";
-                let measured = ssct.filter(|_| other).and_then(|ssct| over(r, ssct));
+                let measured = ssct.filter(|_| other).and_then(|ssct| time_ratio(r, ssct));
                 Some(Column {
                     method: r.head.method.clone(),
                     published_ms,
@@ -169,14 +169,14 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
             })
             .collect();
         let [width, height] = size;
-        (!columns.is_empty()).then_some(Compared { width, height, roughness, drift, columns })
+        (!columns.is_empty()).then_some(ComparedRow { width, height, roughness, drift, columns })
     });
     rows.collect()
 }
 
 /// The time of a record over that of another one with which it was timed in turn, and the ends of its interval if there are
 /// turns enough for one. Records without their samples have the quotient of their medians.
-fn over(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
+fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
     let pairs: Vec<_> = base.totals().into_iter().zip(record.totals()).map(|(base, own)| [base, own]).collect();
     if pairs.is_empty() {
         return Some((record.total.median_ms / base.total.median_ms, None));
@@ -200,7 +200,7 @@ pub fn about() -> String {
 }
 
 /// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
-pub fn cells(rows: &[Compared]) -> Vec<Vec<String>> {
+pub fn cells(rows: &[ComparedRow]) -> Vec<Vec<String>> {
     let Some(first) = rows.first() else { return Vec::new() };
     let mut header = vec!["resolution".to_owned(), "roughness".to_owned()];
     for c in &first.columns {

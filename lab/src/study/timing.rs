@@ -5,15 +5,15 @@ mod suite;
 mod verdicts;
 
 pub use suite::{
-    Beside, FLOORS, MEASURED, MEDIAN_COLUMNS, MEDIANS, PLACE, SAMPLES, TimeJob, TimeRow, TimeSettings, TimeStudy,
-    TimedFrame, chart, frames, sample_cells,
+    FLOORS, MEASURED, MEDIAN_COLUMNS, MEDIANS, PLACE, SAMPLES, ThesisFigures, TimeJob, TimeRow, TimeSettings,
+    TimeStudy, TimedFrame, chart, frames, sample_cells,
 };
 
 use super::compare::SEED;
 use super::error::Variant;
 use super::interleave::{Round, Sample, interleave, kept};
 use super::journal::{Journal, digest, scene_digest};
-use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
+use super::record::{Head, PassRecord, RecordSubject, Stats, TimeRecord};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
@@ -93,7 +93,7 @@ impl Group<'_> {
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
         let place = (self.spec.scene, self.spec.view);
-        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup.at(self.extent), &self.globals)
+        Head::new("time", self.spec.gpu, place, RecordSubject::Method(method), &setup.at(self.extent), &self.globals)
     }
 
     /// Whether the journal has every sample of every variant.
@@ -116,7 +116,7 @@ impl Group<'_> {
         // The second series of each variant is that of its twin.
         let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
             None => key(&self.prefix(shot), sample),
-            Some(twin) => key(&self.prefix(twin), again(sample)),
+            Some(twin) => key(&self.prefix(twin), second_series_label(sample)),
         };
         interleave(stage, shots, &rounds, &key, journal, progress)
     }
@@ -194,7 +194,7 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
     let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
         (0..samples).filter_map(|n| kept(journal, &key(prefix, name(n)))).collect()
     };
-    let (reports, reports_again) = (series(&|n| n.to_string()), series(&|n| again(n)));
+    let (reports, reports_again) = (series(&|n| n.to_string()), series(&|n| second_series_label(n)));
     let first = reports.first()?;
     let work = kept(journal, &key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
     let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
@@ -226,7 +226,7 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
 
 /// Keys of every sample of a method, and of the frame that counts its work.
 fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
-    let again = (0..samples).filter(|_| a_a).map(again);
+    let again = (0..samples).filter(|_| a_a).map(second_series_label);
     let names = (0..samples).map(|n| n.to_string()).chain(again).chain([COUNTED.to_owned()]);
     names.map(|name| key(prefix, name)).collect()
 }
@@ -237,7 +237,7 @@ fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool 
 }
 
 /// What the journal calls a sample of the second series.
-fn again(sample: impl Display) -> String {
+fn second_series_label(sample: impl Display) -> String {
     format!("again {sample}")
 }
 

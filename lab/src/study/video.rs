@@ -6,7 +6,7 @@ mod record;
 mod way;
 
 pub use record::{VideoFrame, VideoRecord};
-pub use way::Way;
+pub use way::CameraWay;
 
 use super::compare::display;
 use super::engine::{Bench, Planned, Study};
@@ -14,7 +14,7 @@ use super::error::{Variant, greatest_bounces};
 use super::exhibit::{Content, ExtraFile};
 use super::journal::scene_digest;
 use super::names::cell_name;
-use super::record::{Head, Of, Stats};
+use super::record::{Head, RecordSubject, Stats};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{Gpu, Pixels};
@@ -39,7 +39,7 @@ pub struct VideoStudy {
     /// Scene.
     pub scene: Scene,
     /// How the camera moves.
-    pub way: Way,
+    pub way: CameraWay,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
     /// Global factors.
@@ -125,7 +125,7 @@ struct Films {
 }
 
 /// What is known of a variant while its film is made.
-struct Filmed {
+struct VariantFilm {
     shot: Shot,
     /// A second shot that makes an image of the reflection; `None` if the timed one does.
     seen: Option<Shot>,
@@ -173,7 +173,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
         .study
         .variants
         .iter()
-        .map(|v| filmed(spec, &mut stage, v, first, &materials))
+        .map(|v| start_film(spec, &mut stage, v, first, &materials))
         .collect::<Result<Vec<_>>>()?;
     for filmed in &all {
         // A film begins with what was there before it.
@@ -213,20 +213,20 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     Ok((records.collect::<Result<_>>()?, films))
 }
 
-fn filmed(
+fn start_film(
     spec: &VideoSpec,
     stage: &mut Stage,
     variant: &Variant,
     camera: Camera,
     materials: &[Material],
-) -> Result<Filmed> {
+) -> Result<VariantFilm> {
     let setup = variant.setup.at(spec.extent);
     let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
     // Timed without a reflection of its own, as the time study does.
     let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
     let makes = stage.output(&timed)?.2.traced.reflection.is_some();
     let film = || Film { width: spec.extent[0], height: spec.extent[1], frames: Vec::new() };
-    Ok(Filmed {
+    Ok(VariantFilm {
         shot: timed,
         seen: (!makes).then_some(seen),
         before: Vec::new(),
@@ -238,7 +238,7 @@ fn filmed(
 }
 
 /// A frame: its milliseconds, its reflection and the finished image.
-fn shoot(stage: &mut Stage, filmed: &mut Filmed, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
+fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
     filmed.shot.camera = camera;
     let (report, _, output) = stage.output_in(Mode::Timed, &filmed.shot)?;
     let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
@@ -314,7 +314,7 @@ fn bytes(colors: &[Vec3]) -> Vec<u8> {
     display(&colors.iter().map(Vec3::to_array).collect::<Vec<_>>())
 }
 
-impl Filmed {
+impl VariantFilm {
     fn add(&mut self, world: &Truth, effect_ms: f64, reflection: &Pixels, image: &Pixels) {
         let colors = |pixels: &Pixels| -> Vec<Vec3> { pixels.texels().map(Vec3::from_slice).collect() };
         let made = colors(reflection);
@@ -335,7 +335,13 @@ impl Filmed {
     }
 }
 
-fn record(spec: &VideoSpec, start: &View, variant: &Variant, mut filmed: Filmed, world: &Truth) -> Result<VideoRecord> {
+fn record(
+    spec: &VideoSpec,
+    start: &View,
+    variant: &Variant,
+    mut filmed: VariantFilm,
+    world: &Truth,
+) -> Result<VideoRecord> {
     let [width, height] = spec.extent;
     let pairs: Vec<_> = world.reflections.frames.iter().zip(&filmed.reflections.frames).collect();
     let flip: Vec<f64> =
@@ -346,7 +352,7 @@ fn record(spec: &VideoSpec, start: &View, variant: &Variant, mut filmed: Filmed,
     let times: Vec<f64> = filmed.frames.iter().map(|f| f.effect_ms).collect();
     let (setup, place) = (variant.setup.at(spec.extent), (&spec.study.scene, start));
     Ok(VideoRecord {
-        head: Head::new("video", spec.gpu, place, Of::Method(variant.method), &setup, &spec.globals),
+        head: Head::new("video", spec.gpu, place, RecordSubject::Method(variant.method), &setup, &spec.globals),
         way: spec.study.way.name().to_owned(),
         play: spec.study.play.as_ref().map(|motion| motion.name.clone()),
         moving: spec.study.moving.clone(),

@@ -12,19 +12,19 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{ErrorKind, Read, Result as IoResult, Write};
 use std::path::{Component, Path, PathBuf};
 
-/// The most bytes of a file that [`Inside::read`] reads.
+/// The most bytes of a file that [`PathInFolder::read`] reads.
 pub const MOST_BYTES: u64 = 1 << 30;
 
 /// A file or a folder inside a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Inside {
+pub struct PathInFolder {
     root: PathBuf,
     name: PathBuf,
 }
 
 /// A file or a folder, as a folder lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Listed {
+pub struct FolderEntry {
     /// Its name.
     pub name: String,
     /// Whether it is a regular file.
@@ -33,7 +33,7 @@ pub struct Listed {
     pub is_folder: bool,
 }
 
-impl Inside {
+impl PathInFolder {
     /// A folder that the user named.
     pub fn folder(root: impl AsRef<Path>) -> Self {
         Self { root: root.as_ref().to_owned(), name: PathBuf::new() }
@@ -78,7 +78,7 @@ impl Inside {
     /// Reads a regular file that must be there.
     ///
     /// # Errors
-    /// The errors of [`Inside::read`], and [`Error::Io`] if there is no file.
+    /// The errors of [`PathInFolder::read`], and [`Error::Io`] if there is no file.
     pub fn bytes(&self) -> Result<Vec<u8>> {
         self.read()?.ok_or_else(|| self.failed("read", ErrorKind::NotFound.into()))
     }
@@ -86,7 +86,7 @@ impl Inside {
     /// Opens a regular file; `None` if there is none.
     ///
     /// # Errors
-    /// The errors of [`Inside::read`], its size apart.
+    /// The errors of [`PathInFolder::read`], its size apart.
     pub fn open(&self) -> Result<Option<File>> {
         let opened = self.within(false, |folder, name| {
             // A device may do something when it is opened, so that its kind is asked first; a pipe that takes the file's
@@ -113,14 +113,14 @@ impl Inside {
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be read, [`Error::Malformed`] if it leads out of its folder or a name in it is no text.
-    pub fn list(&self) -> Result<Vec<Listed>> {
-        let read = |folder: &Dir, name: &Path| -> IoResult<Vec<Listed>> {
+    pub fn list(&self) -> Result<Vec<FolderEntry>> {
+        let read = |folder: &Dir, name: &Path| -> IoResult<Vec<FolderEntry>> {
             let listed = |entry: IoResult<cap_std::fs::DirEntry>| {
                 let entry = entry?;
                 let kind = entry.file_type()?;
                 let name = entry.file_name().into_string();
                 let name = name.map_err(|name| std::io::Error::other(format!("the name {name:?} is no text")))?;
-                Ok(Listed { name, is_file: kind.is_file(), is_folder: kind.is_dir() })
+                Ok(FolderEntry { name, is_file: kind.is_file(), is_folder: kind.is_dir() })
             };
             folder.read_dir(if name.as_os_str().is_empty() { Path::new(".") } else { name })?.map(listed).collect()
         };
@@ -238,20 +238,20 @@ fn temporary_name() -> String {
     format!(".ssct-{:016x}", RandomState::new().build_hasher().finish())
 }
 
-impl From<&Path> for Inside {
+impl From<&Path> for PathInFolder {
     fn from(path: &Path) -> Self {
         Self::file(path)
     }
 }
 
-impl From<&PathBuf> for Inside {
+impl From<&PathBuf> for PathInFolder {
     fn from(path: &PathBuf) -> Self {
         Self::file(path)
     }
 }
 
-impl From<&Inside> for Inside {
-    fn from(place: &Inside) -> Self {
+impl From<&PathInFolder> for PathInFolder {
+    fn from(place: &PathInFolder) -> Self {
         place.clone()
     }
 }
@@ -264,14 +264,14 @@ mod tests {
         outcome.err().map(|e| e.to_string()).unwrap_or_default()
     }
 
-    fn names(folder: &Inside) -> Vec<String> {
+    fn names(folder: &PathInFolder) -> Vec<String> {
         folder.list().expect("a folder").into_iter().map(|listed| listed.name).collect()
     }
 
     #[test]
     fn files_are_written_whole_and_read_again() {
         let folder = tempfile::tempdir().expect("a folder");
-        let inside = Inside::folder(folder.path()).join("new");
+        let inside = PathInFolder::folder(folder.path()).join("new");
         assert_eq!((names(&inside), inside.join("a").read().expect("none")), (Vec::new(), None));
         for text in ["one", "another"] {
             inside.join("b/a.txt").write(text.as_bytes()).expect("written");
@@ -299,7 +299,7 @@ mod tests {
     fn names_that_lead_out_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("outside"), "kept").expect("written");
-        let inside = Inside::folder(folder.path().join("in"));
+        let inside = PathInFolder::folder(folder.path().join("in"));
         inside.make().expect("made");
         let absolute = folder.path().join("outside");
         for name in [Path::new("../outside"), Path::new("a/../../outside"), &absolute, Path::new("..")] {
@@ -320,7 +320,7 @@ mod tests {
         let (root, outside) = (folder.path().join("in"), folder.path().join("outside"));
         std::fs::create_dir(&root).expect("made");
         std::fs::write(&outside, "kept").expect("written");
-        let inside = Inside::folder(&root);
+        let inside = PathInFolder::folder(&root);
         inside.join("own").write(b"own").expect("written");
         for (to, name) in
             [("../outside", "link"), ("..", "folder"), ("/dev/zero", "device"), ("own", "within"), ("none", "broken")]

@@ -34,7 +34,7 @@ pub mod world_part;
 
 pub use capture_data::CaptureData;
 pub use hierarchy::Hierarchy;
-pub use images::Images;
+pub use images::ImageOracle;
 pub use oracle::Oracle;
 pub use ray::{MissReason, Outcome, Trace};
 pub use screen::ScreenReference;

@@ -10,9 +10,9 @@ use super::viewer::{Viewer, scene_name, screen, views};
 use crate::error::Result;
 use crate::methods::Setup;
 use crate::passes::Content;
-use crate::passes::look::Look;
+use crate::passes::look::PictureDisplay;
 use crate::reference::surface::World;
-use crate::study::pixel::{self, Made, PixelMethod, PixelReport};
+use crate::study::pixel::{self, MethodImages, PixelMethod, PixelReport};
 use ssct_lab::app::cli::SceneOptions;
 use ssct_lab::app::resolve;
 use std::path::PathBuf;
@@ -50,7 +50,7 @@ impl Viewer {
             active = true;
         }
         let content = self.pictures.shown(0).map(|s| s.content);
-        let look = Look {
+        let look = PictureDisplay {
             area,
             compare: self.state.compare,
             split: self.state.split,
@@ -92,7 +92,7 @@ impl Viewer {
         let materials = self.state.globals.materials(&self.scene, &self.state.view);
         let world = World::new(&self.scene, &materials);
         let method = PixelMethod { name: side.method.name, bounces: side.setup.effect().bounces };
-        pixel::explain(inspection, Made { reflection, composite }, &world, method, pixel)
+        pixel::explain(inspection, MethodImages { reflection, composite }, &world, method, pixel)
     }
 
     fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {

@@ -153,7 +153,7 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
         // The method that the key `C` compares with until another one is chosen.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
-    let given = given(&std::env::args_os().collect::<Vec<_>>());
+    let given = method_options(&std::env::args_os().collect::<Vec<_>>());
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
     match &sides[0].fault {
@@ -163,7 +163,7 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
 }
 
 /// The methods' options among the arguments of the program, which begin with its name.
-fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
+fn method_options(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
     let command = ViewOptions::augment_args(clap::Command::new("ssct-view"));
     command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }

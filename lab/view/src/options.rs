@@ -1,7 +1,7 @@
 //! The command line of the window.
 
 use crate::presentation::PresentMode;
-use crate::state::{Inside, Tab};
+use crate::state::{InnerImage, Tab};
 use clap::{Command, Parser, ValueEnum};
 use ssct_lab::app::cli::{CommonOptions, size};
 use ssct_lab::app::headings::{METHOD, OUTPUT, WINDOW};
@@ -54,7 +54,7 @@ pub struct ViewOptions {
     /// Show an intermediate, a capture (`capture-1-color`, `-depth`, `-normal`), or the heat map `steps`, instead of the
     /// finished image.
     #[arg(long, help_heading = WINDOW, value_name = "NAME[/LEVEL]", value_parser = inside)]
-    pub inside: Option<Inside>,
+    pub inside: Option<InnerImage>,
     /// Pixel whose ray is drawn, for `--panel ray`.
     #[arg(long, help_heading = WINDOW, value_name = "X,Y", value_parser = pixel)]
     pub pick: Option<[u32; 2]>,
@@ -104,10 +104,10 @@ pub fn command(arguments: &[OsString]) -> Command {
 }
 
 /// Parses `--inside`, as in `hi-z/3`.
-fn inside(text: &str) -> std::result::Result<Inside, String> {
+fn inside(text: &str) -> std::result::Result<InnerImage, String> {
     let (name, level) = text.split_once('/').unwrap_or((text, "0"));
     let level = level.parse().map_err(|_| format!("{text:?}: the slash must be followed by a level, as in hi-z/3"))?;
-    Ok(Inside { name: name.to_owned(), level })
+    Ok(InnerImage { name: name.to_owned(), level })
 }
 
 /// Parses a pixel, as in `120,80`.

@@ -2,7 +2,7 @@
 
 use super::cubes::CubeImage;
 use super::history::History;
-use super::state::{Inside, STEPS, Side, State};
+use super::state::{InnerImage, STEPS, Side, State};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
@@ -30,7 +30,7 @@ pub struct FrameRequest {
     /// The methods.
     pub sides: Vec<Side>,
     /// An intermediate that is shown instead of the finished image.
-    pub inside: Option<Inside>,
+    pub inside: Option<InnerImage>,
     /// Captures in place of the scene's, if the user changed them.
     pub captures: Option<Vec<Capture>>,
 }

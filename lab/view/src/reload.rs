@@ -16,7 +16,7 @@ use std::time::{Duration, SystemTime};
 const PERIOD: Duration = Duration::from_millis(300);
 
 /// A changed shader: its code, or the reason why it cannot be used.
-pub type Change = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
+pub type ShaderChange = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
 
 /// A shader's name and whether it is in use; if not, the reason.
 pub type ShaderStatus = (&'static str, std::result::Result<(), String>);
@@ -47,7 +47,7 @@ impl ShaderWatch {
     }
 
     /// Compiles the shaders that changed since the last scan.
-    pub fn look(&mut self) -> Vec<Change> {
+    pub fn look(&mut self) -> Vec<ShaderChange> {
         let now = stamps(&self.root);
         let changed: Vec<&PathBuf> = now.iter().filter(|(p, s)| self.seen.get(*p) != Some(s)).map(|(p, _)| p).collect();
         if changed.is_empty() {
@@ -89,7 +89,7 @@ impl ShaderWatch {
     }
 
     /// Scans repeatedly on a separate thread; `wake` is called when something changed.
-    pub fn start(mut self, wake: impl Fn() + Send + 'static) -> Receiver<Vec<Change>> {
+    pub fn start(mut self, wake: impl Fn() + Send + 'static) -> Receiver<Vec<ShaderChange>> {
         let (sender, receiver) = channel();
         std::thread::spawn(move || {
             loop {
@@ -138,7 +138,7 @@ mod tests {
             assert!(text.contains(from), "{name}: {from}");
             std::fs::write(path, text.replacen(from, to, 1)).unwrap();
         };
-        let names = |changes: &[Change]| changes.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
+        let names = |changes: &[ShaderChange]| changes.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
 
         edit("thesis/hi_z_ray_trace.glsl", "i++ >= thesis.iterations", "i++ > thesis.iterations");
         let changes = watch.look();

@@ -74,7 +74,7 @@ pub fn given_options(matches: &clap::ArgMatches) -> BTreeMap<String, String> {
 
 /// An image of the methods' to look at instead of the finished one.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Inside {
+pub struct InnerImage {
     /// Its name.
     pub name: String,
     /// Its mip level; beyond the last, the last.
@@ -149,7 +149,7 @@ pub struct State {
     /// Factor of the difference.
     pub gain: f32,
     /// An intermediate, instead of the finished image.
-    pub inside: Option<Inside>,
+    pub inside: Option<InnerImage>,
     /// How its numbers are shown; the content is its own.
     pub tone: Tone,
     /// A pixel whose ray is drawn.

@@ -9,11 +9,11 @@ use super::panel::{self, PanelActions, PanelData};
 use super::path::PathEditor;
 use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
 use super::reference_error::ReferenceComparison;
-use super::reload::{Change, ShaderStatus};
+use super::reload::{ShaderChange, ShaderStatus};
 use super::state::State;
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Pixels};
-use crate::passes::look::{Compare, Look, LookPass};
+use crate::passes::look::{Compare, LookPass, PictureDisplay};
 use crate::presentation::Overlay;
 use crate::scene::{Capture, Scene, View, library};
 use crate::study::inspect::PickedRay;
@@ -37,7 +37,7 @@ pub struct Shaders {
     /// The folder.
     pub folder: String,
     /// Shaders as they are compiled after a change.
-    pub changes: Receiver<Vec<Change>>,
+    pub changes: Receiver<Vec<ShaderChange>>,
     /// The last status of each shader that has changed.
     pub statuses: Vec<ShaderStatus>,
 }
@@ -73,7 +73,7 @@ pub struct Viewer {
     triangles: Vec<egui::ClippedPrimitive>,
     textures: egui::TexturesDelta,
     pixels_per_point: f32,
-    pub(super) shown: Option<Look>,
+    pub(super) shown: Option<PictureDisplay>,
     pub(super) frames: u64,
     drawings: u64,
     looking: bool,

@@ -257,7 +257,7 @@ pub(super) fn open_device(
         names.push(ash::khr::swapchain::NAME.as_ptr());
     }
     let name = &listing.info.name;
-    let has_queries = ray_queries::found(&instance, physical, offers)
+    let has_queries = ray_queries::find(&instance, physical, offers)
         .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
     if has_queries.is_ok() {
         names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
@@ -307,7 +307,7 @@ pub(super) fn open_device(
     // SAFETY: the queue was asked for above.
     let queue = unsafe { device.get_device_queue(queue_family as u32, 0) };
     if let Some(watch) = &query.watch {
-        device = watch::watched(&device, queue, watch);
+        device = watch::watch_device(&device, queue, watch);
     }
 
     let memory = if query.compiles_only {
@@ -347,7 +347,7 @@ pub(super) fn open_device(
         submissions: AtomicU64::new(0),
         patience: OnceLock::new(),
         #[cfg(feature = "reload")]
-        replaced_shaders: crate::gpu::shader::Replaced::default(),
+        replaced_shaders: crate::gpu::shader::ReplacedShaders::default(),
         index: Some(listing.index),
         info: listing.info,
         limits: properties.limits,
@@ -421,7 +421,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         submissions: AtomicU64::new(0),
         patience: OnceLock::new(),
         #[cfg(feature = "reload")]
-        replaced_shaders: crate::gpu::shader::Replaced::default(),
+        replaced_shaders: crate::gpu::shader::ReplacedShaders::default(),
         info,
         index: None,
         limits: properties.limits,

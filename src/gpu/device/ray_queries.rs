@@ -31,7 +31,7 @@ impl RayQueries {
 ///
 /// # Errors
 /// The name of the first extension or feature that it lacks.
-pub fn found(
+pub fn find(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     offers: impl Fn(&CStr) -> bool,

@@ -8,12 +8,12 @@ use crate::gpu::shader::{Binding, BindingKind};
 use ash::vk;
 
 /// What the programs of a pipeline are given for a draw or a dispatch.
-pub(super) struct Given<'a> {
+pub(super) struct ProgramInputs<'a> {
     pub resources: Vec<(Binding, Resource<'a>)>,
     pub push: &'a [u8],
 }
 
-impl<'a> Given<'a> {
+impl<'a> ProgramInputs<'a> {
     /// A program's fields.
     pub fn to<P: Program>(program: &'a P) -> Self {
         let resources = P::SHADER.bindings.iter().copied().zip(program.resources()).collect();
@@ -23,7 +23,7 @@ impl<'a> Given<'a> {
     /// Adds the fields of the other stage's program. Bindings and push constants that both programs have are taken from
     /// the first.
     pub fn and<P: Program>(mut self, other: &'a P) -> Self {
-        let other = Given::to(other);
+        let other = ProgramInputs::to(other);
         for (binding, resource) in other.resources {
             if self.resources.iter().all(|(known, _)| known.binding != binding.binding) {
                 self.resources.push((binding, resource));
@@ -46,9 +46,9 @@ impl Frame<'_> {
         layout: &Layout,
         point: vk::PipelineBindPoint,
         name: &str,
-        given: &Given,
+        inputs: &ProgramInputs,
     ) -> Result<()> {
-        let Given { resources, push } = given;
+        let ProgramInputs { resources, push } = inputs;
         let mut images = Vec::with_capacity(resources.len());
         let mut buffers = Vec::with_capacity(resources.len());
         let mut texels = Vec::with_capacity(resources.len());

@@ -3,13 +3,13 @@
 
 #[cfg(feature = "reload")]
 use super::Resource;
-use super::bind::Given;
+use super::bind::ProgramInputs;
 use super::target::View;
 use super::{Frame, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 #[cfg(feature = "reload")]
-use crate::gpu::loose::Reach;
+use crate::gpu::loose::DispatchSize;
 use crate::gpu::memory::Buffer;
 use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline, SharedPipeline};
 use crate::gpu::program::{Compute, Fragment, VertexProgram};
@@ -30,7 +30,7 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (targets.as_ref(), None);
-        self.shade(name, &pipeline.graphics, targets, &Given::to(program), Vertices::Triangle)
+        self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
     }
 
     /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't
@@ -43,7 +43,7 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (&[][..], Some(Target::unmarked(stencil)));
-        self.shade(name, &pipeline.graphics, targets, &Given::to(program), Vertices::Triangle)
+        self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
     }
 
     /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
@@ -56,9 +56,9 @@ impl Frame<'_> {
         (fragment, vertex): (&F, &V),
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let given = Given::to(fragment).and(vertex);
-        let vertices = Vertices::Said(arguments, offset);
-        self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &given, vertices)
+        let inputs = ProgramInputs::to(fragment).and(vertex);
+        let vertices = Vertices::Indirect(arguments, offset);
+        self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &inputs, vertices)
     }
 
     /// A pass of one draw whose vertices the vertex shader makes.
@@ -67,21 +67,21 @@ impl Frame<'_> {
         name: &str,
         pipeline: &Arc<SharedPipeline>,
         (targets, depth): (&[Target], Option<Target>),
-        given: &Given,
+        inputs: &ProgramInputs,
         vertices: Vertices,
     ) -> Result<()> {
-        if let Vertices::Said(arguments, offset) = vertices {
+        if let Vertices::Indirect(arguments, offset) = vertices {
             assert_holds(name, (arguments, offset), u64::from(INDIRECT_BYTES));
         }
         self.note_program(name, pipeline);
         self.pass(name, |frame| {
-            frame.prepare(given, [Access::FragmentSampled, Access::GraphicsStorageRead, Access::FragmentStorage]);
-            if let Vertices::Said(arguments, _) = vertices {
+            frame.prepare(inputs, [Access::FragmentSampled, Access::GraphicsStorageRead, Access::FragmentStorage]);
+            if let Vertices::Indirect(arguments, _) = vertices {
                 frame.use_buffer(arguments, Access::Indirect);
             }
             let settles = frame.must_settle(&pipeline.settled);
             if settles {
-                frame.take_in(pipeline, given)?;
+                frame.take_in(pipeline, inputs)?;
             }
             let view = if matches!(vertices, Vertices::Triangle) { View::Twice } else { View::Down };
             frame.rendering(targets, depth, view, |frame| {
@@ -90,13 +90,13 @@ impl Frame<'_> {
                     // SAFETY: a pipeline is bound, and what it reads was pushed.
                     unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
                 }
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
                 let (device, commands) = (frame.device(), frame.context.commands);
                 // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
                 unsafe {
                     match vertices {
                         Vertices::Triangle => device.cmd_draw(commands, 3, 1, 0, 0),
-                        Vertices::Said(arguments, offset) => {
+                        Vertices::Indirect(arguments, offset) => {
                             device.cmd_draw_indirect(commands, arguments.handle(), offset, 1, INDIRECT_BYTES);
                         }
                     }
@@ -133,7 +133,7 @@ impl Frame<'_> {
         threads: [u32; 3],
     ) -> Result<()> {
         let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.compute.local_size[i]));
-        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Counted([x, y, z]))
+        self.dispatch(name, &pipeline.compute, &ProgramInputs::to(program), Workgroups::Counted([x, y, z]))
     }
 
     /// A compute program over as many workgroups as the buffer `arguments` holds, in three words from byte `offset`.
@@ -144,35 +144,35 @@ impl Frame<'_> {
         program: &P,
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Said(arguments, offset))
+        self.dispatch(name, &pipeline.compute, &ProgramInputs::to(program), Workgroups::Indirect(arguments, offset))
     }
 
     pub(super) fn dispatch(
         &mut self,
         name: &str,
         pipeline: &Arc<SharedPipeline>,
-        given: &Given,
+        inputs: &ProgramInputs,
         workgroups: Workgroups,
     ) -> Result<()> {
-        if let Workgroups::Said(arguments, offset) = workgroups {
+        if let Workgroups::Indirect(arguments, offset) = workgroups {
             assert_holds(name, (arguments, offset), size_of::<vk::DispatchIndirectCommand>() as u64);
         }
         self.note_program(name, pipeline);
         self.pass(name, |frame| {
-            frame.prepare(given, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
-            if let Workgroups::Said(arguments, _) = workgroups {
+            frame.prepare(inputs, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
+            if let Workgroups::Indirect(arguments, _) = workgroups {
                 frame.use_buffer(arguments, Access::Indirect);
             }
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, given)?;
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, inputs)?;
             frame.settle_compute(pipeline);
             let (device, commands) = (frame.device(), frame.context.commands);
             // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
             unsafe {
                 match workgroups {
                     Workgroups::Counted([x, y, z]) => device.cmd_dispatch(commands, x, y, z),
-                    Workgroups::Said(arguments, offset) => {
+                    Workgroups::Indirect(arguments, offset) => {
                         device.cmd_dispatch_indirect(commands, arguments.handle(), offset);
                     }
                 }
@@ -190,8 +190,8 @@ impl Frame<'_> {
         targets: &[Target],
         (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
     ) -> Result<()> {
-        let given = Given { resources: bindings.iter().copied().zip(resources).collect(), push };
-        self.shade(name, pipeline, (targets, None), &given, Vertices::Triangle)
+        let inputs = ProgramInputs { resources: bindings.iter().copied().zip(resources).collect(), push };
+        self.shade(name, pipeline, (targets, None), &inputs, Vertices::Triangle)
     }
 
     /// A compute program, the same.
@@ -201,14 +201,14 @@ impl Frame<'_> {
         name: &str,
         pipeline: &Arc<SharedPipeline>,
         (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
-        reach: Reach,
+        dispatch_size: DispatchSize,
     ) -> Result<()> {
-        let given = Given { resources: bindings.iter().copied().zip(resources).collect(), push };
-        let workgroups = match reach {
-            Reach::Threads(counts) | Reach::Workgroups(counts) => Workgroups::Counted(counts),
-            Reach::Said(buffer) => Workgroups::Said(buffer, 0),
+        let inputs = ProgramInputs { resources: bindings.iter().copied().zip(resources).collect(), push };
+        let workgroups = match dispatch_size {
+            DispatchSize::Threads(counts) | DispatchSize::Workgroups(counts) => Workgroups::Counted(counts),
+            DispatchSize::Indirect(buffer) => Workgroups::Indirect(buffer, 0),
         };
-        self.dispatch(name, pipeline, &given, workgroups)
+        self.dispatch(name, pipeline, &inputs, workgroups)
     }
 
     /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
@@ -231,7 +231,7 @@ pub(super) enum Vertices<'a> {
     /// The three of a triangle that covers the targets.
     Triangle,
     /// Reads the draw's arguments from a buffer at a byte offset.
-    Said(&'a Buffer, u64),
+    Indirect(&'a Buffer, u64),
 }
 
 /// How many workgroups [`Frame::dispatch`] runs.
@@ -240,7 +240,7 @@ pub(super) enum Workgroups<'a> {
     /// So many along each axis.
     Counted([u32; 3]),
     /// Reads the numbers from a buffer at a byte offset.
-    Said(&'a Buffer, u64),
+    Indirect(&'a Buffer, u64),
 }
 
 /// Panics unless a buffer holds the `bytes` of an indirect command's arguments at an offset.
@@ -270,12 +270,12 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         fragment: &impl Fragment<Kind = F::Kind>,
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
-        let (p, given) = (self.pipeline, Given::to(fragment).and(vertex));
+        let (p, inputs) = (self.pipeline, ProgramInputs::to(fragment).and(vertex));
         if !self.is_bound {
             self.frame.bind(p.handle, vk::PipelineBindPoint::GRAPHICS);
             self.is_bound = true;
         }
-        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &given)
+        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &inputs)
     }
 
     /// Draws indexed triangles, as the one instance of a number (`gl_InstanceIndex`).

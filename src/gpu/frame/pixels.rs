@@ -1,10 +1,10 @@
 //! Passes that make every texel of their targets, in either shader stage.
 
-use super::bind::Given;
+use super::bind::ProgramInputs;
 use super::draw::Workgroups;
 use super::{Frame, Resource, Target};
 use crate::error::{Error, Result};
-use crate::gpu::pixels::{InStage, PixelPipeline, StoringPipeline};
+use crate::gpu::pixels::{PixelPipeline, StagePipeline, StoringPipeline};
 use crate::gpu::program::InEitherStage;
 use crate::gpu::shader::{Binding, BindingKind};
 
@@ -19,8 +19,10 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         match &pipeline.0 {
-            InStage::Fragment(pipeline) => self.fullscreen(name, pipeline, targets, program),
-            InStage::Compute(pipeline) => self.store(name, pipeline, targets.as_ref(), Given::to(program)),
+            StagePipeline::Fragment(pipeline) => self.fullscreen(name, pipeline, targets, program),
+            StagePipeline::Compute(pipeline) => {
+                self.store(name, pipeline, targets.as_ref(), ProgramInputs::to(program))
+            }
         }
     }
 
@@ -30,7 +32,7 @@ impl Frame<'_> {
         name: &str,
         made: &'g StoringPipeline,
         targets: &[Target<'g>],
-        mut given: Given<'g>,
+        mut inputs: ProgramInputs<'g>,
     ) -> Result<()> {
         let mut extent = None;
         for ((target, (binding, _)), unwanted) in targets.iter().zip(made.shader.stored).zip(&made.unwanted) {
@@ -43,11 +45,11 @@ impl Frame<'_> {
                 (None, None) => return Err(Error::Usage(format!("{name}: an output has no target"))),
             };
             let binding = Binding { name: "output", binding: *binding, kind: BindingKind::StorageImage, count: 1 };
-            given.resources.push((binding, Resource::Storage(image)));
+            inputs.resources.push((binding, Resource::Storage(image)));
         }
         let [width, height] = extent.unwrap_or([1, 1]);
         let [x, y, _] = made.pipeline.local_size;
         let groups = Workgroups::Counted([width.div_ceil(x), height.div_ceil(y), 1]);
-        self.dispatch(name, &made.pipeline, &given, groups)
+        self.dispatch(name, &made.pipeline, &inputs, groups)
     }
 }

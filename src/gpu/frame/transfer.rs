@@ -150,7 +150,7 @@ impl Frame<'_> {
             frame.use_buffer(from, Access::TransferRead);
             frame.use_image(to, Access::TransferWrite);
             frame.flush();
-            let region = whole(&to);
+            let region = whole_slice_copy(&to);
             // SAFETY: the level is in the layout named; the caller sized the buffer for it.
             unsafe {
                 frame.device().cmd_copy_buffer_to_image(
@@ -187,7 +187,7 @@ impl Frame<'_> {
                     from.image().handle(),
                     vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
                     to.handle(),
-                    &[whole(&from).buffer_offset(first)],
+                    &[whole_slice_copy(&from).buffer_offset(first)],
                 );
             }
             frame.use_buffer(to, access);
@@ -270,7 +270,7 @@ fn extent(slice: &ImageSlice) -> vk::Extent3D {
     vk::Extent3D { width, height, depth: slice.slices().1 }
 }
 
-fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
+fn whole_slice_copy(slice: &ImageSlice) -> vk::BufferImageCopy {
     vk::BufferImageCopy::default()
         .image_subresource(layers(slice))
         .image_offset(offset(slice))

@@ -1,7 +1,7 @@
 //! Parts of images, as shaders and attachments see them.
 
 use super::{Image, has_stencil, level_extent};
-use crate::gpu::sync::Tracked;
+use crate::gpu::sync::TrackedState;
 use ash::vk;
 
 /// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
@@ -69,7 +69,7 @@ impl<'a> ImageSlice<'a> {
 
     /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
     /// one layout for them all.
-    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Tracked)> + use<'a> {
+    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a TrackedState)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
         self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
     }

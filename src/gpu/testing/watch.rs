@@ -8,7 +8,7 @@
 
 mod calls;
 
-pub(in crate::gpu) use calls::watched;
+pub(in crate::gpu) use calls::watch_device;
 
 use crate::error::Error;
 use ash::vk;

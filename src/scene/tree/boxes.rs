@@ -16,9 +16,9 @@ const PADDING: f32 = 4e-6;
 pub const LEAF: u32 = 3;
 
 /// A triangle's enlarged box.
-pub struct Padded(pub Aabb);
+pub struct PaddedBox(pub Aabb);
 
-impl Boundable for Padded {
+impl Boundable for PaddedBox {
     fn aabb(&self) -> Aabb {
         self.0
     }
@@ -32,7 +32,7 @@ pub struct PaddedTriangles {
     /// a deep hierarchy of boxes that are alike.
     pub with_area: Vec<u32>,
     /// Their boxes, in the same order.
-    pub boxes: Vec<Padded>,
+    pub boxes: Vec<PaddedBox>,
 }
 
 impl PaddedTriangles {
@@ -53,7 +53,7 @@ impl PaddedTriangles {
             let [a, b, c] = corners(i as usize).map(|v| (v - middle).as_vec3a());
             // By arrays, since obvhs may have another version of glam than this crate.
             let [low, high] = [a.min(b).min(c) - padding, a.max(b).max(c) + padding].map(|corner| corner.to_array());
-            Padded(Aabb::new(low.into(), high.into()))
+            PaddedBox(Aabb::new(low.into(), high.into()))
         };
         let boxes = with_area.iter().map(padded).collect();
         Self { middle, with_area, boxes }
@@ -61,7 +61,7 @@ impl PaddedTriangles {
 }
 
 /// A binary hierarchy of good quality and of any number of levels.
-pub fn by_neighbours(padded: &[Padded]) -> Bvh2 {
+pub fn by_neighbours(padded: &[PaddedBox]) -> Bvh2 {
     let params = BvhBuildParams::medium_build();
     let indices = (0..padded.len() as u32).collect();
     let mut binary = PlocBuilder::with_capacity(padded.len()).build(

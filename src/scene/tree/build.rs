@@ -3,7 +3,7 @@
 //! A hierarchy with more levels than a walk has room for, as many triangles in one place make it, is built again by halving lists
 //! of triangles, which bounds its levels.
 
-use super::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
+use super::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, levels};
 use super::{
     BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels, triangles,
 };
@@ -129,7 +129,7 @@ fn check_count(scene: &Scene) -> Result<()> {
 
 /// A hierarchy with few levels: each list of boxes is cut in half along the axis in which its middles lie farthest apart, and
 /// what becomes one node of eight children is decided by counts of boxes, and not by areas.
-fn by_halves(padded: &[Padded]) -> CwBvh {
+fn by_halves(padded: &[PaddedBox]) -> CwBvh {
     let mut indices: Vec<u32> = (0..padded.len() as u32).collect();
     // Two copies of the hierarchy: one with its boxes, and one with boxes whose areas are the counts.
     let mut nodes = [vec![Bvh2Node::default()], vec![Bvh2Node::default()]];
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     /// Boxes of a scene: some in one place, some on a line and some anywhere, of any size.
-    fn boxes(count: usize) -> Vec<Padded> {
+    fn boxes(count: usize) -> Vec<PaddedBox> {
         let unit = |n: usize, k: usize| ((n * 7919 + k * 104_729) % 1009) as f32 / 1009.0;
         let place = |n: usize| match n % 3 {
             0 => Vec3A::ZERO,
@@ -184,7 +184,7 @@ mod tests {
             _ => Vec3A::new(unit(n, 2), unit(n, 3), unit(n, 4)),
         };
         let size = |n: usize| 10.0_f32.powf(-4.0 * unit(n, 5));
-        (0..count).map(|n| Padded(Aabb::new(place(n) - size(n), place(n) + size(n)))).collect()
+        (0..count).map(|n| PaddedBox(Aabb::new(place(n) - size(n), place(n) + size(n)))).collect()
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::beyond::triangles_of_view;
 use super::devices;
 use super::figures::{ROUGHNESS, Result, median_and_greatest, shortest};
 use super::records::{self, bars_errors, bars_times, errors_over, times_over};
-use ssct_lab::study::readme::{Figure, ON_SCREEN, Quoted, SCREEN_SCENES, VIEWS};
+use ssct_lab::study::readme::{Figure, ON_SCREEN, QuotedNumber, SCREEN_SCENES, VIEWS};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -48,7 +48,7 @@ fn column(figure: Figure, variant: &str, over: &str) -> String {
 }
 
 /// The table of mirrors among the triangles: the scenes that have a view of [`VIEWS`], and by name those that have none.
-fn triangles(folder: &Path) -> Result<Vec<Quoted>> {
+fn triangles(folder: &Path) -> Result<Vec<QuotedNumber>> {
     let table = records::show("triangles 0", &[folder.to_owned()])?;
     let mut all = Vec::new();
     for line in table.lines().skip(2) {
@@ -57,7 +57,7 @@ fn triangles(folder: &Path) -> Result<Vec<Quoted>> {
         let view = VIEWS.iter().find(|[name, _]| *name == scene).map(|[_, view]| *view);
         let values = view.map(|view| triangles_of_view(folder, scene, view)).transpose()?;
         for (n, (figure, variant, over)) in TRIANGLES.into_iter().enumerate().filter(|(n, _)| cells[n + 2] != "–") {
-            all.push(Quoted {
+            all.push(QuotedNumber {
                 place: "among the triangles, mirrors".to_owned(),
                 row: scene.trim_matches('*').to_owned(),
                 column: column(figure, variant, over),
@@ -78,7 +78,7 @@ fn triangles(folder: &Path) -> Result<Vec<Quoted>> {
 }
 
 /// The table of the screen, at each roughness and on each view that its records and [`VIEWS`] share.
-fn screen(timed: &Path, judged: &Path) -> Result<Vec<Quoted>> {
+fn screen(timed: &Path, judged: &Path) -> Result<Vec<QuotedNumber>> {
     let (times, errors) = (bars_times(timed, "960x540")?, bars_errors(judged)?);
     let mut all = Vec::new();
     for roughness in ROUGHNESS {
@@ -94,7 +94,7 @@ fn screen(timed: &Path, judged: &Path) -> Result<Vec<Quoted>> {
                     _ => errors.get(&cell).and_then(|e| e.get(&(method.to_owned(), "screen".to_owned()))),
                 };
                 let value = one("unified").zip(one(over)).map(|(own, other)| own / other);
-                all.push(Quoted {
+                all.push(QuotedNumber {
                     place: "against the screen".to_owned(),
                     row: format!("roughness {}", shortest(roughness)),
                     column: column(figure, ON_SCREEN, over),
@@ -116,10 +116,10 @@ fn screen(timed: &Path, judged: &Path) -> Result<Vec<Quoted>> {
 }
 
 /// The share of mirror rays that the README names, on the views that its records and [`VIEWS`] share.
-fn hits(folder: &Path) -> Result<Vec<Quoted>> {
+fn hits(folder: &Path) -> Result<Vec<QuotedNumber>> {
     let mut all = Vec::new();
     for [scene, view] in VIEWS.iter().filter(|[scene, _]| SCREEN_SCENES.contains(scene)) {
-        all.push(Quoted {
+        all.push(QuotedNumber {
             place: "against the screen".to_owned(),
             row: "at least".to_owned(),
             column: column(Figure::Hits, ON_SCREEN, ""),
@@ -139,7 +139,7 @@ fn hits(folder: &Path) -> Result<Vec<Quoted>> {
 }
 
 /// What stands in the README's text.
-fn elsewhere(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<Vec<Quoted>> {
+fn elsewhere(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<Vec<QuotedNumber>> {
     let mut all = Vec::new();
     for after in readme.split("<!-- show: ").skip(1) {
         let (marker, after) = after.split_once(" -->").ok_or("a marker without an end")?;
@@ -147,7 +147,7 @@ fn elsewhere(readme: &str, folders: &BTreeMap<String, PathBuf>) -> Result<Vec<Qu
         let first = query.split(' ').next().unwrap_or_default();
         let Some((_, place, command)) = ELSEWHERE.iter().find(|(word, ..)| *word == first) else { continue };
         let folder = folders.get(records).ok_or_else(|| format!("the README has no link [{records}]"))?;
-        all.push(Quoted {
+        all.push(QuotedNumber {
             place: (*place).to_owned(),
             row: String::new(),
             column: query.to_owned(),

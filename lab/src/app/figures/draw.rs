@@ -20,7 +20,7 @@ use crate::study::twin::hi_z_constants;
 use glam::{Vec2, Vec3};
 
 /// Places the renders side by side, two in a row.
-pub fn beside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn place_side_by_side(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     Ok(FinishedFigure::Picture(sheet(&rows(pictures(workshop, arguments)?))))
 }
 

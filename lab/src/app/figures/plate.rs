@@ -122,7 +122,7 @@ impl Plate {
         };
         let drawn = |arguments: &str| match (self.prints, file) {
             (Some((printed, _)), Some(file)) => {
-                arguments.replace(&format!("--scene {}", printed.stand_in()), &format!("--scene {}", quoted(file)))
+                arguments.replace(&format!("--scene {}", printed.stand_in()), &format!("--scene {}", quote_word(file)))
             }
             _ => arguments.to_owned(),
         };
@@ -139,6 +139,6 @@ impl Plate {
 }
 
 /// A path as one word of a command.
-pub fn quoted(path: &str) -> String {
+pub fn quote_word(path: &str) -> String {
     if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.to_owned() }
 }

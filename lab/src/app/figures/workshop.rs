@@ -16,10 +16,10 @@ use std::path::Path;
 /// A device, and the scene that was used last.
 pub struct Workshop<'a> {
     gpu: &'a Gpu,
-    loaded: Option<Loaded>,
+    loaded: Option<LoadedScene>,
 }
 
-struct Loaded {
+struct LoadedScene {
     /// The name or the file by which it was asked for.
     source: String,
     scene: Scene,
@@ -76,7 +76,7 @@ impl<'a> Workshop<'a> {
 
     /// Takes a scene that was loaded from a file already.
     pub fn hold(&mut self, source: &str, scene: Scene) -> Result<()> {
-        self.loaded = Some(Loaded { source: source.to_owned(), stage: Stage::new(self.gpu, &scene)?, scene });
+        self.loaded = Some(LoadedScene { source: source.to_owned(), stage: Stage::new(self.gpu, &scene)?, scene });
         Ok(())
     }
 
@@ -100,13 +100,13 @@ impl<'a> Workshop<'a> {
         self.rendered(&parse(arguments)?, true)
     }
 
-    fn load(&mut self, options: &RenderOptions) -> Result<&mut Loaded> {
+    fn load(&mut self, options: &RenderOptions) -> Result<&mut LoadedScene> {
         let source = scene_name(options);
         let loaded = match self.loaded.take() {
             Some(loaded) if loaded.source == source => loaded,
             _ => {
                 let scene = resolve::scene(&options.common.place, "rooms")?;
-                Loaded { source, stage: Stage::new(self.gpu, &scene)?, scene }
+                LoadedScene { source, stage: Stage::new(self.gpu, &scene)?, scene }
             }
         };
         Ok(self.loaded.insert(loaded))
@@ -116,7 +116,7 @@ impl<'a> Workshop<'a> {
         let common = &options.common;
         let method = methods::find(render::method_name(options))?;
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
-        let Loaded { scene, stage, .. } = self.load(options)?;
+        let LoadedScene { scene, stage, .. } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
         let setup = render::setup(options);
         let wants = if inside { Wants::HITS } else { Wants::REFLECTION };

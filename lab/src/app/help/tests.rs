@@ -18,7 +18,7 @@ fn leaves(command: &Command) -> Vec<(String, Command)> {
 }
 
 fn all(is_short: bool) -> Vec<(String, Command)> {
-    let mut command = arranged(is_short).term_width(COLUMNS);
+    let mut command = arranged_command(is_short).term_width(COLUMNS);
     command.build();
     leaves(&command)
 }
@@ -45,7 +45,7 @@ fn every_command_is_in_one_group() {
     grouped.sort_unstable();
     names.sort_unstable();
     assert_eq!(grouped, names);
-    let mut command = arranged(false).term_width(COLUMNS);
+    let mut command = arranged_command(false).term_width(COLUMNS);
     let text = command.render_long_help().to_string();
     fits(&text, "ssct --help");
     let titles: Vec<_> = GROUPS.iter().map(|(title, _)| text.find(&format!("\n{title}:\n")).expect(title)).collect();

@@ -71,7 +71,7 @@ pub enum PassReach {
 }
 
 /// What passes may name.
-pub(super) struct Known<'a> {
+pub(super) struct KnownNames<'a> {
     pub(super) images: &'a BTreeMap<String, ImageSection>,
     pub(super) buffers: &'a BTreeMap<String, BufferSection>,
 }
@@ -79,7 +79,7 @@ pub(super) struct Known<'a> {
 /// Inputs and values that hold for every pass.
 type Shared<'a> = (&'a BTreeMap<String, Spanned<InputSection>>, &'a BTreeMap<String, Spanned<toml::Value>>);
 
-impl Known<'_> {
+impl KnownNames<'_> {
     pub(super) fn pass(
         &self,
         folder: &Path,

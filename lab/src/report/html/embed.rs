@@ -1,7 +1,7 @@
 //! Pictures inside the page: a file on disk becomes a data URI.
 
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::report::images::Rgb;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -17,7 +17,7 @@ use std::rc::Rc;
 pub const JPEG_QUALITY: u8 = 80;
 
 /// A picture as the page holds it.
-pub struct Embedded {
+pub struct EmbeddedPicture {
     /// `data:image/…;base64,…`.
     pub uri: String,
     /// Pixels.
@@ -28,18 +28,18 @@ pub struct Embedded {
 
 /// The folder of a page's pictures. Pages that are written again and again as they grow embed each picture once.
 pub struct PictureFolder {
-    place: Inside,
-    embedded: RefCell<BTreeMap<String, Rc<Embedded>>>,
+    place: PathInFolder,
+    embedded: RefCell<BTreeMap<String, Rc<EmbeddedPicture>>>,
 }
 
 impl PictureFolder {
     /// A folder whose pictures do not change.
     pub fn new(path: &Path) -> Self {
-        Self { place: Inside::folder(path), embedded: RefCell::default() }
+        Self { place: PathInFolder::folder(path), embedded: RefCell::default() }
     }
 
     /// The folder.
-    pub fn place(&self) -> &Inside {
+    pub fn place(&self) -> &PathInFolder {
         &self.place
     }
 
@@ -47,7 +47,7 @@ impl PictureFolder {
     ///
     /// # Errors
     /// [`Error::Io`] for a file that cannot be read as a picture.
-    pub(super) fn embed(&self, file: &str, most: u32) -> Result<Rc<Embedded>> {
+    pub(super) fn embed(&self, file: &str, most: u32) -> Result<Rc<EmbeddedPicture>> {
         if let Some(known) = self.embedded.borrow().get(file) {
             return Ok(Rc::clone(known));
         }
@@ -58,7 +58,7 @@ impl PictureFolder {
 }
 
 /// A PNG as a JPEG, or as it is where that is no larger; wider than `most` pixels, it is scaled down.
-pub fn embed(place: &Inside, most: u32) -> Result<Embedded> {
+pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
     let png = place.bytes()?;
     let wrong = |e: image::ImageError| Error::io("read", place.path(), std::io::Error::other(e));
     let pixels = image::load_from_memory(&png).map_err(wrong)?.into_rgb8();
@@ -68,11 +68,11 @@ pub fn embed(place: &Inside, most: u32) -> Result<Embedded> {
     }
     let made = jpeg(&pixels).map_err(wrong)?;
     let own = uri("png", &png);
-    Ok(if own.len() <= made.uri.len() { Embedded { uri: own, ..made } } else { made })
+    Ok(if own.len() <= made.uri.len() { EmbeddedPicture { uri: own, ..made } } else { made })
 }
 
 /// A picture as a JPEG.
-pub fn data_uri(picture: &Rgb) -> Result<Embedded> {
+pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
     let wrong = |what: &str| Error::Usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
     let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());
     jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
@@ -83,10 +83,10 @@ pub fn svg_uri(svg: &[u8]) -> String {
     uri("svg+xml", svg)
 }
 
-fn jpeg(pixels: &RgbImage) -> image::ImageResult<Embedded> {
+fn jpeg(pixels: &RgbImage) -> image::ImageResult<EmbeddedPicture> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).encode_image(pixels)?;
-    Ok(Embedded { uri: uri("jpeg", &bytes), width: pixels.width(), height: pixels.height() })
+    Ok(EmbeddedPicture { uri: uri("jpeg", &bytes), width: pixels.width(), height: pixels.height() })
 }
 
 fn uri(kind: &str, bytes: &[u8]) -> String {

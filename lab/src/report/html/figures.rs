@@ -5,7 +5,7 @@ use super::embed::{embed, svg_uri};
 use super::{frame, heading, page_header};
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -65,7 +65,7 @@ pub struct Panel {
 
 impl FiguresPage<'_> {
     /// The page; its pictures are read from the folder that it will lie in.
-    pub fn render(&self, folder: &Inside) -> Result<String> {
+    pub fn render(&self, folder: &PathInFolder) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
         let header = page_header("Figures of the theses", Some(self.device), DEFINITIONS, &self.command, &parts);
@@ -81,7 +81,7 @@ impl FiguresPage<'_> {
     }
 }
 
-fn group(group: &Group, folder: &Inside) -> Result<Markup> {
+fn group(group: &Group, folder: &PathInFolder) -> Result<Markup> {
     let entries = group.entries.iter().map(|e| entry(e, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
         (heading((&group.id, &group.title)))
@@ -93,7 +93,7 @@ fn group(group: &Group, folder: &Inside) -> Result<Markup> {
     })
 }
 
-fn entry(entry: &Entry, folder: &Inside) -> Result<Markup> {
+fn entry(entry: &Entry, folder: &PathInFolder) -> Result<Markup> {
     let shown = match &entry.file {
         Ok(file) => {
             let picture = picture(entry, file, folder)?;
@@ -120,7 +120,7 @@ fn entry(entry: &Entry, folder: &Inside) -> Result<Markup> {
     })
 }
 
-fn picture(entry: &Entry, file: &str, folder: &Inside) -> Result<Markup> {
+fn picture(entry: &Entry, file: &str, folder: &PathInFolder) -> Result<Markup> {
     let place = folder.join(file);
     if file.ends_with(".svg") {
         let svg = svg_uri(&place.bytes()?);

@@ -69,7 +69,7 @@ impl LibraryPage<'_> {
             (trends) (self.trends()?)
             (compare) (self.compare())
             (left_out) (self.left_out())
-            script type="application/json" id="library-data" { (PreEscaped(data::embedded(self))) }
+            script type="application/json" id="library-data" { (PreEscaped(data::embedded_json(self))) }
             script { (PreEscaped(include_str!("library/library.js"))) }
         };
         Ok(frame(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))

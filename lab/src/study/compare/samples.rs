@@ -37,7 +37,7 @@ pub struct Run {
 
 impl Run {
     /// The names of what its file says of a method's frames; `None` if it has none.
-    fn told(&self, method: &str) -> Option<BTreeSet<&String>> {
+    fn stated_names(&self, method: &str) -> Option<BTreeSet<&String>> {
         let is_of = |s: &&TimeSample| s.subject.get("method") == method;
         self.samples
             .iter()
@@ -46,7 +46,7 @@ impl Run {
     }
 
     /// Its samples, of each method with what both this and another run's file say.
-    fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
+    fn with_common_names(&self, other: &Self) -> Vec<TimeSample> {
         let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
         let mut last: Option<[Arc<Subject>; 2]> = None;
@@ -55,7 +55,7 @@ impl Run {
                 Some([from, to]) if Arc::ptr_eq(from, &s.subject) => Arc::clone(to),
                 _ => {
                     let method = s.subject.get("method").to_owned();
-                    match known.entry(method).or_insert_with_key(|method| other.told(method)) {
+                    match known.entry(method).or_insert_with_key(|method| other.stated_names(method)) {
                         None => Arc::clone(&s.subject),
                         Some(told) => {
                             let values = s.subject.0.iter().filter(|(name, _)| told.contains(name));
@@ -73,7 +73,7 @@ impl Run {
     pub(super) fn untold(&self, other: &Self) -> BTreeSet<String> {
         let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
         let lacking = |method: &&str| {
-            let (mine, theirs) = (self.told(method)?, other.told(method)?);
+            let (mine, theirs) = (self.stated_names(method)?, other.stated_names(method)?);
             Some(theirs.difference(&mine).map(|name| (*name).clone()).collect::<Vec<_>>())
         };
         methods.iter().filter_map(lacking).flatten().collect()
@@ -99,7 +99,7 @@ impl Samples {
     }
 
     /// Its time and another's in each frame whose number both have.
-    pub(super) fn beside(&self, other: &Self) -> Vec<[f64; 2]> {
+    pub(super) fn paired_times(&self, other: &Self) -> Vec<[f64; 2]> {
         let theirs: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
         let mine = self.numbers.iter().zip(&self.ms);
         mine.filter_map(|(number, ms)| Some([*ms, *theirs.get(number)?])).collect()
@@ -148,7 +148,7 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
 
 /// The groups of two runs, by what the files of both say of each method.
 pub(super) fn groups_of_both(a: &Run, b: &Run) -> [Vec<Group>; 2] {
-    [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)))
+    [(a, b), (b, a)].map(|(run, other)| groups(&run.with_common_names(other)))
 }
 
 /// What a frame's rows come to: passes, groups of them, and the sum of the counted ones.

@@ -127,8 +127,8 @@ impl Selection {
             [(first, _), (second, _), ..] => Err(format!(
                 "{:?} means several settings, such as \"{}\" and \"{}\"",
                 self.text,
-                first.told_from(second, "--"),
-                second.told_from(first, "--")
+                first.difference_from(second, "--"),
+                second.difference_from(first, "--")
             )),
             [] => Err(format!("{:?} means no setting", self.text)),
         }
@@ -173,7 +173,7 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
 /// The records of two settings, which say in what these differ.
 fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
     let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
-    let [setting_a, setting_b] = [a.0.told_from(&b.0, ""), b.0.told_from(&a.0, "")];
+    let [setting_a, setting_b] = [a.0.difference_from(&b.0, ""), b.0.difference_from(&a.0, "")];
     let same = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
     let warnings = same.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));

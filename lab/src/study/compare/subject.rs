@@ -77,7 +77,7 @@ impl Subject {
     }
 
     /// The method, and each value in which the subject differs from another one, as options that begin with `mark`.
-    pub(super) fn told_from(&self, other: &Self, mark: &str) -> String {
+    pub(super) fn difference_from(&self, other: &Self, mark: &str) -> String {
         let option = |name: &str| {
             let value = match self.get(name) {
                 "" => NOT_SET,

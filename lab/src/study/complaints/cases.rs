@@ -1,6 +1,6 @@
 //! The table of complaints: what users say, the scene and frames that show it, and the number that says how much of it there is.
 
-use super::frames::{Frame, Seen, Take};
+use super::frames::{Frame, SeenFrame, Take};
 use super::measures::{
     beside_what_is_close, blackened, differing, error_at_last, everywhere, excess, inner, inner_and_shown, of_cells,
     of_pixels, off_change, off_change_at_rest, spread_of_wrong, wrong_at_last,
@@ -25,7 +25,7 @@ pub struct Complaint {
     /// Makes what is shown, at a size in pixels.
     pub take: fn([u32; 2]) -> Take,
     /// Finds the number of a variant, by its place; none where it shows too little to be judged.
-    pub number: fn(&[Seen], usize) -> Option<f64>,
+    pub number: fn(&[SeenFrame], usize) -> Option<f64>,
     /// Whether the frames are a film, and not a view under several settings.
     pub is_film: bool,
 }
@@ -181,7 +181,7 @@ pub const COMPLAINTS: &[Complaint] = &[
             }))
         },
         number: |all, variant| {
-            let is_beside = |seen: &Seen, i| inner_and_shown(seen, i) && beside_what_is_close(seen, i);
+            let is_beside = |seen: &SeenFrame, i| inner_and_shown(seen, i) && beside_what_is_close(seen, i);
             Some(wrong_at_last(all, variant, is_beside))
         },
         is_film: true,
@@ -309,12 +309,12 @@ fn resolutions(size: [u32; 2]) -> Take {
 }
 
 /// Pixels of the metal's reflection.
-fn on_metal(seen: &Seen, pixel: usize) -> bool {
+fn on_metal(seen: &SeenFrame, pixel: usize) -> bool {
     inner(seen, pixel) && seen.ends[pixel] == "metal"
 }
 
 /// How much of the thing's colour is left in the last frame, where mirror rays met the thing in an earlier one and do not now.
-fn ghost(all: &[Seen], variant: usize) -> Option<f64> {
+fn ghost(all: &[SeenFrame], variant: usize) -> Option<f64> {
     let (last, earlier) = all.split_last()?;
     let was_there = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
     let left = last.pixels(|seen, i| inner(seen, i) && seen.ends[i] != "thing").filter(was_there);

@@ -62,7 +62,7 @@ impl Frame {
 }
 
 /// What was seen of a frame.
-pub struct Seen {
+pub struct SeenFrame {
     /// What the camera sees.
     pub screen: GBufferData,
     /// The reflection as it should be.
@@ -81,7 +81,12 @@ pub struct Seen {
 ///
 /// # Errors
 /// Errors of the device, and of `step`.
-pub fn see(gpu: &Gpu, take: &Take, variants: &[Variant], step: &mut dyn FnMut() -> Result<()>) -> Result<Vec<Seen>> {
+pub fn show_frames(
+    gpu: &Gpu,
+    take: &Take,
+    variants: &[Variant],
+    step: &mut dyn FnMut() -> Result<()>,
+) -> Result<Vec<SeenFrame>> {
     let mut stage = Stage::new(gpu, &take.scene)?;
     let mut lineup: Option<Lineup> = None;
     let mut all = Vec::new();
@@ -105,7 +110,7 @@ pub fn see(gpu: &Gpu, take: &Take, variants: &[Variant], step: &mut dyn FnMut() 
             data
         });
         let images = made.reflect(&mut stage, take, spoilt.as_ref())?;
-        all.push(seen(take, frame, screen, images));
+        all.push(judge_frame(take, frame, screen, images));
         step()?;
     }
     Ok(all)
@@ -182,7 +187,7 @@ impl Lineup {
 }
 
 /// What was seen of a frame, with its truth.
-fn seen(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> Seen {
+fn judge_frame(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
     let mut scene = take.scene.clone();
     for (name, offset) in &frame.moved {
         scene.meshes.iter_mut().filter(|mesh| mesh.name == *name).for_each(|mesh| mesh.translate(*offset));
@@ -196,7 +201,14 @@ fn seen(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) ->
     let colors = |pixels: &Pixels| pixels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let places = first_hits.receivers.iter().map(|receiver| receiver.map(|r| r.position)).collect();
     let shown = world_hits(&world, &screen, &first_hits).iter().map(|hit| hit.visible_at().is_some()).collect();
-    Seen { shown, ends: ends(&world, &first_hits), places, truth, made: images.iter().map(colors).collect(), screen }
+    SeenFrame {
+        shown,
+        ends: ends(&world, &first_hits),
+        places,
+        truth,
+        made: images.iter().map(colors).collect(),
+        screen,
+    }
 }
 
 /// The names of the meshes where mirror rays end.

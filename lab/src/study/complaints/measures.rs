@@ -1,6 +1,6 @@
 //! The numbers of the complaints: differences from the truth over a region, of images or of their changes.
 
-use super::frames::Seen;
+use super::frames::SeenFrame;
 use crate::metrics::flicker::{self, sound};
 use glam::{DVec3, Vec3};
 
@@ -8,9 +8,9 @@ use glam::{DVec3, Vec3};
 pub const WRONG: f32 = 0.1;
 
 /// Says which pixels a number is about.
-pub type Region = fn(&Seen, usize) -> bool;
+pub type Region = fn(&SeenFrame, usize) -> bool;
 
-impl Seen {
+impl SeenFrame {
     fn width(&self) -> usize {
         self.screen.width as usize
     }
@@ -51,17 +51,17 @@ impl Seen {
 }
 
 /// All reflecting pixels.
-pub fn everywhere(_: &Seen, _: usize) -> bool {
+pub fn everywhere(_: &SeenFrame, _: usize) -> bool {
     true
 }
 
 /// Reflecting pixels that show no edge.
-pub fn inner(seen: &Seen, pixel: usize) -> bool {
+pub fn inner(seen: &SeenFrame, pixel: usize) -> bool {
     seen.is_inner(pixel)
 }
 
 /// Reflecting pixels beside what is close before the camera: within a twelfth of the image's width.
-pub fn beside_what_is_close(seen: &Seen, pixel: usize) -> bool {
+pub fn beside_what_is_close(seen: &SeenFrame, pixel: usize) -> bool {
     let near = seen.screen.camera.lens.near_m;
     seen.all_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
 }
@@ -70,7 +70,7 @@ pub fn beside_what_is_close(seen: &Seen, pixel: usize) -> bool {
 const CLOSE_M: f32 = 2.0;
 
 /// Reflecting pixels that show no edge and whose mirror ray ends at what the screen shows.
-pub fn inner_and_shown(seen: &Seen, pixel: usize) -> bool {
+pub fn inner_and_shown(seen: &SeenFrame, pixel: usize) -> bool {
     seen.is_inner(pixel) && seen.shown[pixel]
 }
 
@@ -87,17 +87,17 @@ fn percent(items: impl Iterator<Item = bool>) -> f64 {
 }
 
 /// The percentage of a region's pixels whose colour is wrong.
-pub fn wrong(seen: &Seen, variant: usize, region: Region) -> f64 {
+pub fn wrong(seen: &SeenFrame, variant: usize, region: Region) -> f64 {
     wrong_of(seen, variant, seen.pixels(region))
 }
 
 /// The percentage of some pixels whose colour is wrong.
-pub fn wrong_of(seen: &Seen, variant: usize, pixels: impl Iterator<Item = usize>) -> f64 {
+pub fn wrong_of(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>) -> f64 {
     percent(pixels.map(|i| is_wrong(seen.made[variant][i], seen.truth[i])))
 }
 
 /// The percentage of wrong pixels in the last frame.
-pub fn wrong_at_last(all: &[Seen], variant: usize, region: Region) -> f64 {
+pub fn wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.last().map_or(0.0, |seen| wrong(seen, variant, region))
 }
 
@@ -107,14 +107,14 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 /// The percentage of wrong pixels in the worst frame less that in the best.
-pub fn spread_of_wrong(all: &[Seen], variant: usize, region: Region) -> f64 {
+pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     spread(all.iter().map(|seen| wrong(seen, variant, region)))
 }
 
 /// The greatest percentage of pixels of a frame whose colour is another than in the first frame, which has the same camera
 /// and size.
-pub fn differing(all: &[Seen], variant: usize, region: Region) -> f64 {
-    let percentage = |seen: &Seen| {
+pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
+    let percentage = |seen: &SeenFrame| {
         let first = &all[0].made[variant];
         percent(seen.pixels(region).map(|i| is_wrong(seen.made[variant][i], first[i])))
     };
@@ -122,7 +122,7 @@ pub fn differing(all: &[Seen], variant: usize, region: Region) -> f64 {
 }
 
 /// The error over a region in the last frame: root mean square, in percent of the truth's own.
-pub fn error_at_last(all: &[Seen], variant: usize, region: Region) -> f64 {
+pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let Some(seen) = all.last() else { return 0.0 };
     let square = |v: Vec3| f64::from(v.length_squared());
     let error: f64 = seen.pixels(region).map(|i| square(sound(seen.made[variant][i]) - seen.truth[i])).sum();
@@ -132,7 +132,7 @@ pub fn error_at_last(all: &[Seen], variant: usize, region: Region) -> f64 {
 
 /// How much more of a colour than in the truth there is in some pixels, in percent of the colour: the mean over what is redder than
 /// green beyond the truth.
-pub fn excess(seen: &Seen, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
+pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
     let redness = |color: Vec3| f64::from(color.x - color.y);
     let (mut sum, mut count) = (0.0, 0_u32);
     for i in pixels {
@@ -143,10 +143,10 @@ pub fn excess(seen: &Seen, variant: usize, pixels: impl Iterator<Item = usize>, 
 }
 
 /// The changes of an image from one frame to the next, by some rule of what is compared with what.
-pub type Changes = fn([&Seen; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
+pub type Changes = fn([&SeenFrame; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
 
 /// The changes of each pixel that reflects in both frames.
-pub fn of_pixels([before, now]: [&Seen; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+pub fn of_pixels([before, now]: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
     let both = now.pixels(everywhere).filter(|i| before.screen.reflects(*i));
     both.map(|i| sound(images[1][i]) - sound(images[0][i])).collect()
 }
@@ -155,13 +155,13 @@ pub fn of_pixels([before, now]: [&Seen; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
 const GRID: [usize; 2] = [60, 34];
 
 /// The changes of each cell of a grid, so that frames may differ in size.
-pub fn of_cells(frames: [&Seen; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+pub fn of_cells(frames: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
     let [before, now] = [0, 1].map(|n| means(frames[n], images[n]));
     before.into_iter().zip(now).filter_map(|(before, now)| Some(now? - before?)).collect()
 }
 
 /// The mean colour of the reflecting pixels of each cell of the grid, row by row.
-fn means(seen: &Seen, image: &[Vec3]) -> Vec<Option<Vec3>> {
+fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); GRID[0] * GRID[1]];
     let [width, height] = [seen.width(), seen.screen.height as usize];
     for i in seen.pixels(everywhere) {
@@ -185,7 +185,7 @@ struct ChangeSums {
 }
 
 impl ChangeSums {
-    fn of(all: &[Seen], variant: usize, changes: Changes) -> Self {
+    fn of(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
         let mut sums = Self::default();
         for pair in all.windows(2) {
             let frames = [&pair[0], &pair[1]];
@@ -211,13 +211,13 @@ impl ChangeSums {
 
 /// How far changes from frame to frame are off the truth's: the mean absolute difference over changes and channels, in percent
 /// of the truth's own changes.
-pub fn off_change(all: &[Seen], variant: usize, changes: Changes) -> Option<f64> {
+pub fn off_change(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::of(all, variant, changes);
     sums.percent_of(sums.own)
 }
 
 /// Finds how far changes are off the truth's in percent of the truth's mean colour, where the truth hardly changes.
-pub fn off_change_at_rest(all: &[Seen], variant: usize, changes: Changes) -> Option<f64> {
+pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::of(all, variant, changes);
     sums.percent_of(sums.bright[0])
 }
@@ -226,10 +226,11 @@ pub fn off_change_at_rest(all: &[Seen], variant: usize, changes: Changes) -> Opt
 const BLACK: f32 = 0.02;
 
 /// The percentage of pixels, in the worst frame, that are no number, or black where the truth is not.
-pub fn blackened(all: &[Seen], variant: usize, region: Region) -> f64 {
+pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
-    let percentage =
-        |seen: &Seen| percent(seen.pixels(region).map(|i| is_black(seen.made[variant][i]) && !is_dark(seen.truth[i])));
+    let percentage = |seen: &SeenFrame| {
+        percent(seen.pixels(region).map(|i| is_black(seen.made[variant][i]) && !is_dark(seen.truth[i])))
+    };
     all.iter().map(percentage).fold(0.0, f64::max)
 }
 
@@ -244,7 +245,7 @@ mod tests {
     use crate::scene::{Camera, GBufferData, Lens, Surface};
 
     /// A frame of 4×2 pixels that reflect, with a truth and what a method makes of it.
-    fn seen(truth: [f32; 8], made: [f32; 8]) -> Seen {
+    fn seen(truth: [f32; 8], made: [f32; 8]) -> SeenFrame {
         let colors = |values: [f32; 8]| values.map(Vec3::splat).to_vec();
         let screen = GBufferData {
             width: 4,
@@ -258,7 +259,7 @@ mod tests {
             surface: vec![Surface::Lit; 8],
         };
         let ends = ["a", "a", "a", "b"].repeat(2).into_iter().map(str::to_owned).collect();
-        Seen {
+        SeenFrame {
             screen,
             truth: colors(truth),
             ends,

@@ -1,7 +1,7 @@
 //! The pictures of a case: what is seen with the true reflection in it, and with that of each method.
 
 use super::cases::Complaint;
-use super::frames::Seen;
+use super::frames::SeenFrame;
 use crate::math::display_byte;
 use crate::metrics::flicker::sound;
 use crate::metrics::video::Film;
@@ -27,7 +27,7 @@ pub fn file(complaint: &Complaint, method: &str) -> String {
 }
 
 /// The pictures of the truth and of each method, in the order of their names.
-pub fn all(complaint: &Complaint, names: &[String], frames: &[Seen]) -> Vec<ExtraFile> {
+pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
     let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
     let extra_file =
@@ -40,7 +40,7 @@ pub fn all(complaint: &Complaint, names: &[String], frames: &[Seen]) -> Vec<Extr
 type Picture = ([u32; 2], Vec<u8>);
 
 /// What is seen, with a reflection in it that does not fade.
-fn picture(seen: &Seen, reflection: &[Vec3]) -> Picture {
+fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
     let bytes = colors.flat_map(|(i, (lit, color))| (*lit + share(i) * sound(*color)).to_array().map(display_byte));

@@ -1,7 +1,7 @@
 //! The study of complaints: a cell for each, in which every method is tried.
 
 use super::cases::{COMPLAINTS, Complaint};
-use super::frames::{Take, see};
+use super::frames::{Take, show_frames};
 use super::pictures;
 use super::row::ComplaintRow;
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ impl Study for ComplaintStudy {
         let (complaint, take) = case;
         let (names, variants): (Vec<_>, Vec<_>) = self.variants.iter().cloned().unzip();
         let (gpu, spare) = (bench.gpu, self.steps(cell) - take.frames.len());
-        let seen = see(gpu, take, &variants, &mut || bench.step())?;
+        let seen = show_frames(gpu, take, &variants, &mut || bench.step())?;
         (bench.advance)(spare);
         pictures::all(complaint, &names, &seen).iter().try_for_each(|file| (bench.keep)(file))?;
         let rows = (0..names.len()).map(|n| self.row(gpu, case, n, (complaint.number)(&seen, n)));

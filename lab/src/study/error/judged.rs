@@ -1,7 +1,7 @@
 //! The records of a variant: its image and its hits compared with the references of a cell.
 
 use super::truth::{Reference, Truth};
-use super::{Against, ErrorRecord, ErrorSpec, Timed, display};
+use super::{ErrorRecord, ErrorReference, ErrorSpec, VariantTime, display};
 use crate::gpu::Gpu;
 use crate::math::OracleVersion;
 use crate::methods::Setup;
@@ -11,7 +11,7 @@ use crate::metrics::image::{masked_relative_mse, masked_rmse};
 use crate::metrics::place::{self, RayEnd};
 use crate::metrics::world;
 use crate::study::columns::{figure, measured_columns};
-use crate::study::record::{Head, Of};
+use crate::study::record::{Head, RecordSubject};
 
 /// An image, and what it is held against.
 struct JudgedImage<'a> {
@@ -71,7 +71,13 @@ pub(super) struct Record {
 }
 
 impl Record {
-    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, subject: Of, setup: &Setup, time: Option<&Timed>) -> Self {
+    pub(super) fn new(
+        gpu: &Gpu,
+        spec: &ErrorSpec,
+        subject: RecordSubject,
+        setup: &Setup,
+        time: Option<&VariantTime>,
+    ) -> Self {
         let setup = setup.at(spec.extent);
         let head = Head::new("error", gpu, (spec.scene, spec.view), subject, &setup, &spec.globals);
         Self {
@@ -81,7 +87,7 @@ impl Record {
                 time_ms: time.map(|time| time.median_ms),
                 time_low_ms: time.and_then(|time| time.interval).map(|[low, _]| low),
                 time_high_ms: time.and_then(|time| time.interval).map(|[_, high]| high),
-                against: Against::Screen,
+                against: ErrorReference::Screen,
                 hits: HitAgreement::default(),
                 image: ImageError::default(),
                 place_agreement: None,
@@ -94,7 +100,7 @@ impl Record {
     /// The record of an image against one reference.
     pub(super) fn image(
         &self,
-        against: Against,
+        against: ErrorReference,
         truth: &Truth,
         reference: &Reference,
         color: &[[f32; 3]],
@@ -102,7 +108,7 @@ impl Record {
         ErrorRecord {
             against,
             image: ImageError::of(&JudgedImage { truth, reference, color }),
-            floor: (against == Against::World).then_some(truth.floor),
+            floor: (against == ErrorReference::World).then_some(truth.floor),
             ..self.record.clone()
         }
     }
@@ -122,12 +128,12 @@ impl Record {
         if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {
             let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
             let hits = HitAgreement::new(&truth.mask, positions, &oracle);
-            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
+            records.push(ErrorRecord { against: ErrorReference::Oracle, hits, ..self.record.clone() });
         }
         if on_screen {
-            records.push(self.image(Against::Screen, truth, &screen.image, color));
+            records.push(self.image(ErrorReference::Screen, truth, &screen.image, color));
         }
-        let mut world = self.image(Against::World, truth, &truth.world, color);
+        let mut world = self.image(ErrorReference::World, truth, &truth.world, color);
         if let Some(hits) = hits {
             world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
         }

@@ -1,7 +1,7 @@
 //! What the rows of the error study come to over its cells: a point for each variant, and the parts of the error.
 
-use super::{Against, ErrorRecord, ImageError};
-use crate::metrics::pareto::{self, Measured};
+use super::{ErrorRecord, ErrorReference, ImageError};
+use crate::metrics::pareto::{self, MeasuredPoint};
 use crate::study::columns::{Column, Columns};
 use crate::study::compare::THRESHOLD;
 use crate::study::exhibit::pivot;
@@ -53,14 +53,14 @@ pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
 /// The error of a record in the plot of its reference.
 fn error(record: &ErrorRecord) -> Option<f64> {
     match record.against {
-        Against::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
-        Against::Screen | Against::World => record.image.rmse,
+        ErrorReference::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
+        ErrorReference::Screen | ErrorReference::World => record.image.rmse,
     }
 }
 
 /// The values of a variant over the cells: times, their noise, errors, places, bytes, milliseconds, and those of
 /// [`more_columns`].
-type Found = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
+type VariantValues = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
 
 /// Half the width of the interval of a record's time, as a share of the time.
 fn noise_of(record: &ErrorRecord) -> Option<f64> {
@@ -79,9 +79,9 @@ fn noise(of_cells: &[f64], cells: usize) -> f64 {
 
 /// One point a variant against a reference, over some records, in order of time. A variant with an
 /// error that is not finite is left out.
-pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
+pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     let columns = more_columns();
-    let mut all: Vec<Found> = Vec::new();
+    let mut all: Vec<VariantValues> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
         let name = r.head.variant();
@@ -116,7 +116,7 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
         .collect();
     let measured = |p: &Point| {
         let [least, most] = [1.0 - p.noise, 1.0 + p.noise].map(|factor| p.time_ms * factor);
-        Measured { least, most, error: p.error }
+        MeasuredPoint { least, most, error: p.error }
     };
     for index in pareto::front_of_measured(&points.iter().map(measured).collect::<Vec<_>>()) {
         points[index].on_front = true;

@@ -16,8 +16,8 @@ use std::collections::BTreeSet;
 
 /// What a figure is held against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Against {
+#[serde(rename = "Against", rename_all = "lowercase")]
+pub enum ErrorReference {
     /// Hits against the oracle, in the record's version; mirrors only.
     Oracle,
     /// The image against the screen reference of that version, in which a miss is black; not for what
@@ -27,14 +27,14 @@ pub enum Against {
     World,
 }
 
-impl Against {
+impl ErrorReference {
     /// The name in tables and files.
     pub fn name(self) -> &'static str {
         REFERENCES.iter().find(|r| r.0 == self).map_or("", |r| r.1)
     }
 }
 
-impl AsDatum for Against {
+impl AsDatum for ErrorReference {
     fn datum(&self) -> Datum {
         Datum::Text(self.name().to_owned())
     }
@@ -55,7 +55,7 @@ columns! {
         #[serde(default)]
         pub time_high_ms: Option<f64> = time(""),
         /// The reference.
-        pub against: Against = figure(""),
+        pub against: ErrorReference = figure(""),
         /// Hits against the oracle's, or (without distances) against the world's.
         #[serde(flatten)]
         pub hits: HitAgreement = part(),
@@ -72,10 +72,10 @@ columns! {
 }
 
 /// The three references with what their charts show.
-const REFERENCES: [(Against, &str, &str); 3] = [
-    (Against::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
-    (Against::Screen, "screen", "RMSE against the screen reference"),
-    (Against::World, "world", WORLD_AXIS),
+const REFERENCES: [(ErrorReference, &str, &str); 3] = [
+    (ErrorReference::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
+    (ErrorReference::Screen, "screen", "RMSE against the screen reference"),
+    (ErrorReference::World, "world", WORLD_AXIS),
 ];
 
 /// What an error against the world is called.
@@ -109,7 +109,7 @@ impl Row for ErrorRecord {
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let cells = rows.iter().map(cell_of).collect::<BTreeSet<_>>().len();
         let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
-        let table = |(against, id, axis): (Against, &'static str, &str)| {
+        let table = |(against, id, axis): (ErrorReference, &'static str, &str)| {
             let points = points::points(rows, against);
             let title = format!("{axis}, mean over the cells; * is on the Pareto front");
             let cells = point_cells(&points, floor(rows, against));
@@ -124,7 +124,7 @@ impl Row for ErrorRecord {
 
     /// One chart for each reference that the rows have, and one of bytes where they differ.
     fn charts(rows: &[Self]) -> Vec<Chart> {
-        let chart = |(against, name, axis): (Against, &str, &str)| {
+        let chart = |(against, name, axis): (ErrorReference, &str, &str)| {
             let points = points::points(rows, against);
             let named =
                 |p: &Point| NamedPoint { name: p.name.clone(), position: [p.time_ms, p.error], on_front: p.on_front };
@@ -133,7 +133,7 @@ impl Row for ErrorRecord {
             let title = format!("Run time against {axis}");
             (!points.is_empty()).then(|| Chart::new(format!("error-{name}"), title, drawing))
         };
-        let bytes = bytes_against_error(&points::points(rows, Against::World));
+        let bytes = bytes_against_error(&points::points(rows, ErrorReference::World));
         REFERENCES.into_iter().filter_map(chart).chain(bytes).collect()
     }
 }
@@ -172,8 +172,8 @@ fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
 }
 
 /// What is beside errors against the world.
-fn floor(records: &[ErrorRecord], against: Against) -> Option<f64> {
-    points::floor(records).filter(|_| against == Against::World)
+fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
+    points::floor(records).filter(|_| against == ErrorReference::World)
 }
 
 /// Bytes of a MiB.

@@ -4,7 +4,7 @@ use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
 use crate::error::Result;
 use crate::scene::{Scene, View};
 use crate::stage::{Globals, Stage};
-use crate::study::engine::{Bench, Last, Planned, Study};
+use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use crate::study::names::cell_name;
 use serde_json::json;
@@ -16,7 +16,7 @@ pub struct ErrorStudy {
     globals: Vec<Globals>,
     samples: usize,
     rays: u32,
-    stage: Last<usize, Stage>,
+    stage: LastMade<usize, Stage>,
 }
 
 /// A scene of the study.
@@ -46,7 +46,7 @@ impl ErrorStudy {
             StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
         let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
-        Self { scenes, sizes, globals, samples, rays, stage: Last::default() }
+        Self { scenes, sizes, globals, samples, rays, stage: LastMade::default() }
     }
 
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {

@@ -1,7 +1,7 @@
 //! The path of a ray through the cells of a Hi-Z chain, as the twin of the traversal walks it.
 
 use crate::reference::hi_z_ray_trace::{self, HiZTrace};
-use crate::reference::unified::{Code, Traversal};
+use crate::reference::unified::{HitCode, Traversal};
 use glam::{Vec2, Vec3Swizzles};
 
 /// A ray's path through the cells of a Hi-Z chain, for any method.
@@ -97,10 +97,10 @@ impl Walk {
             });
         });
         let end = match hit.code {
-            Code::Surface => WalkEnd::Hit,
-            Code::Nothing => WalkEnd::Left,
-            Code::Behind => WalkEnd::Behind,
-            Code::Unfinished => WalkEnd::Exhausted,
+            HitCode::Surface => WalkEnd::Hit,
+            HitCode::Miss => WalkEnd::Left,
+            HitCode::MissBehind => WalkEnd::Behind,
+            HitCode::Unfinished => WalkEnd::Exhausted,
         };
         if end == WalkEnd::Hit {
             way.push(hit.position);

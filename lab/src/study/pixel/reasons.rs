@@ -5,7 +5,7 @@ use crate::metrics::hits::HitVerdict;
 use crate::metrics::verdict::{PixelVerdict, WRONG};
 use crate::metrics::world::is_same_place;
 use crate::reference::MissReason;
-use crate::reference::pixel::{Estimated, Unseen};
+use crate::reference::pixel::{EstimatedColor, UnseenReason};
 
 /// The sentences of a pixel. `is_sky_surface` says that its mesh shows the environment; `traces_lobes`, that the method's own
 /// ray of a rough pixel is not the mirror ray.
@@ -94,14 +94,14 @@ fn world(end: &WorldEnd) -> String {
 }
 
 /// Why the screen does not show a place, as the end of a sentence about it.
-pub(super) fn unseen(unseen: &Unseen, is_before_near: bool) -> &'static str {
+pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'static str {
     match unseen {
-        Unseen::BehindEye => "lies behind the eye",
-        Unseen::OffScreen => "lies beside the picture",
-        Unseen::Hidden { by: Some(_), .. } => "is hidden behind",
-        Unseen::Hidden { by: None, .. } => "is hidden behind what the picture shows",
-        Unseen::NotDrawn { .. } if is_before_near => "lies before the near plane",
-        Unseen::NotDrawn { .. } => "the picture does not draw",
+        UnseenReason::BehindEye => "lies behind the eye",
+        UnseenReason::OffScreen => "lies beside the picture",
+        UnseenReason::Hidden { by: Some(_), .. } => "is hidden behind",
+        UnseenReason::Hidden { by: None, .. } => "is hidden behind what the picture shows",
+        UnseenReason::NotDrawn { .. } if is_before_near => "lies before the near plane",
+        UnseenReason::NotDrawn { .. } => "the picture does not draw",
     }
 }
 
@@ -172,8 +172,8 @@ fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
     let colors = &report.colors;
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
     let Some((screen, world)) = colors.screen.as_ref().zip(colors.world.as_ref()) else { return false };
-    let [screen, world] =
-        [screen, world].map(|one| Estimated { color: one.color.into(), standard_error: one.standard_error.into() });
+    let [screen, world] = [screen, world]
+        .map(|one| EstimatedColor { color: one.color.into(), standard_error: one.standard_error.into() });
     let without_fade = PixelVerdict::judge(colors.reflection.into(), &screen, &world);
     is_wrong && fade(report).is_some() && without_fade == PixelVerdict::Right
 }

@@ -1,6 +1,6 @@
 //! What formats make of a G-buffer's numbers, and the ladder of formats that is climbed.
 
-use super::Exact;
+use super::ExactGBuffer;
 use crate::math::{linear_to_srgb, srgb_to_linear};
 use crate::scene::GBufferData;
 use glam::Vec3;
@@ -206,7 +206,7 @@ impl Storage {
     }
 
     /// A G-buffer as it is read again.
-    pub fn store(self, exact: &Exact) -> GBufferData {
+    pub fn store(self, exact: &ExactGBuffer) -> GBufferData {
         GBufferData {
             depth: exact.depth.iter().map(|d| self.depth.store(*d)).collect(),
             normal: exact.data.normal.iter().map(|n| self.normal.store(*n)).collect(),

@@ -1,6 +1,6 @@
 //! Two runs of the study of compiled programs beside each other: which program's numbers changed, and by how much.
 
-use super::{FRAME, Kind, ShaderRecord, shown};
+use super::{FRAME, Kind, ShaderRecord, statistic_text};
 use crate::study::exhibit::{Table, distinct};
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub struct ShaderComparison {
 }
 
 /// Runs with what they are called.
-pub type Named<'a> = (&'a str, &'a [ShaderRecord]);
+pub type NamedRun<'a> = (&'a str, &'a [ShaderRecord]);
 
 /// The keys by which records of two runs find each other. Constants are left out, since a change of the program may change
 /// them; records that agree in the rest are numbered in the order of the run.
@@ -44,7 +44,7 @@ fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
 }
 
 /// Every statistic of every program that either run has, digests left out.
-pub fn compare((name_a, a): Named, (name_b, b): Named) -> Vec<ShaderComparison> {
+pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderComparison> {
     let (keys_a, keys_b) = (keys(a), keys(b));
     let all = distinct(keys_a.iter().chain(&keys_b).cloned());
     let found = |keys: &[Vec<String>], records: &[ShaderRecord], key: &[String]| {
@@ -70,7 +70,7 @@ pub fn compare((name_a, a): Named, (name_b, b): Named) -> Vec<ShaderComparison> 
 }
 
 /// The frames' sums and extremes in both runs, and the programs of frames whose main numbers differ.
-pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
+pub fn tables((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<Table> {
     let comparisons = compare((name_a, a), (name_b, b));
     let mut frames = vec![["method", "roughness", "number", "A", "B", "B/A"].map(str::to_owned).to_vec()];
     let frame = |r: &ShaderRecord| (r.head.variant(), crate::study::names::roughness(r.head.roughness));
@@ -86,7 +86,7 @@ pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
                 records.iter().filter_map(|r| r.statistic(&name)).reduce(|x, y| fold.join(x, y))
             };
             let row = [key.0.clone(), key.1.clone(), name.clone()].into_iter();
-            frames.push(row.chain(beside(total(&in_a), total(&in_b))).collect());
+            frames.push(row.chain(comparison_cells(total(&in_a), total(&in_b))).collect());
         }
     }
     let header = ["method", "roughness", "program", "stage", "number", "A", "B", "B/A"].map(str::to_owned);
@@ -94,7 +94,7 @@ pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
     for c in comparisons.iter().filter(|c| c.program[2] == FRAME && Kind::named(&c.statistic).is_main()) {
         if c.value_a != c.value_b {
             let own = [0, 1, 3, 4].map(|n| c.program[n].clone()).into_iter().chain([c.statistic.clone()]);
-            programs.push(own.chain(beside(c.value_a, c.value_b)).collect());
+            programs.push(own.chain(comparison_cells(c.value_a, c.value_b)).collect());
         }
     }
     let about = format!("A is {name_a}, and B is {name_b}.");
@@ -104,7 +104,7 @@ pub fn tables((name_a, a): Named, (name_b, b): Named) -> Vec<Table> {
     ]
 }
 
-fn beside(a: Option<f64>, b: Option<f64>) -> [String; 3] {
+fn comparison_cells(a: Option<f64>, b: Option<f64>) -> [String; 3] {
     let ratio = a.zip(b).filter(|(a, _)| *a != 0.0).map(|(a, b)| format!("{:.3}", b / a));
-    [shown(a), shown(b), ratio.unwrap_or_else(|| "-".into())]
+    [statistic_text(a), statistic_text(b), ratio.unwrap_or_else(|| "-".into())]
 }

@@ -2,7 +2,7 @@
 //! follows rays in them must show a number in every pixel, and end every ray.
 
 use super::lineup::SceneLineup;
-use super::{Judged, StressRecord};
+use super::{JudgedFrame, StressRecord};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::methods::setup::CaptureCount;
@@ -130,7 +130,7 @@ pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneLineup) -> Result<Ve
             let made = lineup.made()?;
             let frame = if case.places.len() > 1 { format!(", frame {n}") } else { String::new() };
             let name = format!("{}, roughness {roughness}{frame}", case.name);
-            let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
+            let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
             records.extend(lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &judged, m, &data, None)));
         }
     }

@@ -6,21 +6,21 @@ use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
 use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::passes::GBuffer;
-use crate::passes::gbuffer::Drawn;
+use crate::passes::gbuffer::DrawnCounts;
 use crate::scene::{Camera, GBufferData, Material, ProjectionKind, Scene};
 use crate::stage::gbuffer::{self, reflection};
 use crate::stage::{Shot, Stage};
 use glam::Vec3;
 
 /// What a frame left.
-pub(super) struct Made {
+pub(super) struct FrameImages {
     pub reflection: Pixels,
     pub composite: Pixels,
     pub hits: Option<Pixels>,
     pub report: FrameReport,
 }
 
-impl Made {
+impl FrameImages {
     fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
         Ok(Self {
             reflection: reflection(context, output)?,
@@ -60,13 +60,13 @@ impl ScreenLineup {
         n: usize,
         gbuffer: &GBuffer,
         camera: &Camera,
-    ) -> Result<(&'static MethodInfo, Made)> {
+    ) -> Result<(&'static MethodInfo, FrameImages)> {
         let (method, effect) = &self.effects[n];
         let mut frame = self.context.begin(Mode::Timed)?;
         frame.begin_effect();
         let output = effect.record(&mut frame, &Input::of_screen(*gbuffer, camera))?;
         let report = frame.finish()?;
-        Ok((method, Made::read(&mut self.context, report, &output)?))
+        Ok((method, FrameImages::read(&mut self.context, report, &output)?))
     }
 }
 
@@ -83,7 +83,7 @@ pub struct SceneLineup {
     stage: Stage,
     shots: Vec<(&'static MethodInfo, Shot)>,
     /// What the first shot drew.
-    drawn: Drawn,
+    drawn: DrawnCounts,
 }
 
 impl SceneLineup {
@@ -108,7 +108,7 @@ impl SceneLineup {
             shots.push((*method, Shot::new(&mut stage, method, setup, wants, camera, materials.clone())?));
         }
         let kind = camera.kind();
-        Ok(Self { scene, extent, kind, setup: setup.clone(), stage, shots, drawn: Drawn::default() })
+        Ok(Self { scene, extent, kind, setup: setup.clone(), stage, shots, drawn: DrawnCounts::default() })
     }
 
     /// The methods, in order.
@@ -145,8 +145,8 @@ impl SceneLineup {
     }
 
     /// What each method makes of what was drawn last.
-    pub(super) fn made(&mut self) -> Result<Vec<Made>> {
-        self.each(Mode::Timed, Made::read)
+    pub(super) fn made(&mut self) -> Result<Vec<FrameImages>> {
+        self.each(Mode::Timed, FrameImages::read)
     }
 
     /// The reflection that each method makes of what was drawn last.

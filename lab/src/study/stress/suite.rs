@@ -10,7 +10,7 @@ use super::{Place, StressRecord, moved, places, run, run_place};
 use crate::error::Result;
 use crate::methods::{MethodInfo, Setup};
 use crate::scene::{Scene, library};
-use crate::study::engine::{Bench, Last, Planned, Study};
+use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use serde_json::{Value, json};
 
@@ -44,8 +44,8 @@ pub struct StressStudy {
     /// Motions in the first scene: the number of the view, and the roughness.
     motions: Vec<(usize, f32, Motion)>,
     /// The methods that were made last, for G-buffers and for scenes.
-    screen: Last<[u32; 2], ScreenLineup>,
-    scene: Last<String, SceneLineup>,
+    screen: LastMade<[u32; 2], ScreenLineup>,
+    scene: LastMade<String, SceneLineup>,
 }
 
 /// A cell of the suite, by its number among its kind.
@@ -84,8 +84,8 @@ impl StressStudy {
             captures: captures.filter(|(_, c)| chosen(&c.name)).collect(),
             trees: trees::cases(most).into_iter().filter(|c| chosen(&c.name)).collect(),
             motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|m| (view, roughness, m))).collect(),
-            screen: Last::default(),
-            scene: Last::default(),
+            screen: LastMade::default(),
+            scene: LastMade::default(),
             scenes,
         }
     }
@@ -151,7 +151,7 @@ impl Study for StressStudy {
             return Ok(of_cases(run(gpu, &cases[n], lineup)?));
         }
         // Scenes need the memory.
-        self.screen = Last::default();
+        self.screen = LastMade::default();
         let rows = match *cell {
             StressCell::Case(_) => Vec::new(),
             StressCell::Place(n) => {

@@ -2,13 +2,13 @@
 //! closed box, behind holes, and planes a millimetre apart. What follows rays among triangles must show a number in every
 //! pixel, end every ray, and end it where the world does.
 
-use super::lineup::{Made, SceneLineup};
-use super::{Compared, Judged, StressRecord};
+use super::lineup::{FrameImages, SceneLineup};
+use super::{ComparedRays, JudgedFrame, StressRecord};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::math::constants::ROUNDING;
 use crate::math::random::Stream;
-use crate::methods::unified::{First, UnifiedParams};
+use crate::methods::unified::{FirstTraced, UnifiedParams};
 use crate::methods::{MethodInfo, Setup};
 use crate::metrics::place::RayEnd;
 use crate::reference::first_hits::FirstHits;
@@ -81,7 +81,7 @@ impl TreeCase {
         &self,
         gpu: &Gpu,
         extent: [u32; 2],
-        first: First,
+        first: FirstTraced,
         methods: &[&'static MethodInfo],
     ) -> Result<SceneLineup> {
         let setup = Setup::new(extent).with(|p: &mut UnifiedParams| p.first = first);
@@ -95,7 +95,7 @@ impl TreeCase {
 /// Errors of the device.
 pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
     let mut records = Vec::new();
-    let ways = [(First::Triangles, "triangles first"), (First::Screen, "screen first")];
+    let ways = [(FirstTraced::Triangles, "triangles first"), (FirstTraced::Screen, "screen first")];
     for ((first, asked), least) in ways.into_iter().zip(RIGHT_ENDS) {
         let mut lineup = case.lineup(gpu, extent, first, methods)?;
         let view = lineup.scene.views[0].clone();
@@ -111,7 +111,7 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
                 roughness == 0.0 && gpu.numbers_triangles() && rounding_m(&lineup.scene) <= COMPARED_ROUNDING_M;
             let truth = is_known.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
             let name = format!("{}, {asked}, roughness {roughness}", case.name);
-            let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
+            let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
             records.extend(lineup.methods().zip(&made).map(|(m, made)| {
                 let compared = truth.as_ref().and_then(|truth| truth.compare(made, &data, least));
                 made.judge(gpu, &judged, m, &data, compared)
@@ -180,12 +180,12 @@ impl<'a> Truth<'a> {
 
     /// Compares where a method ends its rays with where the world ends them, which must agree for at least a share; `None` of
     /// a method without hits.
-    fn compare(&self, made: &Made, data: &GBufferData, least: f64) -> Option<Compared> {
+    fn compare(&self, made: &FrameImages, data: &GBufferData, least: f64) -> Option<ComparedRays> {
         let ends = ray_ends(made.hits.as_ref()?, data);
         let wrong: Vec<&(usize, WorldRay)> =
             self.rays.par_iter().filter(|(i, ray)| !self.is_right(ray, &ends[*i])).collect();
         let ties = wrong.par_iter().filter(|(i, ray)| self.is_tie(ray, &ends[*i], *i)).count();
-        Some(Compared { rays: self.rays.len(), wrong: wrong.len(), ties: Some(ties), least })
+        Some(ComparedRays { rays: self.rays.len(), wrong: wrong.len(), ties: Some(ties), least })
     }
 }
 

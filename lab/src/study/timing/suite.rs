@@ -41,7 +41,8 @@ pub struct TimeJob {
 
 /// The thesis's figures that times are laid beside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Beside {
+#[serde(rename = "Beside")]
+pub enum ThesisFigures {
     /// None.
     Nothing,
     /// Table 5.8.
@@ -54,7 +55,7 @@ pub enum Beside {
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct TimeSettings {
     /// What the times are laid beside.
-    pub beside: Beside,
+    pub beside: ThesisFigures,
     /// Frames that count.
     pub samples: usize,
     /// Whether methods are timed against themselves.
@@ -66,7 +67,7 @@ pub struct TimeSettings {
 
 impl TimeSettings {
     fn of(list: &CellList) -> Self {
-        let none = Self { beside: Beside::Nothing, samples: 0, a_a: false, judges: false };
+        let none = Self { beside: ThesisFigures::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
     }
 }
@@ -241,14 +242,14 @@ impl Row for TimeRow {
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let records = methods(rows);
         let settings = TimeSettings::deserialize(settings).ok();
-        let first = match settings.map_or(Beside::Nothing, |settings| settings.beside) {
-            Beside::Nothing => None,
-            Beside::Table => {
+        let first = match settings.map_or(ThesisFigures::Nothing, |settings| settings.beside) {
+            ThesisFigures::Nothing => None,
+            ThesisFigures::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
                 let about = table_5_8::about();
                 Some(Table { id: "table-5.8", title: table_5_8::TITLE.to_owned(), about, cells, ..Table::default() })
             }
-            Beside::Captions => {
+            ThesisFigures::Captions => {
                 let reference_time =
                     |row: &Self| if let Self::Reference(time) = row { Some((**time).clone()) } else { None };
                 Some(captions::table(&records, &rows.iter().filter_map(reference_time).collect::<Vec<_>>()))

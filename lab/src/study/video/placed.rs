@@ -24,13 +24,13 @@ impl VideoStudy {
         let steps = self.step_frames.map_or(frame, |last| frame.min(last));
         let moved = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
         let [first, now] = [0, frame].map(|n| self.unshifted(n, [1, 1]));
-        let carried = carried(&first, &now);
+        let carried = carried_placement(&first, &now);
         played.chain(moved).chain(self.held.iter().map(|name| (name.as_str(), carried))).collect()
     }
 }
 
 /// Where a camera carries a thing, from where it was before the first camera.
-fn carried(first: &Camera, now: &Camera) -> Placement {
+fn carried_placement(first: &Camera, now: &Camera) -> Placement {
     let along = now.world_to_view.as_dmat4().inverse() * first.world_to_view.as_dmat4();
     let (_, turn, offset) = along.to_scale_rotation_translation();
     Placement { turn: turn.as_quat().normalize(), size: 1.0, offset: offset.as_vec3() }
@@ -63,7 +63,7 @@ mod tests {
     fn what_is_held_stays_where_it_is_in_the_picture() {
         let cameras = [(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO), (Vec3::new(-2.0, 1.0, 0.5), Vec3::new(0.0, 4.0, 1.0))];
         let [first, now] = cameras.map(|(eye, target)| Camera::new(eye, target, Lens::default(), 1.5));
-        let placed = carried(&first, &now);
+        let placed = carried_placement(&first, &now);
         assert!(placed.is_sound());
         for point in [Vec3::new(0.5, 1.0, 1.0), Vec3::new(-3.0, 0.2, 9.0)] {
             let there = placed.matrix().as_mat4().transform_point3(point);

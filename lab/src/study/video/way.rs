@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 
 /// How the camera moves through a film.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Way {
+pub enum CameraWay {
     /// Along a path, from its beginning to its end.
     Path(CameraPath),
     /// From a view towards the point that it looks at, at the pace of a person who walks, or as much slower as to come
@@ -26,7 +26,7 @@ const ASIDE: f32 = 1.0;
 /// Degrees, and seconds that they take.
 const TURN: (f32, f32) = (45.0, 0.2);
 
-impl Way {
+impl CameraWay {
     /// Its name in records.
     pub fn name(&self) -> &str {
         match self {
@@ -91,17 +91,17 @@ mod tests {
     #[test]
     fn who_walks_goes_ahead_and_no_farther_than_half_of_the_way() {
         let far = View { look_at: Vec3::new(1.0, 1.5, 100.0), ..view() };
-        let last = |way: Way| way.view(59, 60, 30.0);
-        let walked = last(Way::Walk(far.clone())).eye - far.eye;
+        let last = |way: CameraWay| way.view(59, 60, 30.0);
+        let walked = last(CameraWay::Walk(far.clone())).eye - far.eye;
         assert!((walked - Vec3::Z * WALK * 59.0 / 30.0).length() < 1e-4, "{walked}");
-        let near = last(Way::Walk(view()));
+        let near = last(CameraWay::Walk(view()));
         assert!((near.eye - Vec3::new(1.0, 1.5, 1.0)).length() < 1e-5 && near.look_at.z == 3.0, "{near:?}");
-        assert_eq!(Way::Walk(view()).view(0, 60, 30.0), view());
+        assert_eq!(CameraWay::Walk(view()).view(0, 60, 30.0), view());
     }
 
     #[test]
     fn who_stops_goes_aside_for_a_third_of_the_film_and_rests() {
-        let way = Way::Stop(view());
+        let way = CameraWay::Stop(view());
         let gone = |frame| way.view(frame, 60, 30.0).eye - view().eye;
         assert_eq!(gone(0), Vec3::ZERO);
         assert!((gone(10) - Vec3::X / 3.0).length() < 1e-5, "{}", gone(10));
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn who_turns_rests_turns_to_the_right_and_rests() {
-        let way = Way::Turn(view());
+        let way = CameraWay::Turn(view());
         let ahead = |frame| (way.view(frame, 60, 30.0).look_at - view().eye).normalize();
         assert_eq!(ahead(20), ahead(0));
         // Three frames at 30 a second are half of the turn.

@@ -3,14 +3,14 @@
 use super::rmse;
 
 /// A linear image: [red, green, blue] for each pixel, rows from the top.
-pub type Linear<'a> = &'a [[f32; 3]];
+pub type LinearPixels<'a> = &'a [[f32; 3]];
 
 /// Root of the mean squared difference over the three channels of the mask's pixels. 0 if the mask is empty;
 /// NaN where a compared value is NaN.
 ///
 /// # Panics
 /// If the images and the mask differ in length.
-pub fn masked_rmse(reference: Linear, test: Linear, mask: &[bool]) -> f64 {
+pub fn masked_rmse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> f64 {
     rmse(select(reference, mask).as_flattened(), select(test, mask).as_flattened())
 }
 
@@ -19,7 +19,7 @@ pub fn masked_rmse(reference: Linear, test: Linear, mask: &[bool]) -> f64 {
 ///
 /// # Panics
 /// If the images and the mask differ in length.
-pub fn masked_relative_mse(reference: Linear, test: Linear, mask: &[bool]) -> Option<f64> {
+pub fn masked_relative_mse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> Option<f64> {
     let (reference, test) = (select(reference, mask), select(test, mask));
     let square = |v: f32| f64::from(v).powi(2);
     let energy: f64 = reference.as_flattened().iter().map(|v| square(*v)).sum();
@@ -32,19 +32,19 @@ pub fn masked_relative_mse(reference: Linear, test: Linear, mask: &[bool]) -> Op
 ///
 /// # Panics
 /// If the images and the mask differ in length.
-pub fn error_map(reference: Linear, test: Linear, mask: &[bool]) -> Vec<f32> {
+pub fn error_map(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> Vec<f32> {
     check(reference, test.len());
     check(test, mask.len());
     let pairs = reference.iter().zip(test).zip(mask);
     pairs.map(|((a, b), masked)| if *masked { rmse(a, b) as f32 } else { 0.0 }).collect()
 }
 
-fn select(image: Linear, mask: &[bool]) -> Vec<[f32; 3]> {
+fn select(image: LinearPixels, mask: &[bool]) -> Vec<[f32; 3]> {
     check(image, mask.len());
     image.iter().zip(mask).filter(|(_, masked)| **masked).map(|(rgb, _)| *rgb).collect()
 }
 
-fn check(image: Linear, pixels: usize) {
+fn check(image: LinearPixels, pixels: usize) {
     assert_eq!(image.len(), pixels, "images and masks must have equal sizes");
 }
 

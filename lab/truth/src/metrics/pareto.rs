@@ -4,13 +4,13 @@
 /// it is no slower, no worse, and better in at least one of the two. Points that are not finite are never on
 /// the front.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
-    let exact = |(cost, error): &(f64, f64)| Measured { least: *cost, most: *cost, error: *error };
+    let exact = |(cost, error): &(f64, f64)| MeasuredPoint { least: *cost, most: *cost, error: *error };
     front_of_measured(&points.iter().map(exact).collect::<Vec<_>>())
 }
 
 /// A time that is known as an interval, and an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
+pub struct MeasuredPoint {
     /// The least that the time may be.
     pub least: f64,
     /// The most that it may be.
@@ -19,7 +19,7 @@ pub struct Measured {
     pub error: f64,
 }
 
-impl Measured {
+impl MeasuredPoint {
     /// Whether this one keeps the other off the front: it may be as fast and has no greater error, and it is surely faster or
     /// has the smaller error.
     fn beats(&self, other: &Self) -> bool {
@@ -30,8 +30,8 @@ impl Measured {
 
 /// Indices, in order of time, of the points that no other point beats where times are known as intervals: of two copies of
 /// one thing neither beats the other. Points that are not finite are never on the front.
-pub fn front_of_measured(points: &[Measured]) -> Vec<usize> {
-    let finite = |p: &Measured| p.least.is_finite() && p.most.is_finite() && p.error.is_finite();
+pub fn front_of_measured(points: &[MeasuredPoint]) -> Vec<usize> {
+    let finite = |p: &MeasuredPoint| p.least.is_finite() && p.most.is_finite() && p.error.is_finite();
     let mut front: Vec<usize> = (0..points.len())
         .filter(|i| finite(&points[*i]) && !points.iter().any(|p| finite(p) && p.beats(&points[*i])))
         .collect();
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn copies_share_the_front_and_noise_gives_no_place_on_it() {
-        let timed = |time: f64, noise: f64, error| Measured { least: time - noise, most: time + noise, error };
+        let timed = |time: f64, noise: f64, error| MeasuredPoint { least: time - noise, most: time + noise, error };
         // Two copies, one of them faster by noise alone.
         assert_eq!(front_of_measured(&[timed(1.0, 0.1, 0.5), timed(1.1, 0.1, 0.5)]), [0, 1]);
         // The second is faster by noise alone and clearly worse; the third is clearly faster.

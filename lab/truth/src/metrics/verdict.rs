@@ -2,7 +2,7 @@
 //! (docs/dump.md, "Verdict").
 
 use crate::math::linear_to_srgb;
-use crate::reference::pixel::Estimated;
+use crate::reference::pixel::EstimatedColor;
 use glam::Vec3;
 use serde::{Serialize, Serializer};
 
@@ -27,8 +27,9 @@ pub enum PixelVerdict {
 
 impl PixelVerdict {
     /// Judges a reflection after the fade, by the references of the same pixel.
-    pub fn judge(shown: Vec3, screen: &Estimated, world: &Estimated) -> Self {
-        let [own, best] = [Estimated { color: shown, ..Estimated::default() }, *screen].map(|one| differs(&one, world));
+    pub fn judge(shown: Vec3, screen: &EstimatedColor, world: &EstimatedColor) -> Self {
+        let [own, best] =
+            [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|one| differs(&one, world));
         match (own, best) {
             (false, _) => Self::Right,
             (true, false) => Self::WrongByScreen,
@@ -69,8 +70,8 @@ fn rms(v: Vec3) -> f32 {
 }
 
 /// Whether two colours differ by more than [`WRONG`] and what chance explains; a colour that is no number always does.
-fn differs(a: &Estimated, b: &Estimated) -> bool {
-    let reach = |one: &Estimated| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
+fn differs(a: &EstimatedColor, b: &EstimatedColor) -> bool {
+    let reach = |one: &EstimatedColor| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
     let found = difference(a.color, b.color);
     found.is_nan() || found > WRONG + reach(a).hypot(reach(b))
 }
@@ -79,8 +80,8 @@ fn differs(a: &Estimated, b: &Estimated) -> bool {
 mod tests {
     use super::*;
 
-    fn exact(grey: f32) -> Estimated {
-        Estimated { color: Vec3::splat(grey), standard_error: Vec3::ZERO }
+    fn exact(grey: f32) -> EstimatedColor {
+        EstimatedColor { color: Vec3::splat(grey), standard_error: Vec3::ZERO }
     }
 
     #[test]
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn a_difference_that_chance_explains_is_right() {
         let judged = |error: f32| {
-            let world = Estimated { color: Vec3::splat(0.5), standard_error: Vec3::splat(error) };
+            let world = EstimatedColor { color: Vec3::splat(0.5), standard_error: Vec3::splat(error) };
             PixelVerdict::judge(Vec3::splat(0.8), &exact(0.5), &world)
         };
         assert_eq!([judged(0.0), judged(0.1)], [PixelVerdict::WrongByScreen, PixelVerdict::Right]);

@@ -53,7 +53,7 @@ mod tests {
     use crate::reference::surface::World;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, Lens, Material, Opening, Scene, Surface};
+    use crate::scene::{Camera, FieldOfView, Lens, Material, Scene, Surface};
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
 
@@ -66,7 +66,7 @@ mod tests {
             Material { albedo: COLOR, reflectivity: 1.0, ..Material::default() },
             Material { albedo: COLOR, reflectivity: 0.0, surface: wall, ..Material::default() },
         ];
-        let lens = Lens { opening: Opening::Angle(60_f32.to_radians()), ..Lens::default() };
+        let lens = Lens { opening: FieldOfView::Angle(60_f32.to_radians()), ..Lens::default() };
         let scene = Scene { meshes: vec![floor, behind], materials, ..Scene::default() };
         let down = 25_f32.to_radians();
         (scene, Camera::new(Vec3::ZERO, Vec3::new(0.0, -down.sin(), down.cos()), lens, 1.0))

@@ -21,7 +21,7 @@
 //! - **Outside the scene's bounds** nothing stands. A ray that an image lost there ends in the sky.
 
 use super::capture_data::CaptureData;
-use super::oracle::{self, Oracle, Passed};
+use super::oracle::{self, Oracle, PassedPixel};
 use super::ray::{MissReason, Segment};
 use super::thickness::DepthBlock;
 use crate::math::constants::GETS_ON;
@@ -50,7 +50,7 @@ pub enum EndInImages {
 
 /// A ray from where the screen lost it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lost {
+pub struct ExactLostRay {
     /// Relative to the eye, in world axes, in metres.
     pub start: DVec3,
     /// Unit, in world axes.
@@ -59,18 +59,18 @@ pub struct Lost {
 
 /// What the screen makes of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum OnScreen {
+pub enum ScreenRayEnd {
     /// There is no ray, or it runs below the surface that it leaves.
-    Nothing,
+    NoRay,
     /// It ends there.
     Ends(EndInImages),
     /// The screen loses it.
-    Loses(Lost),
+    Loses(ExactLostRay),
 }
 
 /// The oracle of the screen and of some captures.
 #[derive(Debug, Clone)]
-pub struct Images<'a> {
+pub struct ImageOracle<'a> {
     screen: Oracle<'a>,
     view_to_world: DMat3,
     captures: Vec<Cube<'a>>,
@@ -95,7 +95,7 @@ struct Face<'a> {
 
 /// How a ray fared in a face or a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum How {
+enum FollowEnd {
     Hit,
     Sky,
     Lost,
@@ -108,7 +108,7 @@ enum How {
     },
 }
 
-impl<'a> Images<'a> {
+impl<'a> ImageOracle<'a> {
     /// Makes the images of the screen's G-buffer and of some captures.
     pub fn new(screen: &'a GBufferData, captures: &'a [CaptureData]) -> Self {
         let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
@@ -125,22 +125,22 @@ impl<'a> Images<'a> {
     }
 
     /// With a box in the world, in metres, outside of which nothing stands.
-    pub fn within(self, bounds: Aabb) -> Self {
+    pub fn with_bounds(self, bounds: Aabb) -> Self {
         let eye = self.screen.rays.gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         Self { bounds: [bounds.min, bounds.max].map(|corner| corner.as_dvec3() - eye), ..self }
     }
 
     /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if it runs below the surface.
     pub fn trace(&self, x: u32, y: u32) -> Option<EndInImages> {
-        self.end(self.on_screen(x, y))
+        self.end(self.trace_screen(x, y))
     }
 
     /// Where the ray ends, given what the screen trace found.
-    pub fn end(&self, on_screen: OnScreen) -> Option<EndInImages> {
+    pub fn end(&self, on_screen: ScreenRayEnd) -> Option<EndInImages> {
         match on_screen {
-            OnScreen::Nothing => None,
-            OnScreen::Ends(end) => Some(end),
-            OnScreen::Loses(lost) => Some(self.follow(&lost)),
+            ScreenRayEnd::NoRay => None,
+            ScreenRayEnd::Ends(end) => Some(end),
+            ScreenRayEnd::Loses(lost) => Some(self.follow(&lost)),
         }
     }
 
@@ -150,19 +150,19 @@ impl<'a> Images<'a> {
     }
 
     /// What the screen makes of the mirror ray of a pixel.
-    pub fn on_screen(&self, x: u32, y: u32) -> OnScreen {
+    pub fn trace_screen(&self, x: u32, y: u32) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let direction = rays.mirror(x, y).filter(|d| rays.normal(x, y).is_some_and(|n| n.dot(*d) > 0.0));
-        direction.map_or(OnScreen::Nothing, |direction| self.on_screen_along(x, y, direction))
+        direction.map_or(ScreenRayEnd::NoRay, |direction| self.trace_screen_along(x, y, direction))
     }
 
     /// What the screen makes of a ray from a pixel's centre along a view-space direction of any length.
-    pub fn on_screen_along(&self, x: u32, y: u32, direction: DVec3) -> OnScreen {
+    pub fn trace_screen_along(&self, x: u32, y: u32, direction: DVec3) -> ScreenRayEnd {
         let rays = &self.screen.rays;
-        let Some(segment) = rays.segment(x, y, direction) else { return OnScreen::Nothing };
+        let Some(segment) = rays.segment(x, y, direction) else { return ScreenRayEnd::NoRay };
         let mut lost_at = None;
         for (steps, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
-            let Passed { pixel, last: Some(last), entry, exit } = passed else { continue };
+            let PassedPixel { pixel, last: Some(last), entry, exit } = passed else { continue };
             let block = self.screen.block(pixel).unwrap_or(DepthBlock::EMPTY);
             let along = self.screen.along_normal(pixel, &segment);
             if steps == 1 && along > 0.0 {
@@ -176,49 +176,49 @@ impl<'a> Images<'a> {
                 break;
             }
             if let Some((s, _)) = met {
-                return OnScreen::Ends(EndInImages::Screen(segment.at(s)));
+                return ScreenRayEnd::Ends(EndInImages::Screen(segment.at(s)));
             }
         }
         if lost_at.is_none() && segment.end == MissReason::Far {
-            return OnScreen::Ends(EndInImages::Sky);
+            return ScreenRayEnd::Ends(EndInImages::Sky);
         }
         let start = self.view_to_world * rays.unproject(segment.at(lost_at.unwrap_or(1.0)));
-        OnScreen::Loses(Lost { start, direction: self.view_to_world * segment.direction })
+        ScreenRayEnd::Loses(ExactLostRay { start, direction: self.view_to_world * segment.direction })
     }
 
     /// Where a ray ends that the screen lost.
-    pub fn follow(&self, lost: &Lost) -> EndInImages {
-        let (mut point, mut left_out) = (lost.start, Vec::new());
+    pub fn follow(&self, lost: &ExactLostRay) -> EndInImages {
+        let (mut point, mut excluded) = (lost.start, Vec::new());
         loop {
-            if self.is_outside(point) {
+            if self.is_outside_scene(point) {
                 return EndInImages::Sky;
             }
-            let Some(index) = self.nearest_that_sees(point, &left_out) else { return EndInImages::Unknown };
+            let Some(index) = self.nearest_seeing_capture(point, &excluded) else { return EndInImages::Unknown };
             let cube = &self.captures[index];
             let (how, offset) = cube.follow(point - cube.place, lost.direction);
             let place = offset + cube.place;
             let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
             match how {
-                How::Sky => return EndInImages::Sky,
-                How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
+                FollowEnd::Sky => return EndInImages::Sky,
+                FollowEnd::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
                 _ => {}
             }
             if gone(place) > gone(point) + GETS_ON {
-                left_out.clear();
+                excluded.clear();
                 point = place;
             }
-            left_out.push(index);
+            excluded.push(index);
         }
     }
 
-    fn is_outside(&self, point: DVec3) -> bool {
+    fn is_outside_scene(&self, point: DVec3) -> bool {
         let [least, greatest] = self.bounds;
         point.cmplt(least).any() || point.cmpgt(greatest).any()
     }
 
-    fn nearest_that_sees(&self, point: DVec3, left_out: &[usize]) -> Option<usize> {
+    fn nearest_seeing_capture(&self, point: DVec3, excluded: &[usize]) -> Option<usize> {
         let distance = |index: &usize| self.captures[*index].place.distance(point);
-        let seeing = (0..self.captures.len()).filter(|index| !left_out.contains(index));
+        let seeing = (0..self.captures.len()).filter(|index| !excluded.contains(index));
         seeing
             .filter(|index| self.captures[*index].sees(point - self.captures[*index].place))
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -227,7 +227,7 @@ impl<'a> Images<'a> {
 
 impl Cube<'_> {
     /// The face in which a direction lies: the one along whose axis it reaches farthest.
-    fn face_of(&self, direction: DVec3) -> &Face<'_> {
+    fn cube_face(&self, direction: DVec3) -> &Face<'_> {
         let along = |face: &&Face| face.view_to_world.z_axis.dot(direction);
         let farthest = self.faces.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
         farthest.unwrap_or(&self.faces[0])
@@ -240,7 +240,7 @@ impl Cube<'_> {
 
     /// Whether it sees a point relative to its place.
     fn sees(&self, point: DVec3) -> bool {
-        let face = self.face_of(point);
+        let face = self.cube_face(point);
         let image = &face.image;
         let Some(position) = image.rays.project(face.to_view(point)) else { return false };
         let side = image.rays.gbuffer.width as i32;
@@ -250,16 +250,16 @@ impl Cube<'_> {
     }
 
     /// Follows a ray from a point that it sees, from face to face.
-    fn follow(&self, point: DVec3, direction: DVec3) -> (How, DVec3) {
-        let (mut face, mut position, mut before) = (self.face_of(point), point, 0.0);
+    fn follow(&self, point: DVec3, direction: DVec3) -> (FollowEnd, DVec3) {
+        let (mut face, mut position, mut before) = (self.cube_face(point), point, 0.0);
         // A line crosses each of the six planes between faces once at most.
         for _ in 0..7 {
             let (how, reached) = face.follow(position, direction, before);
             position = reached;
-            let How::On { side, thickness } = how else { return (how, position) };
-            (face, before) = (self.face_of(side), thickness);
+            let FollowEnd::On { side, thickness } = how else { return (how, position) };
+            (face, before) = (self.cube_face(side), thickness);
         }
-        (How::Lost, position)
+        (FollowEnd::Lost, position)
     }
 }
 
@@ -270,17 +270,17 @@ impl Face<'_> {
 
     /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the
     /// capture's place. `before` is the thickness of the block at which it left the face before, or 0.
-    fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (How, DVec3) {
+    fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (FollowEnd, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {
-            return (How::Lost, point);
+            return (FollowEnd::Lost, point);
         };
         if segment.start.z >= 1.0 {
-            return (How::Lost, point);
+            return (FollowEnd::Lost, point);
         }
         let place = |s: f64| self.view_to_world * rays.unproject(segment.at(s));
         let mut thickness = 0.0;
-        for Passed { pixel, last, entry, exit } in image.pixels(&segment) {
+        for PassedPixel { pixel, last, entry, exit } in image.pixels(&segment) {
             let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
             thickness = block.thickness();
             let (first, deepest) = (segment.depth_at(entry), segment.depth_at(entry).min(segment.depth_at(exit)));
@@ -298,15 +298,15 @@ impl Face<'_> {
                 None => first < block.back - before,
             };
             if is_lost {
-                return (How::Lost, place(entry));
+                return (FollowEnd::Lost, place(entry));
             }
             let s = oracle::meets(&segment, block, entry, exit).map_or(entry, |(s, _)| s);
-            return (How::Hit, place(s));
+            return (FollowEnd::Hit, place(s));
         }
         let how = match segment.end {
-            MissReason::LeftScreen => How::On { side: self.side_at(&segment), thickness },
-            MissReason::Far => How::Sky,
-            _ => How::Lost,
+            MissReason::LeftScreen => FollowEnd::On { side: self.side_at(&segment), thickness },
+            MissReason::Far => FollowEnd::Sky,
+            _ => FollowEnd::Lost,
         };
         (how, place(1.0))
     }

@@ -52,7 +52,7 @@ pub struct Meeting {
 
 /// A pixel that a segment passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Passed {
+pub(super) struct PassedPixel {
     /// The pixel.
     pub pixel: [i32; 2],
     /// The pixel before; `None` for the one in which the segment begins.
@@ -126,7 +126,7 @@ impl<'a> Oracle<'a> {
     fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
         let mut end = None;
         for (steps, passed) in self.pixels(segment).enumerate() {
-            let Passed { pixel, last, entry, exit } = passed;
+            let PassedPixel { pixel, last, entry, exit } = passed;
             end = Some((steps as u32, passed));
             let (Some(last), Some(block)) = (last, self.block(pixel)) else { continue };
             if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
@@ -142,21 +142,21 @@ impl<'a> Oracle<'a> {
                 meet(Meeting { pixel, position, crosses_front, approach, steps })?;
             }
         }
-        let miss = |(steps, passed): (u32, Passed)| self.miss(passed.pixel, segment, passed.exit, steps);
+        let miss = |(steps, passed): (u32, PassedPixel)| self.miss(passed.pixel, segment, passed.exit, steps);
         ControlFlow::Continue(end.map_or(Trace::NO_RAY, miss))
     }
 
     /// The pixels that a segment passes, in order, from the one in which it begins. The walk goes on by the nearer of
     /// the next boundaries in x and y; at a corner, directly to the diagonal pixel.
-    pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = Passed> {
+    pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = PassedPixel> {
         let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
         let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
         let leaves = |pixel: [i32; 2]| [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
         let passed = move |pixel: [i32; 2], last, entry: f64| {
             let [x, y] = leaves(pixel);
-            Passed { pixel, last, entry, exit: x.min(y).min(1.0) }
+            PassedPixel { pixel, last, entry, exit: x.min(y).min(1.0) }
         };
-        std::iter::successors(Some(passed(first, None, 0.0)), move |Passed { pixel, exit, .. }| {
+        std::iter::successors(Some(passed(first, None, 0.0)), move |PassedPixel { pixel, exit, .. }| {
             let next = leaves(*pixel);
             let step = |axis: usize| if segment.delta[axis] > 0.0 { 1 } else { -1 };
             let onward = [0, 1].map(|axis| pixel[axis] + if next[axis] <= *exit { step(axis) } else { 0 });

@@ -127,7 +127,7 @@ impl Panel {
 mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
-    use crate::scene::{Lens, Material, Mesh, Opening, Scene, Vertex};
+    use crate::scene::{FieldOfView, Lens, Material, Mesh, Scene, Vertex};
 
     /// A light of 0.2 m × 0.2 m at a place, which shines down.
     fn lamp(centre: Vec3) -> AreaLight {
@@ -143,7 +143,7 @@ mod tests {
     /// The mean of the image of a camera that looks down from a metre above a point, over a narrow angle.
     fn seen_below(scene: &Scene, eye: Vec3, bounces: u32, paths: u32) -> Vec3 {
         let world = World::new(scene, &scene.materials);
-        let lens = Lens { opening: Opening::Angle(0.02), near_m: 0.01, ..Lens::default() };
+        let lens = Lens { opening: FieldOfView::Angle(0.02), near_m: 0.01, ..Lens::default() };
         let camera = Camera::new(eye, eye - Vec3::Y + 0.001 * Vec3::X, lens, 1.0);
         let image = Paths::new(&world, bounces, 1).expect("a light").image(&camera, [4, 4], paths);
         image.iter().sum::<Vec3>() / 16.0

@@ -26,12 +26,12 @@ pub struct PixelInWorld {
     /// The name of the mesh that the ray meets there.
     pub end_mesh: Option<String>,
     /// Why the screen does not show the place; `None` where it does, and where the ray meets nothing.
-    pub unseen: Option<Unseen>,
+    pub unseen: Option<UnseenReason>,
 }
 
 /// Why a screen does not show a place.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Unseen {
+pub enum UnseenReason {
     /// The place lies behind the eye.
     BehindEye,
     /// The place lies beside the picture.
@@ -53,7 +53,7 @@ pub enum Unseen {
 
 /// A reflection colour before fade and reflectivity, with the standard error of each channel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Estimated {
+pub struct EstimatedColor {
     /// Linear colour.
     pub color: Vec3,
     /// Standard error of the mean.
@@ -82,9 +82,9 @@ impl PixelInWorld {
         };
         let unseen = match end {
             WorldHit::Hit { pixel, view_z_m, visible: false, .. } => Some(match pixel {
-                None => Unseen::BehindEye,
+                None => UnseenReason::BehindEye,
                 Some(place) => match screen.index(place) {
-                    None => Unseen::OffScreen,
+                    None => UnseenReason::OffScreen,
                     Some(there) => names.before(there, first_hits.view_z_m[there], view_z_m),
                 },
             }),
@@ -111,11 +111,11 @@ impl Names<'_> {
     }
 
     /// Why a place is not seen in a pixel that shows something else, given both distances.
-    fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> Unseen {
+    fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> UnseenReason {
         if shown_z_m < place_z_m {
-            Unseen::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
+            UnseenReason::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
         } else {
-            Unseen::NotDrawn { view_z_m: shown_z_m }
+            UnseenReason::NotDrawn { view_z_m: shown_z_m }
         }
     }
 }
@@ -127,7 +127,7 @@ pub fn references(
     first_hits: &FirstHits,
     index: usize,
     sampling: PixelSampling,
-) -> (Estimated, Estimated) {
+) -> (EstimatedColor, EstimatedColor) {
     let mut mask = vec![false; gbuffer.depth.len()];
     mask[index] = gbuffer.reflects(index);
     let (screen, world) = of_mask(world, gbuffer, &mask, first_hits, sampling);
@@ -139,7 +139,7 @@ pub fn all_references(
     world: &World,
     gbuffer: &GBufferData,
     sampling: PixelSampling,
-) -> (Vec<Estimated>, Vec<Estimated>) {
+) -> (Vec<EstimatedColor>, Vec<EstimatedColor>) {
     of_mask(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
 }
 
@@ -149,10 +149,10 @@ fn of_mask(
     mask: &[bool],
     first_hits: &FirstHits,
     PixelSampling { rays, bounces, oracle }: PixelSampling,
-) -> (Vec<Estimated>, Vec<Estimated>) {
+) -> (Vec<EstimatedColor>, Vec<EstimatedColor>) {
     let estimates = |colors: &[Vec3], errors: &[Vec3]| {
         let pairs = colors.iter().zip(errors);
-        pairs.map(|(color, error)| Estimated { color: *color, standard_error: *error }).collect()
+        pairs.map(|(color, error)| EstimatedColor { color: *color, standard_error: *error }).collect()
     };
     let sampling = Sampling { samples: rays, seed: SCREEN_SEED, oracle, bounces };
     let screen = ScreenReference::render(gbuffer, mask, sampling, &|| ());
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, Lens, Material, Mesh, Opening, Scene};
+    use crate::scene::{Camera, FieldOfView, Lens, Material, Mesh, Scene};
     use glam::DVec2;
 
     fn named(name: &str, mesh: Mesh) -> Mesh {
@@ -188,7 +188,7 @@ mod tests {
     }
 
     fn lens() -> Lens {
-        Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() }
+        Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() }
     }
 
     fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
@@ -210,7 +210,7 @@ mod tests {
         let plate = rectangle(middle - Vec3::new(0.3, 0.05, 0.0), 0.1 * Vec3::Y, 0.6 * Vec3::X, 1);
         let hidden = seen(vec![named("plate", plate)], [20, 38]);
         assert_eq!(hidden.end_mesh.as_deref(), Some("wall"), "{hidden:?}");
-        let Some(Unseen::Hidden { by, view_z_m }) = hidden.unseen else { panic!("{hidden:?}") };
+        let Some(UnseenReason::Hidden { by, view_z_m }) = hidden.unseen else { panic!("{hidden:?}") };
         assert!(by.as_deref() == Some("plate") && (view_z_m - 2.0).abs() < 1e-3, "{by:?} {view_z_m}");
     }
 
@@ -231,13 +231,13 @@ mod tests {
         for found in all.filter(|found| found.end_mesh.as_deref() == Some("ceiling")) {
             let WorldHit::Hit { pixel, visible, .. } = found.end else { panic!("{found:?}") };
             let expected = match pixel {
-                None => Some(Unseen::BehindEye),
-                Some(DVec2 { y, .. }) if y < 0.0 => Some(Unseen::OffScreen),
+                None => Some(UnseenReason::BehindEye),
+                Some(DVec2 { y, .. }) if y < 0.0 => Some(UnseenReason::OffScreen),
                 Some(_) if visible => None,
                 Some(_) => continue,
             };
             assert_eq!(found.unseen, expected);
-            beside += usize::from(expected == Some(Unseen::OffScreen));
+            beside += usize::from(expected == Some(UnseenReason::OffScreen));
         }
         assert!(beside > 0, "no ray ends above the picture");
     }

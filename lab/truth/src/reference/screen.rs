@@ -15,7 +15,7 @@
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
 use super::ray::{MissReason, Outcome};
-use super::surface_color::{Reflected, SurfaceColors};
+use super::surface_color::{ReflectedRay, SurfaceColors};
 use crate::math::random::Stream;
 use crate::math::{OracleVersion, phong};
 use crate::scene::GBufferData;
@@ -161,7 +161,7 @@ impl Pixels<'_> {
         };
         let towards = self.view_to_world.transform_vector3(direction);
         let index = rays.gbuffer.index(pixel[0], pixel[1]);
-        let ray = rays.position(x, y).map(|point| Reflected { point, normal, direction });
+        let ray = rays.position(x, y).map(|point| ReflectedRay { point, normal, direction });
         Some((pixel, self.colors.shown(index, [position.x, position.y], towards, ray)))
     }
 }

@@ -24,7 +24,7 @@ pub struct SurfaceColors<'a> {
 
 /// A ray that a surface reflects, in view space.
 #[derive(Debug, Clone, Copy)]
-pub struct Reflected {
+pub struct ReflectedRay {
     /// Where it begins on the surface, in metres.
     pub point: DVec3,
     /// The surface's unit normal.
@@ -53,13 +53,13 @@ impl<'a> SurfaceColors<'a> {
     /// environment, the environment along `towards`, the ray's direction in the world; elsewhere the lit colour between the pixels
     /// around that the ray can have seen, by their bilinear weights, or that of the pixel itself if it can have seen none. Of a ray
     /// that is not known all pixels around count.
-    pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, ray: Option<Reflected>) -> DVec3 {
+    pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, ray: Option<ReflectedRay>) -> DVec3 {
         let g = self.gbuffer;
         if g.surface[pixel] == Surface::Sky {
             return sky_color(towards);
         }
         let (mut sum, mut counted) = (DVec3::ZERO, 0.0);
-        for (index, weight) in around(g, x, y) {
+        for (index, weight) in bilinear_pixels(g, x, y) {
             if ray.is_none_or(|ray| self.is_seen(index, pixel, ray)) {
                 let shows_sky = g.surface[index] == Surface::Sky;
                 sum += weight * if shows_sky { sky_color(towards) } else { g.color[index].as_dvec3() };
@@ -90,21 +90,21 @@ impl<'a> SurfaceColors<'a> {
     /// Whether a ray that hit the pixel `hit` can have seen what another one shows. On the screen something may stand before what
     /// was hit, and beside it, that stands elsewhere in the reflection: far beside the ray. Nothing of the surface that reflects is seen,
     /// or of what is below it; if the pixel that was hit shows that, the ray has met what stands on it. Sky lies behind all.
-    fn is_seen(&self, pixel: usize, hit: usize, ray: Reflected) -> bool {
+    fn is_seen(&self, pixel: usize, hit: usize, ray: ReflectedRay) -> bool {
         let [depth, own] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
         if own <= 0.0 {
             return depth <= 0.0;
         }
         let own_z = self.z(own);
-        let is_its = !self.is_above(hit, own_z, ray);
+        let is_reflector = !self.is_above(hit, own_z, ray);
         if depth <= 0.0 {
-            return !is_its;
+            return !is_reflector;
         }
         let z = self.z(depth);
         let (behind, apart) = (z - own_z, STANDS_BEFORE * self.width(z));
         let is_beside =
             (self.point(pixel, z) - ray.point).cross(ray.direction).length() > STANDS_BESIDE * self.width(z);
-        self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_its && behind > apart)
+        self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_reflector && behind > apart)
     }
 
     /// How wide a pixel is at a z.
@@ -113,13 +113,13 @@ impl<'a> SurfaceColors<'a> {
     }
 
     /// Whether a pixel shows nothing of the surface that reflects, nor of what is below it.
-    fn is_above(&self, pixel: usize, z: f64, ray: Reflected) -> bool {
+    fn is_above(&self, pixel: usize, z: f64, ray: ReflectedRay) -> bool {
         ray.normal.dot(self.point(pixel, z) - ray.point) > STANDS_ABOVE * self.width(z)
     }
 }
 
 /// The four pixels around continuous pixel coordinates, clamped at the border, with their bilinear weights.
-fn around(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
+fn bilinear_pixels(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
     let axis = |v: f64, side: u32| {
         let v = (v - 0.5).clamp(0.0, f64::from(side - 1));
         let low = v.floor() as u32;
@@ -144,14 +144,14 @@ mod tests {
     use glam::Vec3;
 
     /// The floor and the wall with a colour each, the floor's first row, and a ray of its second row towards the wall.
-    fn stage() -> (GBufferData, u32, Reflected) {
+    fn stage() -> (GBufferData, u32, ReflectedRay) {
         let mut g = floor_and_wall(32, 18);
         for (color, normal) in g.color.iter_mut().zip(&g.normal) {
             *color = if *normal == Vec3::Y { Vec3::X } else { Vec3::Z };
         }
         let foot = (0..g.height).find(|y| g.normal[g.index(0, *y)] == Vec3::Y).expect("a floor");
         let point = RaySetup::new(&g).position(16, foot + 1).expect("no sky");
-        (g, foot, Reflected { point, normal: DVec3::Y, direction: DVec3::Z })
+        (g, foot, ReflectedRay { point, normal: DVec3::Y, direction: DVec3::Z })
     }
 
     #[test]
@@ -212,7 +212,7 @@ mod tests {
         let shown = |x: u32, place: [f64; 2], point: DVec3| {
             let normal = DVec3::Y;
             let direction = (rays.position(x, 0).expect("no sky") - point).normalize();
-            colors.shown(g.index(x, 0), place, DVec3::Z, Some(Reflected { point, normal, direction }))
+            colors.shown(g.index(x, 0), place, DVec3::Z, Some(ReflectedRay { point, normal, direction }))
         };
         let [under, aside] = [DVec3::new(0.0, -5.0, -1.0), far + DVec3::new(9.0, -20.0, -9.0)];
         let passing = near + (near - far).normalize() * 2.0;

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 /// What a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Met {
+pub struct TriangleHit {
     /// Metres along the ray's unit direction.
     pub t: f32,
     /// Number of the triangle, with `ASKS_MATERIAL`; `NO_TRIANGLE` for none.
@@ -17,8 +17,8 @@ pub struct Met {
     pub weight: [f32; 2],
 }
 
-impl Met {
-    const NOTHING: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
+impl TriangleHit {
+    const NO_HIT: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
 
     /// The triangle's number; `None` if nothing is met.
     pub fn triangle(&self) -> Option<u32> {
@@ -72,7 +72,7 @@ impl<'a> TriangleWalk<'a> {
 
     /// Walks over a tree of what moves as well.
     #[must_use]
-    pub fn beside(mut self, moving: &MovingTriangles) -> Self {
+    pub fn with_moving(mut self, moving: &MovingTriangles) -> Self {
         let (root, slots) = ((self.nodes.len() / NODE_WORDS) as u32, (self.corners.len() / 3) as u32);
         self.nodes.to_mut().extend(moving.tree.nodes_behind(root, slots));
         self.corners.to_mut().extend_from_slice(&moving.records.corners);
@@ -82,8 +82,8 @@ impl<'a> TriangleWalk<'a> {
     }
 
     /// The nearest triangle that a ray meets, and the most groups of nodes that its walk had on its stack.
-    pub fn walk(&self, ray: &TreeRay) -> (Met, usize) {
-        let mut best = Met::NOTHING;
+    pub fn traverse_tree(&self, ray: &TreeRay) -> (TriangleHit, usize) {
+        let mut best = TriangleHit::NO_HIT;
         let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_DEPTH as usize);
         let mut highest = 0;
         let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
@@ -106,14 +106,14 @@ impl<'a> TriangleWalk<'a> {
                 }
                 let child = (bit - 24) ^ (octant & 0xff);
                 let node = group[0] + (bits & !(0xffff_ffff << child)).count_ones();
-                let (inner, met, bases) = self.children(node, ray.origin, inverse, (back, octant), best.t);
-                group = [bases[0], met & 0xff00_0000 | inner];
-                leaves = [bases[1], met & 0x00ff_ffff];
+                let (inner, hits, bases) = self.intersect_children(node, ray.origin, inverse, (back, octant), best.t);
+                group = [bases[0], hits & 0xff00_0000 | inner];
+                leaves = [bases[1], hits & 0x00ff_ffff];
             }
             while leaves[1] != 0 {
                 let bit = 31 - leaves[1].leading_zeros();
                 leaves[1] &= !(1 << bit);
-                self.meet(ray, (leaves[0] + bit) as usize, &mut best);
+                self.update_nearest_hit(ray, (leaves[0] + bit) as usize, &mut best);
             }
             if group[1] & 0xff00_0000 == 0 {
                 let Some(next) = stack.pop() else { return (best, highest) };
@@ -123,7 +123,7 @@ impl<'a> TriangleWalk<'a> {
     }
 
     /// Which children of a node are nodes, which of them the ray meets before `nearest`, and where their lists begin.
-    fn children(
+    fn intersect_children(
         &self,
         node: u32,
         origin: Vec3,
@@ -140,7 +140,7 @@ impl<'a> TriangleWalk<'a> {
         }
         let scale = Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(byte(head[3], i) << 23)));
         let (step, base) = (scale * inverse, (corner(&head) - origin) * inverse);
-        let mut met = 0;
+        let mut hits = 0;
         for half in 0..2 {
             let meta = kinds[2 + half];
             let inner = ((meta & meta << 1 & 0x1010_1010) >> 4) * 0xff;
@@ -149,22 +149,22 @@ impl<'a> TriangleWalk<'a> {
             for i in 0..4 {
                 let planes = |k: usize| Vec3::from_array(sides.map(|side| byte(side[k], i) as f32));
                 let (near, far) = (planes(half) * step + base, planes(2 + half) * step + base);
-                let enters = near.max_element().max(0.0);
-                let leaves = far.min_element().min(nearest);
-                met |= if enters <= leaves { byte(bits, i) << byte(places, i) } else { 0 };
+                let entry = near.max_element().max(0.0);
+                let exit = far.min_element().min(nearest);
+                hits |= if entry <= exit { byte(bits, i) << byte(places, i) } else { 0 };
             }
         }
-        (head[3] >> 24, met, [kinds[0], kinds[1]])
+        (head[3] >> 24, hits, [kinds[0], kinds[1]])
     }
 
     /// Finds the nearest triangle by asking every one.
-    pub fn nearest_of_all(&self, ray: &TreeRay) -> Met {
-        let mut best = Met::NOTHING;
-        (0..self.corners.len() / 3).for_each(|slot| self.meet(ray, slot, &mut best));
+    pub fn nearest_of_all(&self, ray: &TreeRay) -> TriangleHit {
+        let mut best = TriangleHit::NO_HIT;
+        (0..self.corners.len() / 3).for_each(|slot| self.update_nearest_hit(ray, slot, &mut best));
         best
     }
 
-    fn meet(&self, ray: &TreeRay, slot: usize, best: &mut Met) {
+    fn update_nearest_hit(&self, ray: &TreeRay, slot: usize, best: &mut TriangleHit) {
         let words = &self.corners[3 * slot..3 * slot + 3];
         let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);
         let d = ray.direction;
@@ -181,7 +181,7 @@ impl<'a> TriangleWalk<'a> {
             && id != ray.own;
         let nearer = t < best.t || (t == best.t && id < best.id);
         if inside && nearer && t > 0.0 {
-            *best = Met { t, id, weight: [v * inverse, w * inverse] };
+            *best = TriangleHit { t, id, weight: [v * inverse, w * inverse] };
         }
     }
 }

@@ -14,10 +14,10 @@ mod lobe;
 mod resolve;
 mod surface;
 
-pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
-pub use gather::Cell;
+pub use follow::{CaptureRayEnd, CaptureTraversal, LostRay, RayEndKind, ScreenRayEnd};
+pub use gather::ResolvedCell;
 pub use gloss::Gloss;
-pub use gloss_trace::{Aim, Gathered, octahedral};
+pub use gloss_trace::{AimedRay, NeighbourRay, encode_octahedral};
 pub use lobe::Lobe;
 
 use super::Level;
@@ -116,22 +116,22 @@ pub struct Ray {
 
 /// How a ray ended; the values of `PATH_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Code {
+pub enum HitCode {
     /// It met a pixel's block.
     Surface = constants::PATH_HI_Z as isize,
     /// It left the frustum.
-    Nothing = constants::PATH_MISS as isize,
+    Miss = constants::PATH_MISS as isize,
     /// Out of steps, which cannot be.
     Unfinished = constants::PATH_UNFINISHED as isize,
     /// It met a block from behind (version 2 of the oracle).
-    Behind = constants::PATH_MISS_BEHIND as isize,
+    MissBehind = constants::PATH_MISS_BEHIND as isize,
 }
 
 /// `Hit` of `traverse.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// How it ended.
-    pub code: Code,
+    pub code: HitCode,
     /// The pixel that was hit.
     pub pixel: IVec2,
     /// Continuous pixel coordinates, within that pixel.
@@ -157,12 +157,12 @@ struct Walk {
 
 /// How an image is walked over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Over {
+enum WalkMode {
     /// A ray goes on behind what it does not meet.
-    All,
+    Unfollowed,
     /// A ray is followed only as long as the image sees it. `passes` lets it through the pixel that it begins in;
     /// `border` is the last pixel of a face.
-    Seen { passes: bool, border: IVec2 },
+    Followed { passes: bool, border: IVec2 },
 }
 
 /// A cell that a ray looked at.
@@ -213,7 +213,7 @@ impl<'a> Traversal<'a> {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
         let mut levels = vec![Level::from_fn(width, height, |x, y| {
-            blocks::block(gbuffer, &parameters, IVec2::new(x as i32, y as i32))
+            blocks::depth_block(gbuffer, &parameters, IVec2::new(x as i32, y as i32))
         })];
         for n in 0..parameters.top_level as usize {
             let below = &levels[n];
@@ -317,7 +317,7 @@ impl<'a> Traversal<'a> {
     /// Traces a ray and calls `visit` for every cell that is looked at.
     pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
         let (pixel, position) = (ray.pixel, Vec2::ZERO);
-        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: ray.end };
+        let hit = Hit { code: HitCode::Miss, pixel, position, depth: 0.0, steps: 0, s: ray.end };
         let ahead = ray.ahead();
 
         let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
@@ -325,11 +325,11 @@ impl<'a> Traversal<'a> {
         if entry.is_nan() || entry >= ray.end {
             return hit;
         }
-        let beside = (ray.start + entry * ray.rate.truncate()).as_ivec2();
+        let at_side = (ray.start + entry * ray.rate.truncate()).as_ivec2();
         let onward = ray.pixel + 2 * ahead - 1;
         let pixel = IVec2::new(
-            if sides.x == entry { onward.x } else { beside.x },
-            if sides.y == entry { onward.y } else { beside.y },
+            if sides.x == entry { onward.x } else { at_side.x },
+            if sides.y == entry { onward.y } else { at_side.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
@@ -339,34 +339,34 @@ impl<'a> Traversal<'a> {
         }
         let mut walk = Walk { pixel, level: 0, entry, entry_depth, steps: 0 };
         let border = IVec2::MAX;
-        let over = if self.is_followed { Over::Seen { passes: leaves, border } } else { Over::All };
-        self.advance(ray, ahead, over, &mut walk, visit);
+        let mode = if self.is_followed { WalkMode::Followed { passes: leaves, border } } else { WalkMode::Unfollowed };
+        self.advance(ray, ahead, mode, &mut walk, visit);
         let hit = Hit { steps: walk.steps, ..hit };
         if walk.level >= 0 {
-            return Hit { code: if walk.entry < ray.end { Code::Unfinished } else { Code::Nothing }, ..hit };
+            return Hit { code: if walk.entry < ray.end { HitCode::Unfinished } else { HitCode::Miss }, ..hit };
         }
         let (block, entry_depth) = (self.block(walk.pixel), walk.entry_depth);
         let is_behind = self.version == OracleVersion::V2
             && hit.steps > 1
             && entry_depth < block.front
             && self.is_behind(ray, entry_depth, walk.pixel, block, ahead);
-        let exit_depth = ray.depth + exit(ray, &walk, ahead) * ray.rate.z;
+        let exit_depth = ray.depth + pixel_exit(ray, &walk, ahead) * ray.rate.z;
         if is_behind || self.is_followed && entry_depth.max(exit_depth) < block.back {
-            return Hit { code: Code::Behind, s: walk.entry, ..hit };
+            return Hit { code: HitCode::MissBehind, s: walk.entry, ..hit };
         }
-        let s = crossing(ray, &walk, ahead, block.front);
+        let s = front_crossing(ray, &walk, ahead, block.front);
         let low = (walk.pixel - ray.pixel).as_vec2();
         let offset = (s * ray.rate.truncate() + 0.5).max(low).min(low + 1.0);
         let position = ray.pixel.as_vec2() + offset;
-        Hit { code: Code::Surface, pixel: walk.pixel, position, depth: ray.depth + s * ray.rate.z, s, ..hit }
+        Hit { code: HitCode::Surface, pixel: walk.pixel, position, depth: ray.depth + s * ray.rate.z, s, ..hit }
     }
 
     /// `Advance`: walks on until a block is met or the ray ends.
-    fn advance(&self, ray: &Ray, ahead: IVec2, over: Over, walk: &mut Walk, mut visit: impl FnMut(Visit)) {
+    fn advance(&self, ray: &Ray, ahead: IVec2, mode: WalkMode, walk: &mut Walk, mut visit: impl FnMut(Visit)) {
         let (start, recedes) = (ray.start, ray.rate.z < 0.0);
-        let (mut passes, border, is_followed) = match over {
-            Over::All => (false, IVec2::MAX, false),
-            Over::Seen { passes, border } => (passes, border, true),
+        let (mut passes, border, is_followed) = match mode {
+            WalkMode::Unfollowed => (false, IVec2::MAX, false),
+            WalkMode::Followed { passes, border } => (passes, border, true),
         };
         let bound = if border == IVec2::MAX { self.max_steps() } else { self.max_face_steps() };
         while walk.level >= 0 && walk.entry < ray.end && walk.steps < bound {
@@ -436,14 +436,14 @@ fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
 }
 
 /// `PixelExit`: where a ray leaves the pixel that the walk is in, or ends there: s.
-fn exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
+fn pixel_exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
     let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
     crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
 }
 
 /// `FrontCrossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
-fn crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
-    let last = exit(ray, walk, ahead);
+fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
+    let last = pixel_exit(ray, walk, ahead);
     let exit_depth = ray.depth + last * ray.rate.z;
     let (near, far) = (walk.entry_depth.max(exit_depth), walk.entry_depth.min(exit_depth));
     let crossing = (front - ray.depth) * (1.0 / ray.rate.z);

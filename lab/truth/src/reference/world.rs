@@ -30,7 +30,7 @@ pub const RAY_START_M: f64 = 1e-4;
 
 /// The radiance of a ray that hits no triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Escape {
+pub enum EscapeRadiance {
     /// The environment.
     #[default]
     Environment,
@@ -45,7 +45,7 @@ pub struct WorldReference<'a> {
     /// The points that reflect.
     pub first_hits: &'a FirstHits,
     /// The radiance of rays that hit nothing.
-    pub escape: Escape,
+    pub escape: EscapeRadiance,
     /// The camera's rays, if samples reflect rays through all of the pixel; `None` if only the one through its centre.
     pub footprint: Option<PrimaryRays>,
     /// A different seed gives a different, independent result.
@@ -111,13 +111,13 @@ impl<'a> WorldReference<'a> {
     /// The reference of docs/definitions.md.
     pub fn new(world: &'a World<'a>, first_hits: &'a FirstHits, camera: &Camera, seed: u64) -> Self {
         let footprint = Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height]));
-        Self { world, first_hits, escape: Escape::Environment, footprint, seed, bounces: 1 }
+        Self { world, first_hits, escape: EscapeRadiance::Environment, footprint, seed, bounces: 1 }
     }
 
     /// The reference of rays that all leave a pixel's centre, and of which those that escape are black: one that another
     /// renderer can follow ray by ray.
     pub fn of_centres(world: &'a World<'a>, first_hits: &'a FirstHits, seed: u64) -> Self {
-        Self { world, first_hits, escape: Escape::Black, footprint: None, seed, bounces: 1 }
+        Self { world, first_hits, escape: EscapeRadiance::Black, footprint: None, seed, bounces: 1 }
     }
 
     /// Returns this reference with several bounces.
@@ -247,7 +247,7 @@ impl<'a> WorldReference<'a> {
 
     /// A ray of a lobe, by two random numbers, and the light that comes along it from the surface where it ends or from the
     /// environment; `None` if it leads below the surface and brings nothing.
-    fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(Traced, DVec3)> {
+    fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
         let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
         if !receiver.is_above(direction) {
             return None;
@@ -257,16 +257,16 @@ impl<'a> WorldReference<'a> {
         let point = hit.map(|hit| self.world.point(&ray, &hit));
         let light = match &point {
             Some(point) => self.world.color(&ray, point),
-            None if self.escape == Escape::Environment => sky_color(direction),
+            None if self.escape == EscapeRadiance::Environment => sky_color(direction),
             None => DVec3::ZERO,
         };
-        Some((Traced { ray, end: hit.map(|hit| ray.at(hit.t)), point }, light))
+        Some((TracedRay { ray, end: hit.map(|hit| ray.at(hit.t)), point }, light))
     }
 }
 
 /// A ray, and the place and the surface where it ends; none if it escapes.
 #[derive(Clone, Copy)]
-struct Traced {
+struct TracedRay {
     ray: WorldRay,
     end: Option<DVec3>,
     point: Option<SurfacePoint>,

@@ -112,7 +112,7 @@ mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, Lens, Material, Opening, Scene};
+    use crate::scene::{Camera, FieldOfView, Lens, Material, Scene};
     use glam::Vec3;
 
     /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
@@ -124,7 +124,7 @@ mod tests {
             materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
             ..Scene::default()
         };
-        let lens = Lens { opening: Opening::Angle(90_f32.to_radians()), ..Lens::default() };
+        let lens = Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() };
         let (width, height) = (40, 40);
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
         let world = World::new(&scene, &scene.materials);

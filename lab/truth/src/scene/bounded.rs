@@ -34,7 +34,7 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
 }
 
 /// A name that a file gives, as messages show it: without control characters, which a terminal might obey, and short.
-pub fn shown(name: &str) -> String {
+pub fn printable_name(name: &str) -> String {
     const MOST: usize = 80;
     let safe = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let mut shown: String = name.chars().take(MOST).map(safe).collect();

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
 use obvhs::ray::{Ray as BoxRay, RayHit};
-use ssct::scene::tree::boxes::{LEAF, Padded, PaddedTriangles, by_neighbours, levels};
+use ssct::scene::tree::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, levels};
 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ enum Boxes {
 const WIDE_LEVELS: u32 = 32;
 
 impl Boxes {
-    fn new(padded: &[Padded]) -> Self {
+    fn new(padded: &[PaddedBox]) -> Self {
         let mut binary = by_neighbours(padded);
         let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
         if levels(&wide) < WIDE_LEVELS {

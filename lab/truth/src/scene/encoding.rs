@@ -12,7 +12,7 @@ pub(super) fn without_mark(text: &[u8]) -> &[u8] {
 ///
 /// Such a text begins with a mark of its own, or its first characters, which are ASCII in every format that is read here,
 /// have zeros between them.
-pub(super) fn wide(text: &[u8]) -> Option<&'static str> {
+pub(super) fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     match *text {
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => Some("UTF-32"),
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("UTF-16"),
@@ -40,7 +40,7 @@ mod tests {
             (vec![0; 8], None),
             (Vec::new(), None),
         ] {
-            assert_eq!(wide(&text), name, "{text:?}");
+            assert_eq!(wide_encoding(&text), name, "{text:?}");
         }
         assert_eq!(without_mark("\u{feff}v 0".as_bytes()), b"v 0");
         assert_eq!(without_mark(b"v 0"), b"v 0");

@@ -2,7 +2,7 @@
 //! common.
 
 use super::bounded;
-use super::exr_window::Shown;
+use super::exr_window::ImageWindow;
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -159,13 +159,13 @@ impl<'a> ExrChannels<'a> {
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
         meta.headers.iter().try_for_each(check_compression).map_err(wrong)?;
         meta.headers.iter().try_for_each(check_exact).map_err(wrong)?;
-        meta.headers.iter().try_for_each(|header| Shown::of_header(header).map(drop)).map_err(wrong)?;
+        meta.headers.iter().try_for_each(|header| ImageWindow::of_header(header).map(drop)).map_err(wrong)?;
         let is_small = check_claims(&meta, bytes.len(), path, what)?;
         let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
         let read = if is_small { read.non_parallel() } else { read };
         let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
         let layer = image.layer_data;
-        let shown = Shown::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
+        let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
         let shown = shown.map_err(wrong)?;
         let samples =
             |c: AnyChannel<FlatSamples>| (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()));

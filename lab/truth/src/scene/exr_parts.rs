@@ -2,7 +2,7 @@
 //! tiles of 16-bit or 32-bit floats or of unsigned integers; of several resolutions the largest is read.
 
 use super::exr_channels::{check_claims, check_compression, rounds, unreadable};
-use super::exr_window::Shown;
+use super::exr_window::ImageWindow;
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{FlatSamples, Layer};
@@ -59,7 +59,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
 /// A sentence about a part that cannot be used.
 fn check_part(header: &Header) -> std::result::Result<(), String> {
     check_compression(header)?;
-    Shown::of_header(header).map(drop)
+    ImageWindow::of_header(header).map(drop)
 }
 
 fn part(
@@ -67,7 +67,7 @@ fn part(
     image: &ImageAttributes,
 ) -> std::result::Result<ExrPart, String> {
     let compression = layer.encoding.compression;
-    let shown = Shown::new(layer.attributes.layer_position, layer.size, image.display_window)?;
+    let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.display_window)?;
     let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
         let kind = match channel.sample_data {

@@ -6,7 +6,7 @@ use exr::meta::header::Header;
 
 /// Where the image lies within the pixels of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shown {
+pub(super) struct ImageWindow {
     /// Width of the part in pixels.
     stored_width: usize,
     /// The first column and row that are shown.
@@ -15,7 +15,7 @@ pub(super) struct Shown {
     pub(super) size: [usize; 2],
 }
 
-impl Shown {
+impl ImageWindow {
     /// The image within a part.
     ///
     /// # Errors
@@ -77,9 +77,9 @@ mod tests {
     #[test]
     fn a_larger_part_covers_its_image() {
         let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 1) };
-        let shown = Shown::new(Vec2(-1, -1), Vec2(4, 3), window).unwrap();
+        let shown = ImageWindow::new(Vec2(-1, -1), Vec2(4, 3), window).unwrap();
         assert_eq!(shown.crop((0..12).map(|v| v as f32).collect()), [5.0, 6.0]);
-        let whole = Shown::new(Vec2(0, 0), Vec2(2, 1), window).unwrap();
+        let whole = ImageWindow::new(Vec2(0, 0), Vec2(2, 1), window).unwrap();
         assert_eq!(whole.crop(vec![1.0, 2.0]), [1.0, 2.0]);
     }
 
@@ -88,7 +88,7 @@ mod tests {
         let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 2) };
         for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))]
         {
-            let said = Shown::new(position, stored, window).unwrap_err();
+            let said = ImageWindow::new(position, stored, window).unwrap_err();
             assert!(said.ends_with("only whole images can be read"), "{said}");
         }
     }

@@ -11,7 +11,7 @@
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
 use super::projection::ReadProjection;
-use super::{Camera, GBufferData, Lens, Opening, Projection, ProjectionKind, Surface, bounded};
+use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
@@ -44,8 +44,8 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let mut attributes =
         LayerAttributes { world_to_camera: Some(camera.world_to_view.to_cols_array()), ..LayerAttributes::default() };
     let opening = match camera.lens.opening {
-        Opening::Angle(fov) => ("fovYRadians", AttributeValue::F32(fov)),
-        Opening::Height(height) => ("orthographicHeight", AttributeValue::F32(height)),
+        FieldOfView::Angle(fov) => ("fovYRadians", AttributeValue::F32(fov)),
+        FieldOfView::Height(height) => ("orthographicHeight", AttributeValue::F32(height)),
     };
     let numbers = [
         ("viewToClip", AttributeValue::Matrix4x4(camera.view_to_clip_reversed().to_cols_array())),
@@ -146,8 +146,8 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
         _ => None,
     };
     let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
-    let height = number("orthographicHeight").map(Opening::Height);
-    let opening = number("fovYRadians").map(Opening::Angle).or(height);
+    let height = number("orthographicHeight").map(FieldOfView::Height);
+    let opening = number("fovYRadians").map(FieldOfView::Angle).or(height);
     let exact = (opening, number("nearPlane"), number("farPlane"));
     let (lens, aspect, projection) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
         ((Some(opening), Some(near_m), Some(far_m)), _) => {
@@ -166,8 +166,8 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     if !made.is_sound() {
         let Lens { opening, near_m: near, far_m: far } = lens;
         let seen = match opening {
-            Opening::Angle(fov) => format!("fov {fov}"),
-            Opening::Height(height) => format!("a height of {height} m"),
+            FieldOfView::Angle(fov) => format!("fov {fov}"),
+            FieldOfView::Height(height) => format!("a height of {height} m"),
         };
         return Err(format!("a projection with {seen}, near {near}, far {far} and aspect {aspect} cannot be used"));
     }

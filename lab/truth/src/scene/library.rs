@@ -64,7 +64,7 @@ pub fn scene(name: &str) -> Option<Scene> {
 #[derive(Clone, Copy)]
 struct Finish {
     name: &'static str,
-    look: Look,
+    look: SurfaceLook,
     /// Linear factor on the images.
     tint: Vec3,
     reflectivity: f32,
@@ -74,7 +74,7 @@ struct Finish {
 
 /// The source of a material's images.
 #[derive(Clone, Copy, PartialEq)]
-enum Look {
+enum SurfaceLook {
     /// A repeating image with its relief.
     Pattern(Pattern),
     /// One image from edge to edge.
@@ -86,25 +86,25 @@ enum Look {
 }
 
 impl Finish {
-    const fn of(name: &'static str, look: Look, reflectivity: f32) -> Self {
+    const fn of(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
         Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
     }
 
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
-        Self::of(name, Look::Pattern(pattern), reflectivity)
+        Self::of(name, SurfaceLook::Pattern(pattern), reflectivity)
     }
 
     const fn picture(name: &'static str, picture: Picture) -> Self {
-        Self::of(name, Look::Picture(picture), 0.0)
+        Self::of(name, SurfaceLook::Picture(picture), 0.0)
     }
 
     /// A uniform colour, as linear albedo.
     const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
-        Self::of(name, Look::Paint, 0.0).tinted(red, green, blue)
+        Self::of(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
     }
 
     const fn window(name: &'static str) -> Self {
-        Self::of(name, Look::Window, 0.0)
+        Self::of(name, SurfaceLook::Window, 0.0)
     }
 
     const fn tinted(self, red: f32, green: f32, blue: f32) -> Self {
@@ -122,7 +122,7 @@ impl Finish {
 
     /// An empty mesh with the texture scale of this material.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
-        let image_m = if let Look::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
+        let image_m = if let SurfaceLook::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
         MeshBuilder::new(name, material, image_m)
     }
 }
@@ -135,7 +135,7 @@ struct Maps<T> {
     reflectivity: Option<T>,
 }
 
-impl Look {
+impl SurfaceLook {
     fn images(self) -> Option<Maps<Texture>> {
         match self {
             Self::Pattern(pattern) => {
@@ -154,7 +154,7 @@ impl Look {
 
 /// The materials in the order of the table, and their images; equal looks share images.
 fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
-    let mut looks: Vec<Look> = Vec::new();
+    let mut looks: Vec<SurfaceLook> = Vec::new();
     for finish in finishes {
         if !looks.contains(&finish.look) {
             looks.push(finish.look);
@@ -189,7 +189,7 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
             reflectivity_map: maps.and_then(|m| m.reflectivity),
             roughness: finish.roughness,
             normal_deviation: finish.normal_deviation,
-            surface: if finish.look == Look::Window { Surface::Sky } else { Surface::Lit },
+            surface: if finish.look == SurfaceLook::Window { Surface::Sky } else { Surface::Lit },
             ..Material::default()
         }
     };

@@ -137,7 +137,7 @@ fn load_file(
                 scene.warnings.push(format!(
                     "{}: material {} is not defined in any MTL file; it is white",
                     file.path.display(),
-                    bounded::shown(name)
+                    bounded::printable_name(name)
                 ));
             }
             scene_index[part.material] = Some(scene.materials.len());

@@ -11,7 +11,7 @@ pub mod pictures;
 
 pub(crate) use crate::math::noise::{fractal, smoothstep, unit};
 pub use lettering::Text;
-pub use pictures::{Cut, Painting, Picture, Sign};
+pub use pictures::{Painting, Picture, Sign, SignOutline};
 
 use super::{Encoding, Texture};
 use designs::{Sample, TileLook};

@@ -16,15 +16,15 @@ use mirrors::MirrorEnd;
 use rayon::prelude::*;
 use std::cell::RefCell;
 
-pub use super::capture::Wanted;
+pub use super::capture::WantedCaptures;
 
-/// The most captures that [`Wanted::Auto`] places.
+/// The most captures that [`WantedCaptures::Auto`] places.
 ///
 /// Four see nearly all that mirrors show in most scenes, and the images of four cubes of 512² with their pyramids
 /// are what fits into 200 MB.
 pub const AUTO_MOST: usize = 4;
 
-/// [`Wanted::Auto`] places no further capture that shows less than this share more of what mirrors show beyond the
+/// [`WantedCaptures::Auto`] places no further capture that shows less than this share more of what mirrors show beyond the
 /// screen. It is five times the standard error of such a share, √(p (1 − p) / n) for p = 0.005 and the n paths of
 /// [`mirrors`]: a smaller gain may be one of these paths alone.
 const AUTO_GAIN: f32 = 0.005;
@@ -53,7 +53,7 @@ pub struct Placement {
 }
 
 /// Gives a scene the captures that are wanted, and says what they see.
-pub fn with_captures(scene: &mut Scene, wanted: Wanted) -> Placement {
+pub fn with_captures(scene: &mut Scene, wanted: WantedCaptures) -> Placement {
     let placement = place(scene, wanted);
     scene.captures.clone_from(&placement.captures);
     placement
@@ -61,8 +61,8 @@ pub fn with_captures(scene: &mut Scene, wanted: Wanted) -> Placement {
 
 /// What places the captures of a scene when they are asked for: [`place`] in a copy of the scene, with the captures that
 /// it has itself by then.
-pub fn finder(scene: &Scene) -> impl Fn(&[Capture], Wanted) -> Vec<Capture> + use<> {
-    let bare = RefCell::new(bare(scene));
+pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + use<> {
+    let bare = RefCell::new(placement_scene(scene));
     move |own, wanted| {
         let mut scene = bare.borrow_mut();
         scene.captures = own.to_vec();
@@ -71,11 +71,11 @@ pub fn finder(scene: &Scene) -> impl Fn(&[Capture], Wanted) -> Vec<Capture> + us
 }
 
 /// Finds the captures that are wanted for a scene. Its views have no influence.
-pub fn place(scene: &Scene, wanted: Wanted) -> Placement {
+pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     let (own, most, least_gain) = match wanted {
-        Wanted::Auto if scene.captures.is_empty() => (0, AUTO_MOST, AUTO_GAIN),
-        Wanted::Auto => (scene.captures.len(), scene.captures.len(), 0.0),
-        Wanted::Count(count) => (count.min(scene.captures.len()), count.min(MAX_CAPTURES), 0.0),
+        WantedCaptures::Auto if scene.captures.is_empty() => (0, AUTO_MOST, AUTO_GAIN),
+        WantedCaptures::Auto => (scene.captures.len(), scene.captures.len(), 0.0),
+        WantedCaptures::Count(count) => (count.min(scene.captures.len()), count.min(MAX_CAPTURES), 0.0),
     };
     let triangles = Triangles::new(scene, &scene.materials);
     let inhabited = |size: &f64| {
@@ -88,7 +88,7 @@ pub fn place(scene: &Scene, wanted: Wanted) -> Placement {
         return Placement { seen: vec![0.0; own], captures, own, stands: Vec::new() };
     };
     let placement = Placement { stands: stands.iter().map(|s| s.eye.as_vec3()).collect(), ..Placement::default() };
-    let mut found = Found { triangles: &triangles, best: vec![0.0; ends.len()], ends, placement };
+    let mut found = CaptureSearch { triangles: &triangles, best: vec![0.0; ends.len()], ends, placement };
     for capture in &scene.captures[..own] {
         let row = found.row(capture.position.as_dvec3());
         found.take(*capture, &row);
@@ -102,7 +102,7 @@ pub fn place(scene: &Scene, wanted: Wanted) -> Placement {
 }
 
 /// A scene with all that decides where captures stand: its triangles and masks.
-fn bare(scene: &Scene) -> Scene {
+fn placement_scene(scene: &Scene) -> Scene {
     let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
     let without_texels = |(i, t): (usize, &Texture)| {
         if masks.contains(&i) {
@@ -122,7 +122,7 @@ fn bare(scene: &Scene) -> Scene {
 }
 
 /// A search in progress.
-struct Found<'a> {
+struct CaptureSearch<'a> {
     triangles: &'a Triangles<'a>,
     ends: Vec<MirrorEnd>,
     /// For each end, how well the best capture so far shows it.
@@ -130,7 +130,7 @@ struct Found<'a> {
     placement: Placement,
 }
 
-impl Found<'_> {
+impl CaptureSearch<'_> {
     /// Takes the best candidate again and again.
     fn search(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
         let mut rows: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.row(c.position)).collect();
@@ -155,7 +155,7 @@ impl Found<'_> {
     fn row(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
-            .map(|end| if sees(self.triangles, place, end.position) { shown(place, end) } else { 0.0 })
+            .map(|end| if sees(self.triangles, place, end.position) { shown_share(place, end) } else { 0.0 })
             .collect()
     }
 
@@ -173,7 +173,7 @@ impl Found<'_> {
 }
 
 /// How finely a capture at a place shows an end that it sees, in 0…1.
-fn shown(place: DVec3, end: &MirrorEnd) -> f32 {
+fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
     let away = place - end.position;
     let cosine = away.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
     // A face spans two units at distance one, and a texel's area on the surface grows with 1 / cosine.

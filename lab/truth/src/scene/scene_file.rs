@@ -12,8 +12,8 @@ pub use captures::with_captures;
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
 use super::{
-    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Opening, Probe, Scene, Surface, View,
-    gltf, viewpoint,
+    Camera, FieldOfView, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface,
+    View, gltf, viewpoint,
 };
 use crate::error::{Error, Result};
 use crate::scene::far_away::far_origin;
@@ -325,14 +325,14 @@ impl SourceText<'_> {
                 let message = format!("fov_y_deg must lie between 0 and 180, but is {degrees}");
                 return Err(self.error(fov.span(), message));
             }
-            lens.opening = Opening::Angle(degrees.to_radians());
+            lens.opening = FieldOfView::Angle(degrees.to_radians());
         }
         if let Some(height) = &section.orthographic_height_m {
             if section.fov_y_deg.is_some() {
                 let message = "fov_y_deg and orthographic_height_m are two projections: one of them is too many";
                 return Err(self.error(height.span(), message));
             }
-            lens.opening = Opening::Height(self.positive("orthographic_height_m", height)? * scale);
+            lens.opening = FieldOfView::Height(self.positive("orthographic_height_m", height)? * scale);
         }
         if let Some(near) = &section.near {
             lens.near_m = self.positive("near", near)? * scale;
@@ -348,8 +348,8 @@ impl SourceText<'_> {
         if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
             let Lens { opening, near_m, far_m } = lens;
             let opening = match opening {
-                Opening::Angle(fov) => format!("fov_y_deg {}", fov.to_degrees()),
-                Opening::Height(height) => format!("orthographic_height_m {height}"),
+                FieldOfView::Angle(fov) => format!("fov_y_deg {}", fov.to_degrees()),
+                FieldOfView::Height(height) => format!("orthographic_height_m {height}"),
             };
             let message = format!(
                 "a lens with {opening}, near {near_m} and far {far_m} is beyond the precision of the projection"

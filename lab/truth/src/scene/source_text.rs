@@ -119,7 +119,7 @@ fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
 /// [`Error::Io`]; [`Error::Malformed`] for a longer one, and with the line for one that is not UTF-8.
 pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
-    if let Some(name) = encoding::wide(&bytes) {
+    if let Some(name) = encoding::wide_encoding(&bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
     }
     String::from_utf8(encoding::without_mark(&bytes).to_vec()).map_err(|e| {
@@ -143,7 +143,7 @@ pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
 /// # Errors
 /// [`Error::Malformed`] for text of more than a byte for each character.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    if let Some(name) = encoding::wide(bytes) {
+    if let Some(name) = encoding::wide_encoding(bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
     }
     let bytes = encoding::without_mark(bytes);

@@ -106,7 +106,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     DynamicImage::from_decoder(decoder).map_err(malformed)
 }
 
-/// The texels of an image of this size once [`within`] a side.
+/// The texels of an image of this size after [`shrink_to_side`].
 pub(super) fn texels_within(width: u32, height: u32, side: u32) -> u64 {
     let [width, height] = size_within(width, height, side);
     u64::from(width) * u64::from(height)
@@ -122,7 +122,7 @@ fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
 
 /// Makes an image smaller so that no side is above `side`, by a triangle filter over decoded texels, so that light is
 /// what is averaged. An image that is small enough stays as it is.
-pub fn within(texture: Texture, side: u32) -> Texture {
+pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
     let [width, height] = size_within(texture.width, texture.height, side);
     if [width, height] == [texture.width, texture.height] {
         return texture;

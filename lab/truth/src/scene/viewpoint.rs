@@ -1,6 +1,6 @@
 //! Chooses a lens, a view and a light for a scene that defines none.
 
-use super::{Aabb, Lens, Light, Opening, Scene, Vertex, View};
+use super::{Aabb, FieldOfView, Lens, Light, Scene, Vertex, View};
 use glam::Vec3;
 
 /// The number of horizontal directions that are examined.
@@ -38,8 +38,8 @@ pub(super) fn default_view(scene: &Scene) -> View {
     let eye = eye.filter(|eye| eye.distance(centre) > 2.0 * scene.lens.near_m).unwrap_or_else(|| {
         let radius = 0.5 * (bounds.max - bounds.min).length();
         let distance = match scene.lens.opening {
-            Opening::Angle(fov) => 1.05 * radius / (0.5 * fov).sin(),
-            Opening::Height(_) => 1.05 * radius + scene.lens.near_m,
+            FieldOfView::Angle(fov) => 1.05 * radius / (0.5 * fov).sin(),
+            FieldOfView::Height(_) => 1.05 * radius + scene.lens.near_m,
         };
         centre + distance * Vec3::new(0.35, 0.35, -1.0).normalize()
     });

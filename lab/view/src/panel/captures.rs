@@ -4,7 +4,7 @@ use super::shared::{PanelActions, PanelData, heading};
 use crate::captures::CaptureEditor;
 use crate::cubes::{CubeImage, CubePart};
 use crate::input::Action;
-use crate::state::{Inside, State};
+use crate::state::{InnerImage, State};
 use egui::{Grid, RichText, Ui};
 
 pub fn show(ui: &mut Ui, state: &mut State, editor: &mut CaptureEditor, data: &PanelData, actions: &mut PanelActions) {
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &mut State, editor: &mut CaptureEditor, data: &P
             }
             if ui.small_button("look").on_hover_text("shows its images instead of the finished image").clicked() {
                 let name = CubeImage { capture: k, part: CubePart::Color }.name();
-                state.inside = Some(Inside { name, level: 0 });
+                state.inside = Some(InnerImage { name, level: 0 });
                 state.tone.range = [0.0, 1.0];
             }
             ui.end_row();

@@ -1,7 +1,7 @@
 //! Shows any intermediate image at any mip level, with range and exposure.
 
 use super::shared::{PanelActions, PanelData, heading};
-use crate::state::{Inside, STEPS, State};
+use crate::state::{InnerImage, STEPS, State};
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
@@ -13,13 +13,13 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut Pane
         let levels = if image.levels > 1 { format!(", {} levels", image.levels) } else { String::new() };
         let text = format!("{}  ({width}×{height}{levels})", image.name);
         if ui.selectable_label(chosen.as_deref() == Some(&image.name), text).clicked() {
-            state.inside = Some(Inside { name: image.name.clone(), level: 0 });
+            state.inside = Some(InnerImage { name: image.name.clone(), level: 0 });
             state.tone.range = [0.0, 1.0];
         }
     }
     let steps = ui.selectable_label(chosen.as_deref() == Some(STEPS), "steps of the rays  (heat map)");
     if steps.on_hover_text("counted on the CPU when nothing moves, by twins of ssct, hzct and unified").clicked() {
-        state.inside = Some(Inside { name: STEPS.to_owned(), level: 0 });
+        state.inside = Some(InnerImage { name: STEPS.to_owned(), level: 0 });
         state.tone.range = [0.0, 64.0];
     }
     let Some(inside) = &mut state.inside else { return };

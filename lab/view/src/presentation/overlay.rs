@@ -84,26 +84,31 @@ impl Drop for Overlay {
 struct Memory(Gpu);
 
 /// One of them.
-enum Held {
+enum OverlayResource {
     Buffer(Buffer),
     /// Never read: it holds the texture for as long as the renderer has it.
     Image(#[allow(dead_code)] Image),
 }
 
 impl Allocator for Memory {
-    type Allocation = Held;
+    type Allocation = OverlayResource;
 
     fn create_buffer(
         &mut self,
         _: &ash::Device,
         size: usize,
         usage: vk::BufferUsageFlags,
-    ) -> RendererResult<(vk::Buffer, Held)> {
+    ) -> RendererResult<(vk::Buffer, OverlayResource)> {
         let buffer = Buffer::new(&self.0, "panel", size as u64, usage, MemoryPlace::Upload).map_err(refused)?;
-        Ok((buffer.handle(), Held::Buffer(buffer)))
+        Ok((buffer.handle(), OverlayResource::Buffer(buffer)))
     }
 
-    fn create_image(&mut self, _: &ash::Device, width: u32, height: u32) -> RendererResult<(vk::Image, Held)> {
+    fn create_image(
+        &mut self,
+        _: &ash::Device,
+        width: u32,
+        height: u32,
+    ) -> RendererResult<(vk::Image, OverlayResource)> {
         let image = Image::new(
             &self.0,
             &ImageDesc {
@@ -117,21 +122,26 @@ impl Allocator for Memory {
             },
         )
         .map_err(refused)?;
-        Ok((image.handle(), Held::Image(image)))
+        Ok((image.handle(), OverlayResource::Image(image)))
     }
 
-    fn destroy_buffer(&mut self, _: &ash::Device, _: vk::Buffer, memory: Held) -> RendererResult<()> {
+    fn destroy_buffer(&mut self, _: &ash::Device, _: vk::Buffer, memory: OverlayResource) -> RendererResult<()> {
         drop(memory);
         Ok(())
     }
 
-    fn destroy_image(&mut self, _: &ash::Device, _: vk::Image, memory: Held) -> RendererResult<()> {
+    fn destroy_image(&mut self, _: &ash::Device, _: vk::Image, memory: OverlayResource) -> RendererResult<()> {
         drop(memory);
         Ok(())
     }
 
-    fn update_buffer<T: Copy>(&mut self, _: &ash::Device, memory: &mut Held, data: &[T]) -> RendererResult<()> {
-        let Held::Buffer(buffer) = memory else {
+    fn update_buffer<T: Copy>(
+        &mut self,
+        _: &ash::Device,
+        memory: &mut OverlayResource,
+        data: &[T],
+    ) -> RendererResult<()> {
+        let OverlayResource::Buffer(buffer) = memory else {
             return Err(RendererError::Allocator("a texture is no buffer".into()));
         };
         let size = size_of_val(data);

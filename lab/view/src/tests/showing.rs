@@ -3,7 +3,7 @@
 
 use super::super::fly_camera::FlyMotion;
 use super::super::input::Action;
-use super::super::state::{Inside, STEPS, Tab};
+use super::super::state::{InnerImage, STEPS, Tab};
 use super::super::viewer::ViewerInput;
 use super::{Bench, EXTENT};
 use crate::gpu::Pixels;
@@ -67,18 +67,18 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
     assert!(images.iter().any(|i| i.name == "hi-z" && i.levels > 5), "{images:?}");
     for image in images {
         for level in [0, 3, image.levels - 1] {
-            bench.viewer.state.inside = Some(Inside { name: image.name.clone(), level });
+            bench.viewer.state.inside = Some(InnerImage { name: image.name.clone(), level });
             bench.settle();
             bench.is_valid(&image.name);
         }
     }
     // Level 3 of the chain consists of blocks of 8 pixels with one colour each.
-    bench.viewer.state.inside = Some(Inside { name: "hi-z".into(), level: 3 });
+    bench.viewer.state.inside = Some(InnerImage { name: "hi-z".into(), level: 3 });
     bench.settle();
     let picture = bench.viewer.read_picture().unwrap().unwrap();
     let block = |x: u32, y: u32| (0..8).all(|i| picture.at(8 * x + i, 8 * y) == picture.at(8 * x, 8 * y + i));
     assert!((0..20).all(|i| block(i, i)), "texels of a level must be as large as its cells");
-    bench.viewer.state.inside = Some(Inside { name: STEPS.into(), level: 0 });
+    bench.viewer.state.inside = Some(InnerImage { name: STEPS.into(), level: 0 });
     bench.settle();
     let steps = bench.viewer.read_picture().unwrap().unwrap();
     let most = steps.texels().map(|t| t[0]).fold(0.0, f32::max);
@@ -98,7 +98,7 @@ fn captures_are_shown_as_crosses_at_every_level() {
         let image = images.iter().find(|i| i.name == name).unwrap_or_else(|| panic!("{name}: {images:?}"));
         assert_eq!((image.levels, image.extent), (levels, [128, 128]));
         for level in HashSet::from([0, levels - 1]) {
-            bench.viewer.state.inside = Some(Inside { name: name.into(), level });
+            bench.viewer.state.inside = Some(InnerImage { name: name.into(), level });
             bench.settle();
             bench.is_valid(name);
             let picture = bench.viewer.read_picture().unwrap().unwrap();

@@ -3,7 +3,7 @@
 use super::super::cubes::Cross;
 use super::super::input::Action;
 use super::super::reload::ShaderWatch;
-use super::super::state::{Inside, Side, Tab};
+use super::super::state::{InnerImage, Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
 use crate::methods::{METHODS, MethodInfo, parameters};
@@ -430,7 +430,7 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
         assert!(beyond.end.distance(eye) < 100.0 && beyond.way().first() == Some(&beyond.begin));
     }
     bench.viewer.state.picked = Some(hits[0].0);
-    bench.viewer.state.inside = Some(Inside { name: "capture-1-depth".into(), level: 0 });
+    bench.viewer.state.inside = Some(InnerImage { name: "capture-1-depth".into(), level: 0 });
     bench.settle();
     bench.is_valid("the ray in a capture");
     // Where the end lies in the capture's picture, its depth is that of the end.

@@ -13,7 +13,7 @@
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::frame::Frame;
-use crate::gpu::frame::bind::Given;
+use crate::gpu::frame::bind::ProgramInputs;
 use crate::gpu::frame::target::View;
 use crate::gpu::pipeline::{GraphicsPipeline, SharedPipeline};
 use crate::gpu::programs::Nothing;
@@ -50,10 +50,10 @@ impl Frame<'_> {
 
     /// Pushes the values that a graphics pipeline reads and lets another pipeline consume them. Must be called outside
     /// of rendering.
-    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &SharedPipeline, given: &Given) -> Result<()> {
+    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &SharedPipeline, inputs: &ProgramInputs) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
             frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: a pipeline that reads nothing is bound.
             unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };

@@ -7,7 +7,7 @@ use std::ffi::c_void;
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// A device that is watched.
-struct Watched {
+struct WatchedDevice {
     device: u64,
     queue: u64,
     watch: Arc<Watch>,
@@ -16,21 +16,21 @@ struct Watched {
 }
 
 /// A call has only its handle to know whose it is.
-static WATCHED: RwLock<Vec<Arc<Watched>>> = RwLock::new(Vec::new());
+static WATCHED: RwLock<Vec<Arc<WatchedDevice>>> = RwLock::new(Vec::new());
 
-fn find(is: impl Fn(&Watched) -> bool) -> Option<Arc<Watched>> {
+fn find(is: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
     let all = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
     all.iter().find(|w| is(w)).cloned()
 }
 
-fn of_device(device: vk::Device) -> Option<Arc<Watched>> {
+fn of_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
     find(|w| w.device == device.as_raw())
 }
 
 /// The device with its calls watched; `queue` is the one that it submits to.
-pub fn watched(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) -> ash::Device {
+pub fn watch_device(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) -> ash::Device {
     let (v1_0, v1_3) = (device.fp_v1_0().clone(), device.fp_v1_3().clone());
-    let known = Watched {
+    let known = WatchedDevice {
         device: device.handle().as_raw(),
         queue: queue.as_raw(),
         watch: Arc::clone(watch),

@@ -29,7 +29,7 @@ pub const PLATES: &[Plate] = &[
             ("(b) the museum", "--scene museum --view museum --reflectivity 0"),
             ("(c) the cathedral", "--scene cathedral --view nave --reflectivity 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -47,7 +47,7 @@ pub const PLATES: &[Plate] = &[
             ),
             ("right: pccm", "--scene corridor --view corridor --method pccm --roughness 0 --normal-deviation 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -62,7 +62,7 @@ pub const PLATES: &[Plate] = &[
             ("left: without normal mapping", "--scene street --view street --method pccm --normal-deviation 0"),
             ("right: with it, close up", "--scene street --view puddles --method pccm --normal-deviation 1"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -77,7 +77,7 @@ pub const PLATES: &[Plate] = &[
             ("left: the nave", "--scene cathedral --view pillars --method pccm"),
             ("right: the clerestory", "--scene cathedral --view clerestory --method pccm"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -106,7 +106,7 @@ pub const PLATES: &[Plate] = &[
         prints: None,
         size: QHD,
         panels: &[("the hall", "--scene museum --view exit-sign --method billboard")],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -125,7 +125,7 @@ pub const PLATES: &[Plate] = &[
             ),
             ("below: world reference", "--scene street --view car --method reference --max-rays 16 --roughness 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -141,7 +141,7 @@ pub const PLATES: &[Plate] = &[
             ("left: world reference", "--scene street --view car --method reference --max-rays 16 --roughness 0"),
             ("right: ssr-fast", "--scene street --view car --method ssr-fast --roughness 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -163,7 +163,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 20",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -177,7 +177,7 @@ pub const PLATES: &[Plate] = &[
             ("left: clipped", "--scene museum --view museum --method ssr-fast --roughness 0 --fade off"),
             ("right: faded", "--scene museum --view museum --method ssr-fast --roughness 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,
@@ -194,7 +194,7 @@ pub const PLATES: &[Plate] = &[
             ),
             ("right: without", "--scene cathedral --view nave --method ssr-fast --roughness 0 --normal-deviation 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Schmidt,

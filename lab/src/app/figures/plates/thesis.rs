@@ -43,7 +43,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene rooms --view corridor --method reference --max-rays 16 --roughness 0.3 --normal-deviation 0",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -64,7 +64,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene cornell-box --view box --method reference --diffuse-bounces 6 --max-rays 128",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -78,7 +78,7 @@ pub const PLATES: &[Plate] = &[
             "the floor",
             "--scene corridor --view corridor --method area-light --roughness 0.1 --normal-deviation 0",
         )],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -89,7 +89,7 @@ pub const PLATES: &[Plate] = &[
         prints: None,
         size: QHD,
         panels: &[("the floor", "--scene museum --view museum --method planar --roughness 0 --normal-deviation 0")],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -107,7 +107,7 @@ pub const PLATES: &[Plate] = &[
             ("(a) specular, left", "--scene atrium --view atrium --method poster --roughness 0 --normal-deviation 0"),
             ("(b) glossy, right", "--scene atrium --view atrium --method poster --roughness 0.3 --normal-deviation 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -152,7 +152,7 @@ pub const PLATES: &[Plate] = &[
         prints: None,
         size: Size::Print([512, 512]),
         panels: &[("visibility", "--scene rooms --view corridor --figure 4.4")],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -163,7 +163,7 @@ pub const PLATES: &[Plate] = &[
         prints: None,
         size: QHD,
         panels: &[("paths", "--scene rooms --view corridor --figure 4.5")],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -208,7 +208,7 @@ pub const PLATES: &[Plate] = &[
             ("(a) off, left", "--scene rooms --view window-floor --roughness 0 --normal-deviation 0 --fade off"),
             ("(b) on, right", "--scene rooms --view window-floor --roughness 0 --normal-deviation 0"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -222,7 +222,7 @@ pub const PLATES: &[Plate] = &[
             "colour",
             "--scene rooms --view corridor --method sslr --figure 4.9 --roughness 0.1 --normal-deviation 0.1",
         )],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -236,7 +236,7 @@ pub const PLATES: &[Plate] = &[
             "mask",
             "--scene rooms --view corridor --method sslr --figure 4.10 --roughness 0.1 --normal-deviation 0.1",
         )],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -256,7 +256,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene rooms --eye=3.1,0.15,2.95 --look-at=2.97,-0.8,2.12 --method hzct --roughness 0.1 --normal-deviation 0.1",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -277,7 +277,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene rooms --view window-floor --method hzct --roughness 0.1 --normal-deviation 0.1",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -317,7 +317,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene rooms --view two-cylinders --method sslr --roughness 0.1 --normal-deviation 0.1",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -354,7 +354,7 @@ pub const PLATES: &[Plate] = &[
             ("(a) SSCT, left", "--scene atrium --view atrium --method ssct --roughness 0.1 --normal-deviation 0.1"),
             ("(b) SSLR, right", "--scene atrium --view atrium --method sslr --roughness 0.1 --normal-deviation 0.1"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -368,7 +368,7 @@ pub const PLATES: &[Plate] = &[
             ("(a) SSCT, left", "--scene atrium --view lion --method ssct --roughness 0.1 --normal-deviation 0.1"),
             ("(b) SSLR, right", "--scene atrium --view lion --method sslr --roughness 0.1 --normal-deviation 0.1"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -382,7 +382,7 @@ pub const PLATES: &[Plate] = &[
             ("(a) SSCT, left", "--scene atrium --view hall --method ssct --roughness 0.1 --normal-deviation 0.1"),
             ("(b) SSLR, right", "--scene atrium --view hall --method sslr --roughness 0.1 --normal-deviation 0.1"),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
     Plate {
         source: Document::Thesis,
@@ -405,7 +405,7 @@ pub const PLATES: &[Plate] = &[
                 "--scene rooms --view corridor --method reference --max-rays 16 --roughness 0.1 --normal-deviation 0.1",
             ),
         ],
-        make: draw::beside,
+        make: draw::place_side_by_side,
     },
 ];
 
@@ -424,5 +424,5 @@ pub const POSTER: &[Plate] = &[Plate {
         ("(b) Gaussian filter", "--scene rooms --view corridor --figure poster-2b --roughness 0.3"),
         ("(c) with fading", "--scene rooms --view corridor --figure poster-2c --roughness 0.3"),
     ],
-    make: draw::beside,
+    make: draw::place_side_by_side,
 }];

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The data as JSON that can stand in a script element.
-pub fn embedded(page: &LibraryPage) -> String {
+pub fn embedded_json(page: &LibraryPage) -> String {
     let mut names = Names::default();
     let devices = devices(&page.library.runs);
     let number = |device: &DeviceInfo| devices.iter().position(|known| *known == device);

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::reference::testing::{Random, gbuffer};
-use crate::reference::unified::{Answer, CubeWalk, Ended, LostRay};
+use crate::reference::unified::{CaptureRayEnd, CaptureTraversal, LostRay, RayEndKind};
 use crate::scene::Capture;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -66,16 +66,16 @@ fn an_empty_room_shows_its_walls_where_they_are() {
     let room = Room { half: DVec3::new(3.0, 2.0, 4.0), spheres: Vec::new() };
     let capture = room.capture(&capture(Vec3::new(0.3, -0.2, 0.5), 256, 1.0));
     let (screen, captures) = (screen(), [capture]);
-    let images = Images::new(&screen, &captures);
+    let images = ImageOracle::new(&screen, &captures);
     let bounds = Aabb { min: -room.half.as_vec3(), max: room.half.as_vec3() };
-    let within = images.clone().within(bounds);
+    let within = images.clone().with_bounds(bounds);
     let random = Random::new(3, 0);
     let (mut walls, mut skies, mut outside) = (0, 0, 0);
     for _ in 0..4000 {
         let (start, direction) = (0.95 * room.half * random.direction(), random.direction().normalize());
-        let end = images.follow(&Lost { start, direction });
+        let end = images.follow(&ExactLostRay { start, direction });
         // Outside, the roof hides a ray from the capture: only who knows how far the room reaches sees that it is sky.
-        match within.follow(&Lost { start, direction }) {
+        match within.follow(&ExactLostRay { start, direction }) {
             EndInImages::Sky if end == EndInImages::Unknown => outside += 1,
             known => assert_eq!(known, end, "{start} {direction}"),
         }
@@ -108,11 +108,11 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     let screen = screen();
     // Past the sphere into the wall behind it, which the first capture does not see there.
     let start = DVec3::new(1.5, 0.0, 0.5);
-    let lost = Lost { start, direction: (DVec3::new(0.0, 0.3, 4.0) - start).normalize() };
+    let lost = ExactLostRay { start, direction: (DVec3::new(0.0, 0.3, 4.0) - start).normalize() };
     let one = [near.clone()];
-    assert_eq!(Images::new(&screen, &one).follow(&lost), EndInImages::Unknown);
+    assert_eq!(ImageOracle::new(&screen, &one).follow(&lost), EndInImages::Unknown);
     let two = [near, beside];
-    let EndInImages::Capture { index: 1, place, texel_m } = Images::new(&screen, &two).follow(&lost) else {
+    let EndInImages::Capture { index: 1, place, texel_m } = ImageOracle::new(&screen, &two).follow(&lost) else {
         panic!("no hit")
     };
     assert!(place.distance(DVec3::new(0.0, 0.3, 4.0)) < 2.0 * texel_m, "{place}");
@@ -146,13 +146,14 @@ impl Count {
 }
 
 /// Whether the twin ends where the oracle does: by the same code, and in a capture within a texel.
-fn agrees(twin: &Answer, oracle: EndInImages) -> bool {
-    match (twin.ended, oracle) {
-        (Ended::Capture(k), EndInImages::Capture { index, place, texel_m }) => {
+fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
+    match (twin.kind, oracle) {
+        (RayEndKind::Capture(k), EndInImages::Capture { index, place, texel_m }) => {
             k == index && twin.place.as_dvec3().distance(place) <= texel_m
         }
-        (ended, end) => {
-            (ended == Ended::Sky && end == EndInImages::Sky) || (ended == Ended::Unknown && end == EndInImages::Unknown)
+        (kind, end) => {
+            (kind == RayEndKind::Sky && end == EndInImages::Sky)
+                || (kind == RayEndKind::Unknown && end == EndInImages::Unknown)
         }
     }
 }
@@ -222,8 +223,8 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     // A third of the cases know how far the room reaches.
     let half = room.half.as_vec3();
     let bounds = if case.is_multiple_of(3) { Aabb { min: -half, max: half } } else { Aabb::ALL };
-    let images = Images::new(&screen, &captures).within(bounds);
-    let twin = CubeWalk::new(&screen.camera, &captures).within(bounds);
+    let images = ImageOracle::new(&screen, &captures).with_bounds(bounds);
+    let twin = CaptureTraversal::new(&screen.camera, &captures).with_bounds(bounds);
     let (mut counts, mut unexplained) = ([Count::default(); KINDS as usize], Vec::new());
     for _ in 0..rays {
         let kind = random.below(KINDS);
@@ -233,10 +234,13 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
         }
         let (start, direction) = (start.as_vec3(), direction.normalize().as_vec3());
         let lost = LostRay { start, direction };
-        let exact = Lost { start: start.as_dvec3(), direction: direction.as_dvec3() };
-        let (found, truth) = (twin.follow_ray(&lost), images.follow(&exact));
+        let exact = ExactLostRay { start: start.as_dvec3(), direction: direction.as_dvec3() };
+        let (found, truth) = (twin.trace_captures(&lost), images.follow(&exact));
         assert!(found.place.is_finite() && !found.is_exhausted, "case {case}: {found:?}");
-        assert!(found.steps <= twin.max_steps() && found.faces <= CubeWalk::MAX_FACES, "case {case}: {found:?}");
+        assert!(
+            found.steps <= twin.max_steps() && found.faces <= CaptureTraversal::MAX_FACES,
+            "case {case}: {found:?}"
+        );
         let agrees_at_once = agrees(&found, truth);
         let is_tie = || {
             let off = ULPS * f64::from(f32::EPSILON) / 2.0;
@@ -244,7 +248,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
             (0..64).any(|_| {
                 let start = exact.start + off * size * random.direction();
                 let direction = exact.direction + off * random.direction();
-                agrees(&found, images.follow(&Lost { start, direction }))
+                agrees(&found, images.follow(&ExactLostRay { start, direction }))
             })
         };
         let is_tie = !agrees_at_once && is_tie();
@@ -294,11 +298,11 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
         let cube = capture(Vec3::ZERO, side, 1.0);
         let wall = CaptureData::of(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
         let (screen, captures) = (screen(), [wall]);
-        let (images, twin) = (Images::new(&screen, &captures), CubeWalk::new(&screen.camera, &captures));
+        let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         let start = Vec3::new(-1.99, -1.98, 2.004);
         let direction = Vec3::new(1.0, 0.99, 0.0).normalize();
-        let found = twin.follow_ray(&LostRay { start, direction });
-        let lost = Lost { start: start.as_dvec3(), direction: direction.as_dvec3() };
+        let found = twin.trace_captures(&LostRay { start, direction });
+        let lost = ExactLostRay { start: start.as_dvec3(), direction: direction.as_dvec3() };
         assert!(agrees(&found, images.follow(&lost)), "{found:?}");
         let side = side as i32;
         println!("{side}: {found:?}");
@@ -313,15 +317,15 @@ fn captures_that_see_nothing_leave_every_end_unknown() {
     for z in [0.051, 0.05] {
         let blind = CaptureData::of(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));
         let (screen, captures) = (screen(), [blind]);
-        let (images, twin) = (Images::new(&screen, &captures), CubeWalk::new(&screen.camera, &captures));
+        let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         for _ in 0..200 {
             let (start, direction) = (random.direction() + 0.5, random.direction().normalize());
             if start.abs().max_element() < 0.1 {
                 continue;
             }
-            assert_eq!(images.follow(&Lost { start, direction }), EndInImages::Unknown);
+            assert_eq!(images.follow(&ExactLostRay { start, direction }), EndInImages::Unknown);
             let lost = LostRay { start: start.as_vec3(), direction: direction.as_vec3() };
-            assert_eq!(twin.follow_ray(&lost).ended, Ended::Unknown);
+            assert_eq!(twin.trace_captures(&lost).kind, RayEndKind::Unknown);
         }
     }
 }

@@ -28,7 +28,7 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
 fn shown(g: &GBufferData, from: [u32; 2], direction: DVec3, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
     let rays = RaySetup::new(g);
     let from = rays.position(from[0], from[1]).zip(rays.normal(from[0], from[1]));
-    let ray = from.map(|(point, normal)| Reflected { point, normal, direction });
+    let ray = from.map(|(point, normal)| ReflectedRay { point, normal, direction });
     SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z, ray)
 }
 

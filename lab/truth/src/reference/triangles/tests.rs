@@ -49,7 +49,7 @@ fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Ve
     for (origin, direction) in rays {
         let origin = (origin.as_dvec3() - tree.origin).as_vec3();
         let ray = TreeRay { origin, direction: direction.normalize_or(Vec3::X), own: NO_TRIANGLE };
-        let (met, highest) = walk.walk(&ray);
+        let (met, highest) = walk.traverse_tree(&ray);
         assert_eq!(met, walk.nearest_of_all(&ray), "{name}: {ray:?}");
         assert!(highest <= TREE_DEPTH as usize, "{name}: {highest} groups on the stack");
         assert!(met.t.is_finite() && met.weight.iter().all(|w| w.is_finite()), "{name}: {met:?}");
@@ -115,7 +115,7 @@ fn no_ray_makes_a_nan_or_runs_for_ever() {
     for i in 0..odd.len().pow(2) {
         let [a, b] = [odd[i % odd.len()], odd[i / odd.len()]];
         for (origin, direction) in [(Vec3::new(a, b, 0.0), Vec3::new(b, 1.0, a)), (Vec3::splat(a), Vec3::splat(b))] {
-            let (met, _) = walk.walk(&TreeRay { origin, direction, own: NO_TRIANGLE });
+            let (met, _) = walk.traverse_tree(&TreeRay { origin, direction, own: NO_TRIANGLE });
             assert!(!met.t.is_nan(), "{origin} {direction}: {met:?}");
         }
     }
@@ -150,8 +150,11 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
         let direction = direction.normalize();
         let ray = WorldRay { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f64::INFINITY };
         let expected = truth.closest(&ray, &|_| true);
-        let (met, _) =
-            walk.walk(&TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own: NO_TRIANGLE });
+        let (met, _) = walk.traverse_tree(&TreeRay {
+            origin: (origin.as_dvec3() - tree.origin).as_vec3(),
+            direction,
+            own: NO_TRIANGLE,
+        });
         hits += usize::from(expected.is_some());
         match (expected, met.triangle()) {
             (None, None) => {}
@@ -185,7 +188,7 @@ fn what_moves_is_met_beside_what_stands() {
         let moved = trees.moving(&[("moves", placement)]).expect("a tree");
         assert_eq!(tree.slots.len() + moved.tree.slots.len(), triangles.len());
         assert_eq!(moved.numbers, moving.clone().map(|n| n as u32).collect::<Vec<_>>());
-        let walk = TriangleWalk::new(&tree, &records).beside(&moved);
+        let walk = TriangleWalk::new(&tree, &records).with_moving(&moved);
         let place = |(n, t): (usize, &Corners)| if moving.contains(&n) { t.map(|v| placement.place(v)) } else { *t };
         let truth = TriangleBvh::new(triangles.iter().enumerate().map(place).collect::<Vec<_>>());
         let (mut hits, mut of_moving, mut other) = (0, 0, 0);
@@ -193,7 +196,7 @@ fn what_moves_is_met_beside_what_stands() {
             let direction = direction.normalize();
             let ray = WorldRay { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f64::INFINITY };
             let tree_ray = TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own: NO_TRIANGLE };
-            let (met, highest) = walk.walk(&tree_ray);
+            let (met, highest) = walk.traverse_tree(&tree_ray);
             assert_eq!(met, walk.nearest_of_all(&tree_ray));
             assert!(highest <= TREE_DEPTH as usize);
             let expected = truth.closest(&ray, &|_| true).map(|hit| hit.triangle);
@@ -229,7 +232,7 @@ fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
                     Vec3::new(signed(i, 2), up * 0.2 + up * 0.8 * signed(i, 3).abs(), signed(i, 4)).normalize();
                 let own = u32::from(x > z);
                 for own in [own, NO_TRIANGLE] {
-                    let (met, _) = walk.walk(&TreeRay { origin: start.as_vec3(), direction, own });
+                    let (met, _) = walk.traverse_tree(&TreeRay { origin: start.as_vec3(), direction, own });
                     let expected = up > 0.0;
                     assert_eq!(
                         met.triangle().is_some_and(|t| t >= 2),

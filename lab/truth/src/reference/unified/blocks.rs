@@ -6,7 +6,7 @@ use crate::scene::GBufferData;
 use glam::IVec2;
 
 /// A pixel's block; `DepthBlock` of `pyramid.comp`.
-pub(super) fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
+pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     let depth_at = |p: IVec2| {
         let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();
         if inside { gbuffer.depth[gbuffer.index(p.x as u32, p.y as u32)] } else { 0.0 }
@@ -17,16 +17,17 @@ pub(super) fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) ->
     }
     let is_linear = parameters.kind.is_orthographic();
     let thin = constants::THIN as f32 * if is_linear { parameters.reach * parameters.depth_offset } else { 1.0 };
-    let behind = |dx, dy| {
+    let depth_behind = |dx, dy| {
         let neighbour = depth_at(p + IVec2::new(dx, dy));
         let reciprocal = if is_linear { 1.0 } else { 1.0 / (neighbour + parameters.depth_offset) };
         if neighbour > 0.0 { (depth - neighbour) * reciprocal } else { -NEVER }
     };
-    let span = |a: f32, b: f32| {
+    let depth_span = |a: f32, b: f32| {
         let least = a.abs().min(b.abs());
         if least < NEVER && a.min(b) <= thin { least } else { 0.0 }
     };
-    let spans = span(behind(-1, 0), behind(1, 0)) + span(behind(0, -1), behind(0, 1));
+    let spans =
+        depth_span(depth_behind(-1, 0), depth_behind(1, 0)) + depth_span(depth_behind(0, -1), depth_behind(0, 1));
     let share = constants::SHARE_OF_DEPTH as f32;
     if is_linear {
         let thickness = spans + share * (parameters.reach * parameters.depth_offset);

@@ -2,7 +2,7 @@
 //! `captures/seen.glsl`), operation for operation; the names are the shaders', which say why. The colour that a ray sees
 //! is no part of it.
 
-use super::{Code, Hit, NEVER, Over, Ray, Traversal, Walk, crossing, dot};
+use super::{Hit, HitCode, NEVER, Ray, Traversal, Walk, WalkMode, dot, front_crossing};
 use crate::math::constants;
 use crate::reference::CaptureData;
 use crate::scene::{Aabb, Camera, ProjectionKind};
@@ -14,7 +14,7 @@ const GETS_ON: f32 = constants::GETS_ON as f32;
 
 /// Captures as rays of one camera are followed in them.
 #[derive(Debug, Clone)]
-pub struct CubeWalk<'a> {
+pub struct CaptureTraversal<'a> {
     /// Face f of capture k at 6 k + f, in Vulkan's order +x −x +y −y +z −z.
     pub faces: Vec<Traversal<'a>>,
     /// From the camera's eye to each capture's place, in world axes, in metres.
@@ -39,9 +39,9 @@ pub struct LostRay {
 
 /// How a mirror ray fared on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Seen {
+pub enum ScreenRayEnd {
     /// The pixel has no ray, or sends it below its own surface.
-    Nothing,
+    NoRay,
     /// It ended in the sky.
     Sky,
     /// It hit.
@@ -52,7 +52,7 @@ pub enum Seen {
 
 /// How a ray ended that the screen lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
+pub enum RayEndKind {
     /// It hit in the capture of this index.
     Capture(usize),
     /// In the sky.
@@ -61,11 +61,11 @@ pub enum Ended {
     Unknown,
 }
 
-impl Ended {
+impl RayEndKind {
     /// The value of `PATH_*`.
     pub fn code(self) -> i32 {
         match self {
-            Self::Capture(k) => constants::PATH_CAPTURE + k as i32,
+            Self::Capture(capture) => constants::PATH_CAPTURE + capture as i32,
             Self::Sky => constants::PATH_SKY,
             Self::Unknown => constants::PATH_UNKNOWN,
         }
@@ -74,9 +74,9 @@ impl Ended {
 
 /// `CaptureRayEnd`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer {
+pub struct CaptureRayEnd {
     /// How it ended.
-    pub ended: Ended,
+    pub kind: RayEndKind,
     /// Relative to the eye, in world axes, in metres: where it hit, or a point far along it for the sky.
     pub place: Vec3,
     /// Cells looked at in all captures.
@@ -89,14 +89,14 @@ pub struct Answer {
 
 /// `FOLLOW_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum How {
+enum FollowEnd {
     Hit,
     Sky,
     Lost,
     On,
 }
 
-impl<'a> CubeWalk<'a> {
+impl<'a> CaptureTraversal<'a> {
     /// The most faces that a ray is followed over: seven each time that it goes on in a capture.
     pub const MAX_FACES: i32 = 7 * 2 * constants::CAPTURE_SLOTS;
 
@@ -124,24 +124,24 @@ impl<'a> CubeWalk<'a> {
     }
 
     /// With a box in the world, in metres, outside of which nothing stands.
-    pub fn within(self, bounds: Aabb) -> Self {
+    pub fn with_bounds(self, bounds: Aabb) -> Self {
         Self { bounds: bounds.moved(-self.eye), ..self }
     }
 
     /// What the screen makes of the mirror ray of a pixel (`mirror.glsl`); its traversal must be
     /// [`Traversal::followed`].
-    pub fn on_screen(&self, screen: &Traversal, x: u32, y: u32) -> Seen {
-        let Some((ray, true)) = screen.mirror_ray(x, y) else { return Seen::Nothing };
+    pub fn trace_screen(&self, screen: &Traversal, x: u32, y: u32) -> ScreenRayEnd {
+        let Some((ray, true)) = screen.mirror_ray(x, y) else { return ScreenRayEnd::NoRay };
         let hit = screen.traverse(&ray);
         match hit.code {
-            Code::Nothing if screen.ends_far(&ray) => Seen::Sky,
-            Code::Surface => Seen::Hit(hit),
-            _ => Seen::Lost(self.lost(screen, &ray, &hit)),
+            HitCode::Miss if screen.ends_in_sky(&ray) => ScreenRayEnd::Sky,
+            HitCode::Surface => ScreenRayEnd::Hit(hit),
+            _ => ScreenRayEnd::Lost(self.lost_ray(screen, &ray, &hit)),
         }
     }
 
     /// `PushIfLost`.
-    fn lost(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
+    fn lost_ray(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
         let p = &screen.parameters;
         let depth = ray.depth + hit.s * ray.rate.z;
         let start = p.view_point(ray.start + hit.s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
@@ -156,62 +156,63 @@ impl<'a> CubeWalk<'a> {
     }
 
     /// `TraceCaptures`.
-    pub fn follow_ray(&self, ray: &LostRay) -> Answer {
-        let mut answer = Answer { ended: Ended::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
-        let (mut point, mut left_out) = (ray.start, 0_u32);
+    pub fn trace_captures(&self, ray: &LostRay) -> CaptureRayEnd {
+        let mut ray_end =
+            CaptureRayEnd { kind: RayEndKind::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
+        let (mut point, mut excluded) = (ray.start, 0_u32);
         for _ in 0..2 * constants::CAPTURE_SLOTS {
-            if self.is_outside(point) {
-                answer.ended = Ended::Sky;
+            if self.is_outside_scene(point) {
+                ray_end.kind = RayEndKind::Sky;
                 break;
             }
-            let Some(k) = self.nearest_that_sees(point, left_out) else { break };
-            let place = self.places[k];
-            let (how, followed) = self.follow(k, point - place, ray.direction, &mut answer);
-            let there = followed + place;
+            let Some(capture) = self.nearest_seeing_capture(point, excluded) else { break };
+            let place = self.places[capture];
+            let (how, traced) = self.trace_capture(capture, point - place, ray.direction, &mut ray_end);
+            let there = traced + place;
             match how {
-                How::Sky => {
-                    answer.ended = Ended::Sky;
+                FollowEnd::Sky => {
+                    ray_end.kind = RayEndKind::Sky;
                     break;
                 }
-                How::Hit => {
-                    (answer.ended, answer.place) = (Ended::Capture(k), there);
+                FollowEnd::Hit => {
+                    (ray_end.kind, ray_end.place) = (RayEndKind::Capture(capture), there);
                     break;
                 }
-                How::Lost | How::On => {}
+                FollowEnd::Lost | FollowEnd::On => {}
             }
             let has_moved = dot(there - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + GETS_ON;
-            left_out = if has_moved { 1 << k } else { left_out | 1 << k };
+            excluded = if has_moved { 1 << capture } else { excluded | 1 << capture };
             if has_moved {
                 point = there;
             }
         }
-        if answer.ended == Ended::Sky {
-            answer.place = ray.start + SKY_DISTANCE * ray.direction;
+        if ray_end.kind == RayEndKind::Sky {
+            ray_end.place = ray.start + SKY_DISTANCE * ray.direction;
         }
-        answer
+        ray_end
     }
 
     /// `IsOutsideScene`.
-    fn is_outside(&self, point: Vec3) -> bool {
+    fn is_outside_scene(&self, point: Vec3) -> bool {
         point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
     /// `NearestSeeingCapture`.
-    fn nearest_that_sees(&self, point: Vec3, left_out: u32) -> Option<usize> {
+    fn nearest_seeing_capture(&self, point: Vec3, excluded: u32) -> Option<usize> {
         let (mut nearest, mut least) = (None, NEVER);
-        for (k, place) in self.places.iter().enumerate() {
+        for (capture, place) in self.places.iter().enumerate() {
             let o = point - *place;
             let squared = dot(o, o);
-            if left_out >> k & 1 == 0 && squared < least && self.sees(k, o) {
-                (nearest, least) = (Some(k), squared);
+            if excluded >> capture & 1 == 0 && squared < least && self.capture_sees(capture, o) {
+                (nearest, least) = (Some(capture), squared);
             }
         }
         nearest
     }
 
     /// `CaptureSees`.
-    fn sees(&self, capture: usize, o: Vec3) -> bool {
-        let face = face_of(o);
+    fn capture_sees(&self, capture: usize, o: Vec3) -> bool {
+        let face = cube_face(o);
         let image = &self.faces[6 * capture + face];
         let mut q = to_face(o, face);
         q.z = q.z.max(1e-6);
@@ -234,13 +235,13 @@ impl<'a> CubeWalk<'a> {
     }
 
     /// `TraceFace`; the side comes last.
-    fn follow_face(
+    fn trace_face(
         &self,
         image: &Traversal,
         [q, direction]: [Vec3; 2],
         before: &mut f32,
-        answer: &mut Answer,
-    ) -> (How, Vec3, Vec3) {
+        ray_end: &mut CaptureRayEnd,
+    ) -> (FollowEnd, Vec3, Vec3) {
         let (start, pixel) = face_position(image, q);
         let depth = self.face_depth(image, q.z);
         let side = image.parameters.size.x as f32;
@@ -250,15 +251,21 @@ impl<'a> CubeWalk<'a> {
         let change_z = -((depth + image.parameters.depth_offset) * direction.z);
         let ray = image.make_ray(start, pixel, depth, direction, change.extend(change_z));
         if depth.is_nan() || depth >= 1.0 {
-            return (How::Lost, q, Vec3::ZERO);
+            return (FollowEnd::Lost, q, Vec3::ZERO);
         }
         let ahead = ray.ahead();
         let level = constants::FACE_LEVEL.min(image.parameters.top_level);
         let mut walk = Walk { pixel, level, entry: 0.0, entry_depth: depth, steps: 0 };
         let mut passes = false;
-        answer.faces += 1;
-        let met = loop {
-            image.advance(&ray, ahead, Over::Seen { passes, border: image.parameters.size - 1 }, &mut walk, |_| {});
+        ray_end.faces += 1;
+        let end = loop {
+            image.advance(
+                &ray,
+                ahead,
+                WalkMode::Followed { passes, border: image.parameters.size - 1 },
+                &mut walk,
+                |_| {},
+            );
             if walk.level >= 0 {
                 break None;
             }
@@ -273,15 +280,15 @@ impl<'a> CubeWalk<'a> {
                     _ if walk.entry > 0.0 => image.is_behind(&ray, walk.entry_depth, walk.pixel, block, ahead),
                     _ => walk.entry_depth < block.back - *before,
                 };
-                let s = if is_behind { walk.entry } else { crossing(&ray, &walk, ahead, block.front) };
-                let how = if is_behind { How::Lost } else { How::Hit };
+                let s = if is_behind { walk.entry } else { front_crossing(&ray, &walk, ahead, block.front) };
+                let how = if is_behind { FollowEnd::Lost } else { FollowEnd::Hit };
                 break Some((how, self.face_point(image, &ray, s), Vec3::ZERO));
             }
             walk.level = 0;
         };
-        answer.steps += walk.steps;
-        answer.is_exhausted |= walk.level >= 0 && walk.entry < ray.end;
-        met.unwrap_or_else(|| {
+        ray_end.steps += walk.steps;
+        ray_end.is_exhausted |= walk.level >= 0 && walk.entry < ray.end;
+        end.unwrap_or_else(|| {
             let far = ray.ahead() * image.parameters.size;
             let sides = (far.as_vec2() - ray.start) * ray.inverse;
             let by_side = ray.end == sides.x.min(sides.y);
@@ -289,9 +296,9 @@ impl<'a> CubeWalk<'a> {
             let block = image.block(at_side.clamp(IVec2::ZERO, image.parameters.size - 1));
             *before = (block.front - block.back).max(0.0);
             let how = match by_side {
-                true => How::On,
-                false if ray.rate.z < 0.0 => How::Sky,
-                false => How::Lost,
+                true => FollowEnd::On,
+                false if ray.rate.z < 0.0 => FollowEnd::Sky,
+                false => FollowEnd::Lost,
             };
             let side = if sides.x <= sides.y {
                 Vec3::X * if ray.inverse.x > 0.0 { 1.0 } else { -1.0 }
@@ -303,25 +310,31 @@ impl<'a> CubeWalk<'a> {
     }
 
     /// `TraceCapture`.
-    fn follow(&self, capture: usize, o: Vec3, direction: Vec3, answer: &mut Answer) -> (How, Vec3) {
-        let (mut face, mut place, mut before) = (face_of(o), o, 0.0);
+    fn trace_capture(
+        &self,
+        capture: usize,
+        o: Vec3,
+        direction: Vec3,
+        ray_end: &mut CaptureRayEnd,
+    ) -> (FollowEnd, Vec3) {
+        let (mut face, mut place, mut before) = (cube_face(o), o, 0.0);
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
             let from = [place, direction].map(|v| to_face(v, face));
-            let (how, end, side) = self.follow_face(image, from, &mut before, answer);
+            let (how, end, side) = self.trace_face(image, from, &mut before, ray_end);
             place = from_face(end, face);
-            if how != How::On {
+            if how != FollowEnd::On {
                 return (how, place);
             }
-            face = face_of(from_face(side, face));
+            face = cube_face(from_face(side, face));
         }
-        (How::Lost, place)
+        (FollowEnd::Lost, place)
     }
 }
 
 impl Traversal<'_> {
     /// Whether a ray that hit nothing ends beyond the far plane, and before what is there (`MissCode`).
-    fn ends_far(&self, ray: &Ray) -> bool {
+    fn ends_in_sky(&self, ray: &Ray) -> bool {
         let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;
         let block = self.block((ray.pixel + inside).clamp(IVec2::ZERO, self.parameters.size - 1));
@@ -357,7 +370,7 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
 }
 
 /// `CubeFace`.
-fn face_of(v: Vec3) -> usize {
+fn cube_face(v: Vec3) -> usize {
     let a = v.abs();
     let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
     if a.x >= a.y && a.x >= a.z {

@@ -1,10 +1,10 @@
 //! Each pixel's or cell's reflection from the rays around it: twin of the passes "resolve/narrow" and "cells".
 //!
 //! The shaders exchange what they loaded within a block of 2 × 2 by derivatives, value ± derivative, which is the
-//! neighbour's value up to its last bits. The twin exchanges by the same subtraction and addition ([`across`]), so
-//! that this is no difference between them.
+//! neighbour's value up to its last bits. The twin exchanges by the same subtraction and addition
+//! ([`ray_from_neighbour`]), so that this is no difference between them.
 
-use super::gloss_trace::Gathered;
+use super::gloss_trace::NeighbourRay;
 use super::lobe::{LEAST_WEIGHT, LOG2_E, Lobe, inverse_sqrt, log_cos, log_density};
 use super::{Gloss, half, sound};
 use crate::reference::Level;
@@ -12,15 +12,15 @@ use glam::{IVec2, Vec3, Vec4};
 
 /// `RaySum` of `gathered.glsl`.
 #[derive(Default)]
-struct Sum {
+struct RaySum {
     color: Vec4,
     weight: f32,
     hits: f32,
 }
 
-impl Sum {
+impl RaySum {
     /// `AddRay`.
-    fn add(&mut self, weight: f32, is_hit: bool, color: Vec4) {
+    fn add_ray(&mut self, weight: f32, is_hit: bool, color: Vec4) {
         let hits = if is_hit { weight } else { 0.0 };
         self.weight += weight;
         self.color += hits * color;
@@ -42,18 +42,18 @@ impl Sum {
 }
 
 /// What `RayFromNeighbourX` and `RayFromNeighbourY` bring from the pixel beside, which has `other`.
-fn across(own: Gathered, other: Gathered) -> Gathered {
-    Gathered { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
+fn ray_from_neighbour(own: NeighbourRay, other: NeighbourRay) -> NeighbourRay {
+    NeighbourRay { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
 }
 
 /// `DirectionOutOfBlock`: from a block's pixel to the outside of the block, along each axis.
-pub(super) fn outward(pixel: IVec2) -> IVec2 {
+pub(super) fn direction_out_of_block(pixel: IVec2) -> IVec2 {
     2 * (pixel & 1) - 1
 }
 
 /// A cell's reflection, and the surface that it is of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Cell {
+pub struct ResolvedCell {
     /// Colour, and fade in the fourth component.
     pub reflection: Vec4,
     /// Normal, and the z of [`super::Parameters::view_point`]; all 0 for none.
@@ -61,18 +61,18 @@ pub struct Cell {
 }
 
 /// What a cell gathers for.
-struct Here {
+struct GatherPoint {
     point: Vec3,
     lobe: Lobe,
     peak: f32,
 }
 
-impl Here {
+impl GatherPoint {
     /// `GatherRay` of wide lobes.
-    fn gather(&self, sum: &mut Sum, ray: Gathered) {
+    fn gather_ray(&self, sum: &mut RaySum, ray: NeighbourRay) {
         let density = ray.key.w;
         if density == 0.0 {
-            return sum.add(0.0, false, Vec4::ZERO);
+            return sum.add_ray(0.0, false, Vec4::ZERO);
         }
         let key = ray.key.truncate();
         let to = if density > 0.0 { key - self.point } else { key };
@@ -80,91 +80,101 @@ impl Here {
         let exponent = density.abs() - self.peak - LOG2_E * (self.lobe.power - 1.0) * log_cos;
         let weight = 2.0 / (1.0 + exponent.exp2());
         let is_hit = density > 0.0 && to.dot(self.lobe.normal) > 0.0;
-        sum.add(weight.max(LEAST_WEIGHT), is_hit, ray.color.max(Vec4::ZERO));
+        sum.add_ray(weight.max(LEAST_WEIGHT), is_hit, ray.color.max(Vec4::ZERO));
     }
 }
 
 impl Gloss<'_> {
     /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the 3 × 3 around it. `None`
     /// for a pixel that has no ray.
-    pub fn resolve_narrow(&self, rays: &Level<Gathered>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
-        let load = |texel: IVec2| {
+    pub fn resolve_narrow(&self, rays: &Level<NeighbourRay>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
+        let load_neighbour_ray = |texel: IVec2| {
             let texel = texel.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
-            if self.is_narrow(texel.as_ivec2()) { rays.at_clamped(texel.x, texel.y) } else { Gathered::default() }
+            if self.is_narrow(texel.as_ivec2()) { rays.at_clamped(texel.x, texel.y) } else { NeighbourRay::default() }
         };
-        let own = |texel: IVec2| {
+        let load_pixel_ray = |texel: IVec2| {
             let is_inside = texel.cmplt(self.traversal.parameters.size).all();
-            if is_inside { load(texel) } else { Gathered::unpack([0; 4]) }
+            if is_inside { load_neighbour_ray(texel) } else { NeighbourRay::unpack_record([0; 4]) }
         };
         let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
-        let [out, out_x, out_y] = [pixel, x, y].map(outward);
-        let ours = own(pixel);
-        if ours.key.w == 0.0 {
+        let [out, out_x, out_y] = [pixel, x, y].map(direction_out_of_block);
+        let own = load_pixel_ray(pixel);
+        if own.key.w == 0.0 {
             return None;
         }
-        let across_x = |texel: IVec2| across(own(texel), own(IVec2::new(texel.x ^ 1, texel.y)));
-        let beside = |texel: IVec2, out: IVec2| load(texel + IVec2::new(out.x, 0));
-        let under = |texel: IVec2, out: IVec2| load(texel + IVec2::new(0, out.y));
-        let mut sum = Sum::default();
-        sum.add(1.0, ours.key.w > 0.0, ours.color);
+        let ray_from_neighbour_x =
+            |texel: IVec2| ray_from_neighbour(load_pixel_ray(texel), load_pixel_ray(IVec2::new(texel.x ^ 1, texel.y)));
+        let beside = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(out.x, 0));
+        let under = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(0, out.y));
+        let mut sum = RaySum::default();
+        sum.add_ray(1.0, own.key.w > 0.0, own.color);
         for ray in [
-            across_x(pixel),
-            across(ours, own(y)),
-            across(across_x(pixel), across_x(y)),
+            ray_from_neighbour_x(pixel),
+            ray_from_neighbour(own, load_pixel_ray(y)),
+            ray_from_neighbour(ray_from_neighbour_x(pixel), ray_from_neighbour_x(y)),
             beside(pixel, out),
-            across(beside(pixel, out), beside(y, out_y)),
+            ray_from_neighbour(beside(pixel, out), beside(y, out_y)),
             under(pixel, out),
-            across(under(pixel, out), under(x, out_x)),
-            load(pixel + out),
+            ray_from_neighbour(under(pixel, out), under(x, out_x)),
+            load_neighbour_ray(pixel + out),
         ] {
-            let power = (ours.key.w * ray.key.w).abs();
-            let chord = (ours.key - ray.key).truncate();
+            let power = (own.key.w * ray.key.w).abs();
+            let chord = (own.key - ray.key).truncate();
             let same = (-0.125 * LOG2_E * power * chord.dot(chord)).exp2();
             let weight = if ray.key.w != 0.0 { same.max(LEAST_WEIGHT) } else { 0.0 };
-            sum.add(weight, ray.key.w > 0.0, ray.color.max(Vec4::ZERO));
+            sum.add_ray(weight, ray.key.w > 0.0, ray.color.max(Vec4::ZERO));
         }
         let reflection = sum.reflection(self.is_over);
-        Some(self.composite(pixel, reflection))
+        Some(self.composite_pixel(pixel, reflection))
     }
 
     /// The pass "cells": the reflection of a cell from the rays of the 5 × 5 around it.
-    pub fn cell(&self, rays: &Level<Gathered>, cell: IVec2) -> Cell {
-        let Some(pixel) = self.wide_pixel(cell) else { return Cell::default() };
+    pub fn resolve_cell(&self, rays: &Level<NeighbourRay>, cell: IVec2) -> ResolvedCell {
+        let Some(pixel) = self.wide_pixel(cell) else { return ResolvedCell::default() };
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let p = &self.traversal.parameters;
-        let lobe = Lobe::new(p.sight(point), self.normal(pixel), self.roughness(pixel));
-        let here = Here { point, lobe, peak: log_density(lobe.power, 0.0) };
-        let beside = IVec2::new(cell.x, cell.y ^ 1);
+        let lobe = Lobe::new(p.view_direction(point), self.normal(pixel), self.roughness(pixel));
+        let centre = GatherPoint { point, lobe, peak: log_density(lobe.power, 0.0) };
+        let neighbour = IVec2::new(cell.x, cell.y ^ 1);
         let [above, middle, below] = [-1, 0, 1].map(|y| self.row(rays, cell, y));
-        let exchanged = |own: [Gathered; 5], y| {
-            let other = self.row(rays, beside, y);
-            std::array::from_fn(|i| across(own[i], other[i]))
+        let exchanged = |own: [NeighbourRay; 5], y| {
+            let other = self.row(rays, neighbour, y);
+            std::array::from_fn(|i| ray_from_neighbour(own[i], other[i]))
         };
-        let mut sum = Sum::default();
+        let mut sum = RaySum::default();
         for row in [above, exchanged(middle, 0), middle, exchanged(above, -1), below] {
-            row.into_iter().for_each(|ray| here.gather(&mut sum, ray));
+            row.into_iter().for_each(|ray| centre.gather_ray(&mut sum, ray));
         }
         let z = if p.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
-        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(z) }
+        ResolvedCell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
     /// `Row`.
-    fn row(&self, rays: &Level<Gathered>, cell: IVec2, y: i32) -> [Gathered; 5] {
-        let load = |cell: IVec2, x: i32| {
-            let texel = cell + 2 * outward(cell) * IVec2::new(x, y);
+    fn row(&self, rays: &Level<NeighbourRay>, cell: IVec2, y: i32) -> [NeighbourRay; 5] {
+        let load_cell_ray = |cell: IVec2, x: i32| {
+            let texel = cell + 2 * direction_out_of_block(cell) * IVec2::new(x, y);
             let texel = texel.clamp(IVec2::ZERO, self.last_cell());
-            if self.is_drawn(texel) { rays.at_clamped(texel.x as u32, texel.y as u32) } else { Gathered::default() }
+            if self.is_drawn(texel) { rays.at_clamped(texel.x as u32, texel.y as u32) } else { NeighbourRay::default() }
         };
-        let beside = IVec2::new(cell.x ^ 1, cell.y);
-        let [inner, middle, outer] = [-1, 0, 1].map(|x| load(cell, x));
-        [inner, across(middle, load(beside, 0)), middle, across(inner, load(beside, -1)), outer]
+        let neighbour = IVec2::new(cell.x ^ 1, cell.y);
+        let [inner, middle, outer] = [-1, 0, 1].map(|x| load_cell_ray(cell, x));
+        [
+            inner,
+            ray_from_neighbour(middle, load_cell_ray(neighbour, 0)),
+            middle,
+            ray_from_neighbour(inner, load_cell_ray(neighbour, -1)),
+            outer,
+        ]
     }
 
     /// A pixel's reflection as it is shown, and the lit colour with it.
-    pub(super) fn composite(&self, pixel: IVec2, reflection: Vec4) -> (Vec4, Vec3) {
-        let shown = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
+    pub(super) fn composite_pixel(&self, pixel: IVec2, reflection: Vec4) -> (Vec4, Vec3) {
+        let shown_reflection = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
         let index = self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32);
         let (color, reflectivity) = (self.traversal.gbuffer.color[index], self.traversal.gbuffer.reflectivity[index]);
-        (shown, (color + reflectivity * shown.w * shown.truncate()).min(Vec3::splat(super::GREATEST)))
+        (
+            shown_reflection,
+            (color + reflectivity * shown_reflection.w * shown_reflection.truncate()).min(Vec3::splat(super::GREATEST)),
+        )
     }
 }

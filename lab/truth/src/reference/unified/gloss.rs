@@ -26,7 +26,7 @@ pub struct Gloss<'a> {
     /// For each cell of 2 × 2 pixels the pixel that its ray is of.
     wide: Level<Option<IVec2>>,
     /// For each tile whether it holds a pixel with a wide lobe.
-    listed: Level<bool>,
+    wide_tiles: Level<bool>,
 }
 
 impl<'a> Gloss<'a> {
@@ -36,8 +36,8 @@ impl<'a> Gloss<'a> {
         let size = traversal.parameters.size;
         let [cells, tiles] = [2, 2 * CELLS].map(|side| ((size + side - 1) / side).as_uvec2());
         let empty = Level { width: 1, height: 1, texels: vec![None] };
-        let listed = Level { width: 1, height: 1, texels: vec![false] };
-        let mut gloss = Self { traversal, chain, fade, is_over, wide: empty, listed };
+        let wide_tiles = Level { width: 1, height: 1, texels: vec![false] };
+        let mut gloss = Self { traversal, chain, fade, is_over, wide: empty, wide_tiles };
         gloss.wide = Level::from_fn(cells.x, cells.y, |x, y| {
             let cell = IVec2::new(x as i32, y as i32);
             let turned = cell_pixel(cell) & 1;
@@ -47,9 +47,9 @@ impl<'a> Gloss<'a> {
         let is_listed = |x: u32, y: u32| {
             let first = IVec2::new(x as i32, y as i32) * (2 * CELLS);
             let last = (first + 2 * CELLS).min(size);
-            (first.y..last.y).any(|y| (first.x..last.x).any(|x| gloss.is_of(IVec2::new(x, y), true)))
+            (first.y..last.y).any(|y| (first.x..last.x).any(|x| gloss.is_on_list(IVec2::new(x, y), true)))
         };
-        gloss.listed = Level::from_fn(tiles.x, tiles.y, is_listed);
+        gloss.wide_tiles = Level::from_fn(tiles.x, tiles.y, is_listed);
         gloss
     }
 
@@ -58,7 +58,7 @@ impl<'a> Gloss<'a> {
     }
 
     /// `TileListOf`, of a pixel that may be sky.
-    fn is_of(&self, pixel: IVec2, wide: bool) -> bool {
+    fn is_on_list(&self, pixel: IVec2, wide: bool) -> bool {
         let (g, i) = (self.traversal.gbuffer, self.index(pixel));
         let roughness = g.roughness[i];
         g.reflectivity[i] > GBufferData::REFLECTS_ABOVE && roughness > 0.0 && (roughness > WIDE_ABOVE) == wide
@@ -66,12 +66,12 @@ impl<'a> Gloss<'a> {
 
     /// Whether a pixel is on the list of narrow lobes.
     pub(super) fn is_narrow(&self, pixel: IVec2) -> bool {
-        self.is_of(pixel, false)
+        self.is_on_list(pixel, false)
     }
 
     /// Whether a pixel has a wide lobe.
     pub(super) fn is_wide(&self, pixel: IVec2) -> bool {
-        self.is_of(pixel, true) && self.depth(pixel) > 0.0
+        self.is_on_list(pixel, true) && self.depth(pixel) > 0.0
     }
 
     /// The pixel of `FindWideCell`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
@@ -93,7 +93,7 @@ impl<'a> Gloss<'a> {
     /// `IsDrawn`: whether a cell is on a tile of the list of wide lobes.
     pub(super) fn is_drawn(&self, cell: IVec2) -> bool {
         let tile = (cell / CELLS).as_uvec2();
-        self.listed.at_clamped(tile.x, tile.y)
+        self.wide_tiles.at_clamped(tile.x, tile.y)
     }
 
     /// A pixel's depth, or −1 for sky, as the pyramid has it.
@@ -122,9 +122,9 @@ impl<'a> Gloss<'a> {
     /// The colour of what was hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
     /// `SampleColorChain` in others, without the sky along the ray. The ray is the point where it begins, the normal there, and
     /// its direction.
-    pub(super) fn color_seen(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
+    pub(super) fn sample_screen_hit(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
-        let from = self.traversal.seeing(ray, hit.pixel);
+        let test = self.traversal.make_visibility_test(ray, hit.pixel);
         let image = &self.chain[level];
         let texels = IVec2::new(image.width as i32, image.height as i32);
         let from_middle = hit.position * (texels.as_vec2() / self.traversal.parameters.size.as_vec2()) - 0.5;
@@ -134,7 +134,7 @@ impl<'a> Gloss<'a> {
             let next = IVec2::new(i & 1, i >> 1);
             let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
             let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if level > 0 || self.traversal.is_seen(&from, texel) {
+            if level > 0 || self.traversal.is_visible_along_ray(&test, texel) {
                 let share = weight.x * weight.y;
                 sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
                 counted += share;

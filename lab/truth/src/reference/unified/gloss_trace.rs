@@ -1,8 +1,8 @@
 //! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
 //! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
 
-use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
-use super::{Code, Gloss, Hit};
+use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, lobe_overlap, log_density};
+use super::{Gloss, Hit, HitCode};
 use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
@@ -15,7 +15,7 @@ const FAR_SKY: f32 = constants::FAR_SKY as f32;
 
 /// A ray before it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Aim {
+pub struct AimedRay {
     /// The pixel that it begins in.
     pub pixel: IVec2,
     /// That pixel's point, as [`super::Parameters::view_point`] scales it.
@@ -32,7 +32,7 @@ pub struct Aim {
 
 /// What a ray saw, as neighbours gather it: `NeighbourRay`. All is 0 for no ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Gathered {
+pub struct NeighbourRay {
     /// What its weight goes by; w is 0 for no ray and negative for a miss. Of narrow lobes the middle of the lobe and
     /// the root of α + 1, of wide ones the point that was hit or the direction of a miss, and the density.
     pub key: Vec4,
@@ -42,7 +42,7 @@ pub struct Gathered {
 
 impl Gloss<'_> {
     /// The ray of a pixel with a narrow lobe; `None` for any other pixel.
-    pub fn aim_narrow(&self, pixel: IVec2) -> Option<Aim> {
+    pub fn aim_narrow(&self, pixel: IVec2) -> Option<AimedRay> {
         let normal = self.normal(pixel);
         if !self.is_narrow(pixel) || self.depth(pixel) <= 0.0 || normal.dot(normal) <= 0.0 {
             return None;
@@ -52,7 +52,7 @@ impl Gloss<'_> {
     }
 
     /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe.
-    pub fn aim_wide(&self, cell: IVec2) -> Option<Aim> {
+    pub fn aim_wide(&self, cell: IVec2) -> Option<AimedRay> {
         let pixel = self.wide_pixel(cell)?;
         // How the normal turns within the block of 2 × 2 cells that a device shades in step.
         let unit = |cell: IVec2| {
@@ -65,26 +65,26 @@ impl Gloss<'_> {
         let odd = cell & 1;
         let stratum = IVec2::new(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x).as_vec2();
         let u = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
-        let common = |power| 0.5 * (overlap(turn_x, power) + overlap(turn_y, power));
+        let common = |power| 0.5 * (lobe_overlap(turn_x, power) + lobe_overlap(turn_y, power));
         Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
     }
 
     /// The first half of `TraceLobeSample`; `common` is the part that a lobe of a power has in common with its neighbours'.
-    fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> Aim {
+    fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> AimedRay {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
-        let lobe = Lobe::new(self.traversal.parameters.sight(point), normal, self.roughness(pixel));
+        let lobe = Lobe::new(self.traversal.parameters.view_direction(point), normal, self.roughness(pixel));
         let common_part = common(lobe.power);
         let share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
         let angle = std::f32::consts::TAU * u.y;
         let log_rest = (1.0 - u.x * common_part).log2();
         let turn = Vec2::new(angle.cos(), angle.sin());
         let direction = lobe_direction(lobe.mirror, lobe.power, log_rest / super::lobe::LOG2_E, turn);
-        Aim { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
+        AimedRay { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
     /// The second half of `TraceLobeSample`, with `TraceGlossyRay`: where the ray hits a surface or shows the sky of the screen, and
     /// the colour and the fade there. `None` for a miss.
-    pub fn follow(&self, aim: &Aim) -> Option<(Hit, Vec4)> {
+    pub fn trace_glossy_ray(&self, aim: &AimedRay) -> Option<(Hit, Vec4)> {
         // Below the surface there is nothing to see.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
             return None;
@@ -92,33 +92,34 @@ impl Gloss<'_> {
         let [x, y] = aim.pixel.as_uvec2().to_array();
         let ray = self.traversal.ray_along(x, y, aim.direction)?;
         let hit = self.traversal.traverse(&ray);
-        let hit = self.traversal.ends_on_sky(&ray, &hit).or((hit.code == Code::Surface).then_some(hit))?;
+        let hit =
+            self.traversal.leaves_through_far_plane(&ray, &hit).or((hit.code == HitCode::Surface).then_some(hit))?;
         let p = &self.traversal.parameters;
         let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
-        let seen = self.color_seen(&hit, [aim.point, aim.lobe.normal, ray.direction], level);
-        Some((hit, seen.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
+        let lit = self.sample_screen_hit(&hit, [aim.point, aim.lobe.normal, ray.direction], level);
+        Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
     /// What the ray of a narrow lobe leaves for its neighbours, before it is packed.
-    pub fn narrow_ray(&self, aim: &Aim) -> Gathered {
-        let (root, found) = (aim.lobe.power.sqrt(), self.follow(aim));
-        let key = aim.lobe.mirror.extend(if found.is_some() { root } else { -root });
-        Gathered { key, color: found.map_or(Vec4::ZERO, |(_, color)| color) }
+    pub fn trace_narrow_pixel(&self, aim: &AimedRay) -> NeighbourRay {
+        let (root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
+        let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { root } else { -root });
+        NeighbourRay { key, color: lobe_sample.map_or(Vec4::ZERO, |(_, color)| color) }
     }
 
     /// What the ray of a cell leaves for its neighbours.
-    pub fn wide_ray(&self, aim: &Aim) -> Gathered {
-        let Some((hit, color)) = self.follow(aim) else {
-            return Gathered { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
+    pub fn trace_wide_cell(&self, aim: &AimedRay) -> NeighbourRay {
+        let Some((hit, color)) = self.trace_glossy_ray(aim) else {
+            return NeighbourRay { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
         };
-        if hit.code != Code::Surface {
-            return Gathered { key: (aim.point + FAR_SKY * aim.direction).extend(aim.density), color };
+        if hit.code != HitCode::Surface {
+            return NeighbourRay { key: (aim.point + FAR_SKY * aim.direction).extend(aim.density), color };
         }
         let there = self.traversal.parameters.view_point(hit.position, hit.depth);
         let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
-        let is_beside = away.x.max(away.y) < NEAR_HIT;
-        let place = if is_beside { aim.point + FAR_AWAY * (there - aim.point) } else { there };
-        Gathered { key: place.extend(aim.density), color }
+        let is_near = away.x.max(away.y) < NEAR_HIT;
+        let place = if is_near { aim.point + FAR_AWAY * (there - aim.point) } else { there };
+        NeighbourRay { key: place.extend(aim.density), color }
     }
 }
 
@@ -128,7 +129,7 @@ pub(super) fn cell_pixel(cell: IVec2) -> IVec2 {
 }
 
 /// `EncodeOctahedral`: the octahedral map of the unit sphere.
-pub fn octahedral(v: Vec3) -> Vec2 {
+pub fn encode_octahedral(v: Vec3) -> Vec2 {
     let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
     let folded = Vec2::new(1.0 - v.y.abs(), 1.0 - v.x.abs());
     let sign = |source: f32, value: f32| if source >= 0.0 { value } else { -value };
@@ -136,7 +137,7 @@ pub fn octahedral(v: Vec3) -> Vec2 {
 }
 
 /// `DecodeOctahedral`.
-fn from_octahedral(o: Vec2) -> Vec3 {
+fn decode_octahedral(o: Vec2) -> Vec3 {
     let z = 1.0 - o.x.abs() - o.y.abs();
     let fold = (-z).max(0.0);
     let unfold = |v: f32| v + if v >= 0.0 { -fold } else { fold };
@@ -144,12 +145,12 @@ fn from_octahedral(o: Vec2) -> Vec3 {
     v * inverse_sqrt(v.dot(v))
 }
 
-impl Gathered {
+impl NeighbourRay {
     /// `PackRecord`: the four words of a narrow lobe's ray, halves rounded to nearest.
-    pub fn pack(&self) -> [u32; 4] {
+    pub fn pack_record(&self) -> [u32; 4] {
         let snorm = |v: f32| u32::from(((v.clamp(-1.0, 1.0) * 32767.0).round() as i16) as u16);
         let half = |v: f32| u32::from(half::f16::from_f32(v).to_bits());
-        let mirror = octahedral(self.key.truncate());
+        let mirror = encode_octahedral(self.key.truncate());
         [
             snorm(mirror.x) | snorm(mirror.y) << 16,
             self.key.w.to_bits(),
@@ -159,10 +160,10 @@ impl Gathered {
     }
 
     /// `UnpackRecord` of those words.
-    pub fn unpack([mirror, root, rg, ba]: [u32; 4]) -> Self {
+    pub fn unpack_record([mirror, root, rg, ba]: [u32; 4]) -> Self {
         let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
         let half = |v: u32| half::f16::from_bits(v as u16).to_f32();
-        let mirror = from_octahedral(Vec2::new(snorm(mirror), snorm(mirror >> 16)));
+        let mirror = decode_octahedral(Vec2::new(snorm(mirror), snorm(mirror >> 16)));
         Self {
             key: mirror.extend(f32::from_bits(root)),
             color: Vec4::new(half(rg), half(rg >> 16), half(ba), half(ba >> 16)),

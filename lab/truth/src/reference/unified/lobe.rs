@@ -42,7 +42,7 @@ pub(super) fn log_density(power: f32, log_rest: f32) -> f32 {
 }
 
 /// `LobeOverlap`: how much two lobes of a power have in common, whose unit normals are a chord apart.
-pub(super) fn overlap(chord: Vec3, power: f32) -> f32 {
+pub(super) fn lobe_overlap(chord: Vec3, power: f32) -> f32 {
     (-LOG2_E * power * chord.dot(chord)).exp2()
 }
 
@@ -67,8 +67,8 @@ pub struct Lobe {
 impl Lobe {
     /// `MakeLobe`: at a point, of which the direction alone counts.
     pub(super) fn new(point: Vec3, normal: Vec3, roughness: f32) -> Self {
-        let seen = point * inverse_sqrt(point.dot(point));
-        let mirror = seen - (2.0 * seen.dot(normal) / normal.dot(normal)) * normal;
+        let direction = point * inverse_sqrt(point.dot(point));
+        let mirror = direction - (2.0 * direction.dot(normal) / normal.dot(normal)) * normal;
         Self { normal, mirror, power: lobe_power(roughness) }
     }
 }
@@ -102,7 +102,7 @@ impl Parameters {
     }
 
     /// `ViewDirection`: the direction in which a point is seen.
-    pub(super) fn sight(&self, point: Vec3) -> Vec3 {
+    pub(super) fn view_direction(&self, point: Vec3) -> Vec3 {
         if self.kind.is_orthographic() { Vec3::Z } else { point }
     }
 

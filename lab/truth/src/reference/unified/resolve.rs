@@ -1,9 +1,9 @@
 //! The reflection of each pixel with a wide lobe, between the cells around it: twin of the pass "resolve/wide".
 
 use super::Gloss;
-use super::gather::{Cell, outward};
+use super::gather::{ResolvedCell, direction_out_of_block};
 use super::gloss_trace::cell_pixel;
-use super::lobe::{LEAST_WEIGHT, lobe_power, overlap};
+use super::lobe::{LEAST_WEIGHT, lobe_overlap, lobe_power};
 use crate::math::constants;
 use crate::reference::Level;
 use crate::scene::ProjectionKind;
@@ -15,22 +15,22 @@ const CELL_REACH: f32 = constants::CELL_REACH as f32;
 
 impl Gloss<'_> {
     /// Reflection and composite of a pixel; `None` for a pixel that has no wide lobe.
-    pub fn resolve_wide(&self, cells: &Level<Cell>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
-        self.is_wide(pixel).then(|| self.composite(pixel, self.wide(cells, pixel)))
+    pub fn resolve_wide(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
+        self.is_wide(pixel).then(|| self.composite_pixel(pixel, self.upsample_cells(cells, pixel)))
     }
 
     /// `UpsampleCells`.
-    fn wide(&self, cells: &Level<Cell>, pixel: IVec2) -> Vec4 {
+    fn upsample_cells(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Vec4 {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));
         let facing = normal.dot(p.view_ray(pixel.as_vec2() + 0.5)) / PLANE_TOLERANCE;
         let turn = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
         let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
         for i in 0_i32..4 {
-            let cell: IVec2 = (pixel >> 1) + outward(pixel) * IVec2::new(i & 1, i >> 1);
+            let cell: IVec2 = (pixel >> 1) + direction_out_of_block(pixel) * IVec2::new(i & 1, i >> 1);
             let cell = cell.clamp(IVec2::ZERO, self.last_cell());
             let drawn = self.is_drawn(cell).then(|| cells.at_clamped(cell.x as u32, cell.y as u32));
-            let Cell { mut reflection, surface } = drawn.unwrap_or_default();
+            let ResolvedCell { mut reflection, surface } = drawn.unwrap_or_default();
             let away = (cell_pixel(cell) - pixel).as_vec2();
             let near = CELL_REACH - away.abs();
             let off = match p.kind {
@@ -42,7 +42,7 @@ impl Gloss<'_> {
                     (turn.dot(away) + facing * (depth - there) / p.depth_offset) / p.reach
                 }
             };
-            let same = overlap(normal - surface.truncate(), power);
+            let same = lobe_overlap(normal - surface.truncate(), power);
             let squared = off * off;
             let alike = (same / (1.0 + squared * squared)).max(LEAST_WEIGHT);
             let weight = if surface.w > 0.0 { near.x * near.y * alike } else { 0.0 };

@@ -1,13 +1,13 @@
 //! Twin of `unified/surface.glsl`: which pixels a ray can have seen around its hit, and the sky that the screen
 //! shows to a ray.
 
-use super::{Block, Code, Hit, Ray, Traversal, dot};
+use super::{Block, Hit, HitCode, Ray, Traversal, dot};
 use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
 use glam::{IVec2, Vec3, Vec3Swizzles};
 
 /// `VisibilityTest`: the surface that reflects, its ray, and the pixel that the ray hit.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seeing {
+pub(super) struct VisibilityTest {
     point: Vec3,
     normal: Vec3,
     direction: Vec3,
@@ -15,7 +15,7 @@ pub(super) struct Seeing {
     beside: f32,
     own: f32,
     apart: f32,
-    is_its: bool,
+    is_reflector: bool,
 }
 
 impl Traversal<'_> {
@@ -25,7 +25,7 @@ impl Traversal<'_> {
     }
 
     /// `OffsetToPixel`: from a point to what a pixel of a depth shows in its middle, divided by its z in a perspective.
-    fn away_from(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
+    fn offset_to_pixel(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
         let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
         if p.kind.is_orthographic() {
             return p.view_point(position, depth) - point;
@@ -34,38 +34,47 @@ impl Traversal<'_> {
     }
 
     /// `MakeVisibilityTest`: a ray along a direction from a point of a surface with a normal, which hit a pixel.
-    pub(super) fn seeing(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2) -> Seeing {
+    pub(super) fn make_visibility_test(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2) -> VisibilityTest {
         let (p, own) = (&self.parameters, self.front(pixel));
         let width = 2.0 * p.pixel_to_view.y;
         let scale = if p.kind.is_orthographic() { p.depth_offset } else { own + p.depth_offset };
         let above = STANDS_ABOVE as f32 * width * dot(normal, normal).sqrt();
         let across = STANDS_BESIDE as f32 * width;
         let beside = across * across * dot(direction, direction);
-        let is_its = own >= 0.0 && dot(normal, self.away_from(point, pixel, own)) <= above;
-        Seeing { point, normal, direction, above, beside, own, apart: STANDS_BEFORE as f32 * width * scale, is_its }
+        let is_reflector = own >= 0.0 && dot(normal, self.offset_to_pixel(point, pixel, own)) <= above;
+        VisibilityTest {
+            point,
+            normal,
+            direction,
+            above,
+            beside,
+            own,
+            apart: STANDS_BEFORE as f32 * width * scale,
+            is_reflector,
+        }
     }
 
     /// `IsVisibleAlongRay`: whether a ray can have seen what a pixel shows in its middle.
-    pub(super) fn is_seen(&self, from: &Seeing, pixel: IVec2) -> bool {
+    pub(super) fn is_visible_along_ray(&self, test: &VisibilityTest, pixel: IVec2) -> bool {
         let depth = self.front(pixel);
-        let (away, direction) = (self.away_from(from.point, pixel, depth), from.direction);
+        let (away, direction) = (self.offset_to_pixel(test.point, pixel, depth), test.direction);
         let off = away.yzx() * direction.zxy() - away.zxy() * direction.yzx();
-        let is_above = dot(from.normal, away) > from.above;
-        let is_beside = dot(off, off) > from.beside;
-        let is_seen = from.own >= 0.0 && is_above && !(depth > from.own + from.apart && is_beside);
-        (depth < 0.0 || is_seen) && !(from.is_its && depth < from.own - from.apart)
+        let is_above = dot(test.normal, away) > test.above;
+        let is_beside = dot(off, off) > test.beside;
+        let is_seen = test.own >= 0.0 && is_above && !(depth > test.own + test.apart && is_beside);
+        (depth < 0.0 || is_seen) && !(test.is_reflector && depth < test.own - test.apart)
     }
 
     /// `LeavesThroughFarPlane`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel
     /// there shows sky.
-    pub(super) fn ends_on_sky(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+    pub(super) fn leaves_through_far_plane(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
         let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
         let pixel = position.as_ivec2().min(size - 1);
         let side = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
         let sides = (side.as_vec2() - ray.start) * ray.inverse;
         let is_far = ray.rate.z < 0.0 && ray.end < sides.x.min(sides.y);
-        let shows = !self.is_followed && hit.code == Code::Nothing && is_far && self.block(pixel) == Block::EMPTY;
+        let shows = !self.is_followed && hit.code == HitCode::Miss && is_far && self.block(pixel) == Block::EMPTY;
         shows.then_some(Hit { pixel, position, ..*hit })
     }
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 const ULPS: f64 = 8.0;
 
 fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
-    let position = (found.code == Code::Surface).then(|| found.position.as_dvec2().to_array());
+    let position = (found.code == HitCode::Surface).then(|| found.position.as_dvec2().to_array());
     HitVerdict::of(position, truth.position_px())
 }
 
@@ -45,7 +45,7 @@ fn is_tie(blocks: &Level<thickness::DepthBlock>, ray: &Ray, found: &Hit, left: O
         (s.0 <= s.1 && IVec2::new(x as i32, y as i32) != ray.pixel).then_some(s)
     };
     let limit = match found.code {
-        Code::Surface => match met(found.pixel.x as u32, found.pixel.y as u32, 1.0) {
+        HitCode::Surface => match met(found.pixel.x as u32, found.pixel.y as u32, 1.0) {
             Some((_, last)) => last,
             None => return false,
         },
@@ -60,7 +60,7 @@ fn is_tie(blocks: &Level<thickness::DepthBlock>, ray: &Ray, found: &Hit, left: O
 /// Whether rounding decides what version 2 of the oracle makes of the block that a ray meets: which pixel it comes
 /// from, or on which side of one of the limits it lies.
 fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::DepthBlock>, ray: &Ray, met: &Hit) -> bool {
-    if met.code != Code::Surface {
+    if met.code != HitCode::Surface {
         return false;
     }
     let unit = ULPS * f64::from(f32::EPSILON);
@@ -144,7 +144,7 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
         let made_to_tie = usize::from(![0, DIRECTIONS].contains(&chosen) || kind + 1 == KINDS);
         counts[made_to_tie].0 += 1;
         let (found, truth) = (twin.traverse(&ray), oracle.trace_segment(&segment));
-        assert!(found.code != Code::Unfinished && found.steps <= twin.max_steps());
+        assert!(found.code != HitCode::Unfinished && found.steps <= twin.max_steps());
         hits += u64::from(truth.position().is_some());
         if verdict(&found, &truth) != HitVerdict::Agrees {
             let second = version == OracleVersion::V2;
@@ -156,7 +156,7 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
             let mut met = found;
             twin.walk(&ray, |visit| {
                 if visit.meets && visit.level == 0 {
-                    met = Hit { code: Code::Surface, pixel: visit.cell, ..found };
+                    met = Hit { code: HitCode::Surface, pixel: visit.cell, ..found };
                 }
             });
             let side = second && is_side_tie(&twin, &blocks, &ray, &met);

@@ -1,9 +1,9 @@
 //! The sums of a world reference and their file. A long run can stop and continue later with a result that is
 //! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
 
-use super::{Escape, WorldReference};
+use super::{EscapeRadiance, WorldReference};
 use crate::error::{Error, Result};
-use crate::inside::Inside;
+use crate::inside::PathInFolder;
 use crate::reference::partial_sums::{LEAF, PartialSums, parts};
 use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
@@ -185,7 +185,7 @@ pub(crate) fn write_state(
     }
     let check = Sha256::digest(&bytes);
     bytes.extend(check);
-    Inside::file(path).write(&bytes)
+    PathInFolder::file(path).write(&bytes)
 }
 
 /// Reads a state, whatever its reference.
@@ -195,7 +195,7 @@ pub(crate) fn write_state(
 /// was made by another version.
 pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     let unreadable = |e| Error::io("read", path, e);
-    let file = Inside::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
+    let file = PathInFolder::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
     let length = file.metadata().map_err(unreadable)?.len();
     let wrong = |message: &str| Error::malformed(path, None, message);
     let mut file = file.take(length);
@@ -277,7 +277,7 @@ impl WorldReference<'_> {
     /// them camera and size), escape, footprint, seed and version.
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
-        hash.numbers(&[u64::from(SAMPLING), self.seed, u64::from(self.escape == Escape::Environment)]);
+        hash.numbers(&[u64::from(SAMPLING), self.seed, u64::from(self.escape == EscapeRadiance::Environment)]);
         if self.bounces > 1 {
             hash.numbers(&[u64::from(self.bounces)]);
         }

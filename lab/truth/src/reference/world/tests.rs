@@ -213,9 +213,9 @@ fn an_escaped_ray_is_black_or_the_sky() {
         reference.add(&mut state, 1);
         reference.image(&state).reflection
     };
-    assert_eq!(bring(Escape::Black), [Vec3::ZERO; 2]);
+    assert_eq!(bring(EscapeRadiance::Black), [Vec3::ZERO; 2]);
     let up = DVec3::new(0.3, 1.0, 0.2).normalize();
-    let sky = bring(Escape::Environment);
+    let sky = bring(EscapeRadiance::Environment);
     assert!((sky[0] - sky_color(up).as_vec3()).length() < 1e-5 && sky[1] == Vec3::ZERO);
 }
 
@@ -309,7 +309,7 @@ fn a_file_is_refused_for_anything_else_or_if_damaged() {
         let footprint = Some(PrimaryRays::new(&camera, [12, 8]));
         for other in [
             WorldReference { seed: 9, ..reference },
-            WorldReference { escape: Escape::Environment, ..reference },
+            WorldReference { escape: EscapeRadiance::Environment, ..reference },
             WorldReference { footprint, ..reference },
         ] {
             assert!(other.load(&path).is_err());
@@ -434,7 +434,7 @@ fn whoever_escapes_sees_the_environment() {
     // The pixel is so small that all its rays have one direction.
     let incoming = DVec3::new(0.3, -1.0, 0.2);
     let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
-    let lens = Lens { opening: crate::scene::Opening::Angle(1e-6), ..Lens::default() };
+    let lens = Lens { opening: crate::scene::FieldOfView::Angle(1e-6), ..Lens::default() };
     let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
     let bring = |reference: WorldReference| {
         let mut state = reference.start();

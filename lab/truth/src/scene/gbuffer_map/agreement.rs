@@ -5,7 +5,7 @@
 //! where the depth is smooth in both directions. Maps of normals make single pixels disagree; what tells a wrong convention
 //! apart is that another reading agrees much better.
 
-use crate::scene::{Camera, GBufferData, Opening};
+use crate::scene::{Camera, FieldOfView, GBufferData};
 use glam::{DVec2, DVec3};
 
 /// Normals and slopes that are further apart than this disagree.
@@ -47,13 +47,13 @@ struct Sample {
 /// How a camera takes a point of the image to view space: ndc = scale · xy / w + shift, where w is z in a perspective and 1
 /// with parallel rays of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Opened {
+pub(super) struct LensMapping {
     scale: DVec2,
     shift: DVec2,
     is_orthographic: bool,
 }
 
-impl Opened {
+impl LensMapping {
     pub(super) fn new(camera: &Camera) -> Self {
         let clip = camera.view_to_clip_reversed().as_dmat4();
         let is_orthographic = camera.kind().is_orthographic();
@@ -87,7 +87,7 @@ pub(super) fn view_z(camera: &Camera, reversed: f64) -> f64 {
 /// How normals and the slopes of depth compare.
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
-    opened: Opened,
+    opened: LensMapping,
     size: [u32; 2],
     samples: Vec<Sample>,
 }
@@ -119,7 +119,7 @@ impl Slopes {
         let inner = |side: usize| (reach..side.saturating_sub(reach)).step_by(step);
         let samples = inner(height).flat_map(|y| inner(width).map(move |x| (x, y)));
         let samples = samples.filter_map(|(x, y)| sample(x, y)).collect();
-        Self { opened: Opened::new(camera), size, samples }
+        Self { opened: LensMapping::new(camera), size, samples }
     }
 
     pub(super) fn of_data(data: &GBufferData) -> Self {
@@ -153,13 +153,13 @@ impl Slopes {
             let step = (self.samples.len() / LENS_SAMPLES).max(1);
             self.samples.iter().step_by(step).copied().collect()
         };
-        let badness = |opened: &Opened| mean_degrees(opened, &few);
-        let same_pixels = search(self.opened, &badness, &[Change::Scale]);
-        let other_pixels = search(self.opened, &badness, &[Change::Scale, Change::Aspect]);
+        let badness = |opened: &LensMapping| mean_degrees(opened, &few);
+        let same_pixels = search(self.opened, &badness, &[LensChange::Scale]);
+        let other_pixels = search(self.opened, &badness, &[LensChange::Scale, LensChange::Aspect]);
         // A picture that is cropped is most often one corner of the whole one. A search from the middle may miss it.
         let shifted = [[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|shift| {
-            let start = Opened { shift: self.opened.shift + DVec2::from(shift), ..self.opened };
-            search(start, &badness, &[Change::Scale, Change::ShiftX, Change::ShiftY])
+            let start = LensMapping { shift: self.opened.shift + DVec2::from(shift), ..self.opened };
+            search(start, &badness, &[LensChange::Scale, LensChange::ShiftX, LensChange::ShiftY])
         });
         let mut best = same_pixels;
         // A lens that changes more must be much better to be believed, and the other one must leave something to better.
@@ -172,10 +172,10 @@ impl Slopes {
     }
 
     /// A lens as a map says it.
-    fn words(&self, camera: &Camera, opened: &Opened) -> String {
+    fn words(&self, camera: &Camera, opened: &LensMapping) -> String {
         let mut words = match camera.lens.opening {
-            Opening::Height(_) => format!("orthographic-height = {:.3}", 2.0 / opened.scale.y),
-            Opening::Angle(_) => format!("fov-y-deg = {:.1}", 2.0 * (1.0 / opened.scale.y).atan().to_degrees()),
+            FieldOfView::Height(_) => format!("orthographic-height = {:.3}", 2.0 / opened.scale.y),
+            FieldOfView::Angle(_) => format!("fov-y-deg = {:.1}", 2.0 * (1.0 / opened.scale.y).atan().to_degrees()),
         };
         let aspect = opened.scale.y / opened.scale.x;
         if (aspect / (self.opened.scale.y / self.opened.scale.x) - 1.0).abs() > 0.02 {
@@ -192,38 +192,38 @@ impl Slopes {
 }
 
 /// The mean angle between the normals and slopes of some samples in degrees.
-fn mean_degrees(opened: &Opened, samples: &[Sample]) -> f64 {
+fn mean_degrees(opened: &LensMapping, samples: &[Sample]) -> f64 {
     let sum: f64 = samples.iter().map(|sample| opened.degrees_apart(sample).min(MOST_COUNTED_DEGREES)).sum();
     sum / samples.len().max(1) as f64
 }
 
 /// What a search changes about a lens.
 #[derive(Debug, Clone, Copy)]
-enum Change {
+enum LensChange {
     Scale,
     Aspect,
     ShiftX,
     ShiftY,
 }
 
-impl Change {
+impl LensChange {
     /// The lens after a step: scales double in two steps of 1, shifts move by half an image.
-    fn by(self, opened: Opened, step: f64) -> Opened {
+    fn by(self, opened: LensMapping, step: f64) -> LensMapping {
         let factor = 2.0_f64.powf(0.5 * step);
-        let Opened { mut scale, mut shift, is_orthographic } = opened;
+        let LensMapping { mut scale, mut shift, is_orthographic } = opened;
         match self {
             Self::Scale => scale *= factor,
             Self::Aspect => scale.x *= factor,
             Self::ShiftX => shift.x += step,
             Self::ShiftY => shift.y += step,
         }
-        Opened { scale, shift, is_orthographic }
+        LensMapping { scale, shift, is_orthographic }
     }
 }
 
 /// The lens of the least badness: from where it is, the best of all combinations of steps is gone, and where none is better,
 /// steps halve. Changes make up for each other, so that no single one of them leads along a valley.
-fn search(start: Opened, badness: &impl Fn(&Opened) -> f64, changes: &[Change]) -> Opened {
+fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &[LensChange]) -> LensMapping {
     /// Far more than any search that ends in a minimum takes.
     const MOST_ROUNDS: usize = 60;
     const LEAST_STEP: f64 = 1.0 / 512.0;

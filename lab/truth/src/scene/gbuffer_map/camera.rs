@@ -10,7 +10,7 @@ use crate::conventions::ClipY;
 use crate::error::Result;
 use crate::scene::camera::is_rotation;
 use crate::scene::projection::ReadProjection;
-use crate::scene::{Camera, Lens, Opening, Projection, ProjectionKind};
+use crate::scene::{Camera, FieldOfView, Lens, Projection, ProjectionKind};
 use glam::camera::lh::view::look_to_mat4;
 use glam::{DMat3, DMat4, DVec4, Mat4};
 
@@ -179,8 +179,10 @@ impl MapCamera {
         if !camera.is_sound() {
             let (Lens { opening, near_m: near, far_m: far }, aspect) = (camera.lens, camera.aspect);
             let opening = match opening {
-                Opening::Angle(fov) => format!("a field of view of {}°", (fov.to_degrees() * 100.0).round() / 100.0),
-                Opening::Height(height) => format!("{height} m"),
+                FieldOfView::Angle(fov) => {
+                    format!("a field of view of {}°", (fov.to_degrees() * 100.0).round() / 100.0)
+                }
+                FieldOfView::Height(height) => format!("{height} m"),
             };
             let message = format!(
                 "[camera]: {opening} from top to bottom, planes at {near} m and {far} m and an aspect of {aspect} cannot \
@@ -203,9 +205,11 @@ impl MapCamera {
         let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?;
         let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
         let opening = match seen {
-            MapOpening::Angle(angle) if axis == 1 => Opening::Angle(angle as f32),
-            MapOpening::Angle(angle) => Opening::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
-            MapOpening::Extent(extent) => Opening::Height((if axis == 1 { extent } else { extent / aspect }) as f32),
+            MapOpening::Angle(angle) if axis == 1 => FieldOfView::Angle(angle as f32),
+            MapOpening::Angle(angle) => FieldOfView::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
+            MapOpening::Extent(extent) => {
+                FieldOfView::Height((if axis == 1 { extent } else { extent / aspect }) as f32)
+            }
         };
         // `take` has seen to it that there are both planes.
         let [near_m, far_m] = planes.map(Option::unwrap_or_default);
@@ -216,8 +220,8 @@ impl MapCamera {
         let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
         let shift = shift.get(files)?;
         let up = match opening {
-            Opening::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
-            Opening::Height(height) => 2.0 / f64::from(height),
+            FieldOfView::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
+            FieldOfView::Height(height) => 2.0 / f64::from(height),
         };
         let projection = Projection {
             kind: lens.kind(),

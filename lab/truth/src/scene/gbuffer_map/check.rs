@@ -2,7 +2,7 @@
 //! them; and finds the reading of the map with which they agree best.
 
 use super::GBufferMap;
-use super::agreement::{Opened, Slopes, view_z};
+use super::agreement::{LensMapping, Slopes, view_z};
 use super::axes::MapConventions;
 use super::files::{MapFiles, OpenFiles};
 use super::keys::MapKeys;
@@ -48,7 +48,7 @@ impl MapPosition {
     /// The share of the surfaces whose place lies elsewhere than depth and camera say.
     fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
-        let opened = Opened::new(&frame.camera);
+        let opened = LensMapping::new(&frame.camera);
         let to_view = frame.camera.world_to_view.as_dmat4();
         let (mut off, mut all) = (0_usize, 0_usize);
         for (i, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
@@ -131,11 +131,11 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
     }
     let own = Disagreement::new(&slopes, 0.0);
     let lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
-    said(own, lens, false)
+    describe_disagreement(own, lens, false)
 }
 
 /// The sentence about what disagrees, if another reading is much better or almost all of it is wrong.
-fn said(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
+fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
     let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
     let what = own.words(has_places);
     match best.filter(|(_, other)| is_better(other)) {
@@ -189,7 +189,7 @@ impl GBufferMap {
                 best = Some(lens);
             }
         }
-        Ok(said(own, best, self.position.is_some()))
+        Ok(describe_disagreement(own, best, self.position.is_some()))
     }
 
     /// How much of a frame disagrees, and the files that were opened.

@@ -69,7 +69,7 @@ impl<'a> MapKeys<'a> {
         match found {
             Some((_, choice)) => Ok(Some(*choice)),
             None => {
-                let message = format!("{key} must be one of {}, not {}", words(choices), shown(&value));
+                let message = format!("{key} must be one of {}, not {}", words(choices), value_text(&value));
                 Err(self.error(line, message))
             }
         }
@@ -91,7 +91,7 @@ impl<'a> MapKeys<'a> {
             Some(number) => Ok(Some(number)),
             None => {
                 let finite = if may_be_infinite { "" } else { "finite " };
-                Err(self.error(line, format!("{key} must be a {finite}number, not {}", shown(&value))))
+                Err(self.error(line, format!("{key} must be a {finite}number, not {}", value_text(&value))))
             }
         }
     }
@@ -100,7 +100,7 @@ impl<'a> MapKeys<'a> {
     pub fn value(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let numbers = flat(&value).filter(|n| [1, 3].contains(&n.len()) && n.iter().all(|v| v.is_finite()));
-        let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", shown(&value)));
+        let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", value_text(&value)));
         numbers.ok_or_else(wrong).map(Some)
     }
 
@@ -127,7 +127,7 @@ impl<'a> MapKeys<'a> {
             let numbers = flat(&value).filter(|n| n.len() == count && n.iter().all(|v| v.is_finite()));
             NumbersFrom::Here(numbers.ok_or_else(|| {
                 let many = if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
-                self.error(line, format!("{key} must be {many} or {{ attribute = \"…\" }}, not {}", shown(&value)))
+                self.error(line, format!("{key} must be {many} or {{ attribute = \"…\" }}, not {}", value_text(&value)))
             })?)
         };
         Ok(Some(MapNumbers { key: format!("{}: {key}", self.name), line, count, from }))
@@ -189,7 +189,7 @@ fn flat(value: &Value) -> Option<Vec<f64>> {
 }
 
 /// What an error calls a value.
-fn shown(value: &Value) -> String {
+fn value_text(value: &Value) -> String {
     /// Longer ones are only named by their kind.
     const LONGEST: usize = 40;
     let text = value.to_string();

@@ -75,9 +75,10 @@ impl Compressed {
             ("INDICES", 2 | 4) => {
                 Ok(indices(stride, &meshopt::decode_index_sequence::<u32>(encoded, count).map_err(damaged)?))
             }
-            (mode, _) => {
-                Err(format!("{} with {count} elements of {stride} bytes is no mode of meshopt", bounded::shown(mode)))
-            }
+            (mode, _) => Err(format!(
+                "{} with {count} elements of {stride} bytes is no mode of meshopt",
+                bounded::printable_name(mode)
+            )),
         }
     }
 
@@ -93,7 +94,7 @@ impl Compressed {
             ("COLOR", 4) => meshopt::decode_filter_color(bytemuck::cast_slice_mut::<u32, [i8; 4]>(words)),
             ("COLOR", 8) => meshopt::decode_filter_color(bytemuck::cast_slice_mut::<u32, [i16; 4]>(words)),
             (filter, stride) => {
-                let filter = bounded::shown(filter);
+                let filter = bounded::printable_name(filter);
                 return Err(format!("the filter {filter} is none of meshopt for elements of {stride} bytes"));
             }
         }

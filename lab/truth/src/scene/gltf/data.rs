@@ -58,7 +58,7 @@ impl<'a> Data<'a> {
                 Some(uri) => match inline(uri) {
                     Some(bytes) => bytes.ok_or_else(|| malformed(path, format!("buffer {i} is not valid base64")))?,
                     None => {
-                        let file = beside(path, uri).map_err(|m| malformed(path, format!("buffer {i} {m}")))?;
+                        let file = relative_file(path, uri).map_err(|m| malformed(path, format!("buffer {i} {m}")))?;
                         bounded::read(&file, "a buffer", MAX_FILE_BYTES)
                             .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?
                     }
@@ -106,7 +106,7 @@ impl<'a> Data<'a> {
         let Some(image) = self.document.as_json().images.get(index) else {
             return Err(self.error(format!("there is no image {index}")));
         };
-        let name = |fallback: String| image.name.as_deref().map_or(fallback, bounded::shown);
+        let name = |fallback: String| image.name.as_deref().map_or(fallback, bounded::printable_name);
         if let Some(view) = image.buffer_view {
             return Ok((name(format!("image {index}")), ImageBytes::Here(self.view(view.value())?.into())));
         }
@@ -119,8 +119,8 @@ impl<'a> Data<'a> {
                 (name(format!("image {index}")), ImageBytes::Here(bytes.into()))
             }
             None => {
-                let file = beside(self.path, uri).map_err(|m| self.error(format!("image {index} {m}")))?;
-                (bounded::shown(&percent_decode_str(uri).decode_utf8_lossy()), ImageBytes::File(file))
+                let file = relative_file(self.path, uri).map_err(|m| self.error(format!("image {index} {m}")))?;
+                (bounded::printable_name(&percent_decode_str(uri).decode_utf8_lossy()), ImageBytes::File(file))
             }
         })
     }
@@ -372,9 +372,9 @@ fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
 ///
 /// # Errors
 /// A sentence for an address of another kind, as on the network.
-fn beside(path: &Path, uri: &str) -> std::result::Result<PathBuf, String> {
+fn relative_file(path: &Path, uri: &str) -> std::result::Result<PathBuf, String> {
     if let Some((scheme, _)) = uri.split_once(':').filter(|(_, rest)| rest.starts_with("//")) {
-        return Err(format!("is at an address of the kind {}:, which is not read", bounded::shown(scheme)));
+        return Err(format!("is at an address of the kind {}:, which is not read", bounded::printable_name(scheme)));
     }
     let name = percent_decode_str(uri).decode_utf8_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -4,7 +4,7 @@
 //! parse only in one form is brought to that form in the JSON ([`mend`]); of what its validation finds, the faults that
 //! this loader does not mind are passed over ([`is_harmless`]).
 
-use super::typed::typed;
+use super::typed::parse_typed;
 use super::{Notes, READ};
 use crate::error::{Error, Result};
 use crate::scene::encoding;
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
     let alone = draco_alone(&value);
-    let mut json: Root = typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
     if let Some(message) = alone {
         return Err(wrong(message));
@@ -92,7 +92,7 @@ fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), Stri
 
 /// The document of a text, which may begin with a byte-order mark.
 fn parse(text: &[u8]) -> std::result::Result<Value, String> {
-    if let Some(name) = encoding::wide(text) {
+    if let Some(name) = encoding::wide_encoding(text) {
         return Err(format!("is {name} text; save it as UTF-8"));
     }
     let text = encoding::without_mark(text);

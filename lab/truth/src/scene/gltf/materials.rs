@@ -50,12 +50,12 @@ impl Coordinates {
 }
 
 /// How a material uses one of its images.
-struct Use<'a> {
+struct TextureUse<'a> {
     texture: gltf::Texture<'a>,
     coordinates: Coordinates,
 }
 
-impl<'a> Use<'a> {
+impl<'a> TextureUse<'a> {
     fn of(info: &Info<'a>) -> Self {
         let (set, offset, rotation, scale) = match info.texture_transform() {
             Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
@@ -102,8 +102,8 @@ impl<'a> Use<'a> {
 pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
     let pbr = material.pbr_metallic_roughness();
     let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
-    let [base, metallic, emissive] = images.map(|info| info.map(|i| Use::of(&i).coordinates));
-    let normals = material.normal_texture().map(|n| Use::of_normals(&n).coordinates);
+    let [base, metallic, emissive] = images.map(|info| info.map(|i| TextureUse::of(&i).coordinates));
+    let normals = material.normal_texture().map(|n| TextureUse::of_normals(&n).coordinates);
     let mut all = [base, metallic, normals, emissive].into_iter().flatten();
     let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
     let Some(first) = all.next() else { return none };
@@ -286,7 +286,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     let pbr = material.pbr_metallic_roughness();
     let factors = factors(material);
     let specular = specular_images(data, material);
-    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(data, notes));
+    let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let rough = image(pbr.metallic_roughness_texture());
     let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);
@@ -300,7 +300,8 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     if !factors.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
         notes.add("rough", material_terms::TOO_ROUGH.to_owned());
     }
-    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(data, notes)?, n.scale())));
+    let normals =
+        material.normal_texture().and_then(|n| Some((TextureUse::of_normals(&n).image(data, notes)?, n.scale())));
     if material.alpha_mode() == AlphaMode::Blend {
         notes.add(
             "blend",
@@ -397,7 +398,7 @@ impl<'a> Baker<'a> {
                     ImageBytes::File(path) => texture::decode(&path, encoding),
                 };
                 match decoded {
-                    Ok(texture) => return Some(texture::within(texture, self.side)),
+                    Ok(texture) => return Some(texture::shrink_to_side(texture, self.side)),
                     Err(error) => format!("image {name} cannot be used ({error})"),
                 }
             }

@@ -302,7 +302,10 @@ fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes:
     let near_enough = |v: Vec3| v.is_finite() && v.abs().max_element() <= MAX_COORDINATE_M;
     let sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
     if !sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
-        notes.add("camera", format!("camera {} cannot be used as a view and was left out", bounded::shown(name)));
+        notes.add(
+            "camera",
+            format!("camera {} cannot be used as a view and was left out", bounded::printable_name(name)),
+        );
         return None;
     }
     let right = to_world.x_axis.truncate().normalize_or_zero();

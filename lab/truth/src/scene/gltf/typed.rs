@@ -7,7 +7,7 @@ use serde_json::Value;
 ///
 /// # Errors
 /// A sentence with the place, as `materials[0].pbrMetallicRoughness.roughnessFactor`, and what stands there instead of what.
-pub(super) fn typed(value: Value) -> Result<Root, String> {
+pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let place = error.path().to_string();
         let what = in_words(&error.inner().to_string());

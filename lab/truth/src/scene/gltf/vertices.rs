@@ -178,7 +178,7 @@ impl<'a> MeshVertices<'a> {
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) for an index of no vertex, and for places that are none.
     pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
-        let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::shown(self.mesh.name)));
+        let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));
         if i >= self.count {
             return Err(wrong(format!("an index is not below the {} vertices", self.count)));
         }

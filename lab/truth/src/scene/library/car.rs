@@ -23,7 +23,7 @@ const WHEEL_RADIUS: f32 = 0.33;
 const AXLES: [f32; 2] = [-1.32, 1.36];
 
 /// A car that stands on the ground with its front towards +z.
-pub fn parked(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
+pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
     hull(&mut body, ground, [40, 26], lower);

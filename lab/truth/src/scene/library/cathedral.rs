@@ -3,7 +3,7 @@
 //! corrected for parallax.
 
 use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, around, standing};
+use super::fittings::{Face, centred_rect, standing};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, thesis_lens, view};
 use crate::scene::pattern::{Pattern, Picture, Wood};
@@ -204,7 +204,7 @@ fn ends() -> Vec<MeshBuilder> {
     let mut door = mesh("door", PEW).turned();
     for half in [-0.6, 0.6] {
         west.block(&mut door, standing(half, 1.18, 3.4), [-0.1, 0.06]);
-        west.border(&mut door, around(half, 1.7, 0.7, 2.6), 0.06, [0.0, 0.09]);
+        west.border(&mut door, centred_rect(half, 1.7, 0.7, 2.6), 0.06, [0.0, 0.09]);
     }
     vec![wall, stone, door]
 }
@@ -300,7 +300,7 @@ fn lancets() -> Vec<Window> {
     let mut all = Vec::new();
     let mut add = |wall: Face, along: f32, y: f32, height: f32, design: usize, name: &str| {
         let a = along * (wall.right.x + wall.right.z);
-        let rect = around(a, y, height * 0.375, height);
+        let rect = centred_rect(a, y, height * 0.375, height);
         all.push(Window { wall, rect, material: LANCET + design % 3, name: format!("{name}-{}", all.len()) });
     };
     for (side, wall) in nave_walls().into_iter().enumerate() {
@@ -338,7 +338,7 @@ fn glass() -> Vec<MeshBuilder> {
 }
 
 fn rose_rect() -> Rect {
-    around(0.0, ROSE_Y, ROSE_M, ROSE_M)
+    centred_rect(0.0, ROSE_Y, ROSE_M, ROSE_M)
 }
 
 /// The meshes and rectangles of the impostors: the rose, the lancets below it, and the clerestory windows of

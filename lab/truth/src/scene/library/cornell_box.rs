@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::{Finish, materials, probe, view};
-use crate::scene::{AreaLight, AreaShape, Lens, Light, Opening, Scene, View};
+use crate::scene::{AreaLight, AreaShape, FieldOfView, Lens, Light, Scene, View};
 use glam::{Vec2, Vec3};
 
 const WHITE: usize = 0;
@@ -51,7 +51,7 @@ pub fn scene() -> Scene {
         textures,
         lights: vec![Light::Point { position: Vec3::new(x.0, HEIGHT - 0.3, z.0), energy: 6.0 }],
         area_lights: vec![AreaLight { shape: lamp, radiance: Vec3::new(26.0, 21.0, 14.0) }],
-        lens: Lens { opening: Opening::Angle(39.3_f32.to_radians()), ..Lens::default() },
+        lens: Lens { opening: FieldOfView::Angle(39.3_f32.to_radians()), ..Lens::default() },
         views: vec![View { ..view("box", [2.78, 2.73, -8.0], [2.78, 2.73, 2.8]) }],
         probes: vec![probe("front", [2.78, 4.4, 1.5], min, max), probe("back", [4.5, 3.0, 4.5], min, max)],
         ..Scene::default()

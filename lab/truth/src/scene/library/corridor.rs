@@ -3,9 +3,9 @@
 //! shifted or mirrored cube map is noticeable.
 
 use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, around, standing};
+use super::fittings::{Face, centred_rect, standing};
 use super::{Finish, materials, portrait, probe, thesis_lens, view};
-use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
+use crate::scene::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
 
@@ -48,7 +48,7 @@ const FINISHES: [Finish; 18] = [
 
 const EXIT_SIGN: Sign = Sign {
     text: Text { letters: "EXIT >", stacked: false },
-    cut: Cut::Plate,
+    cut: SignOutline::Plate,
     ink: Vec3::new(0.95, 1.0, 0.95),
     ground: Vec3::new(0.01, 0.42, 0.12),
     bulbs: false,
@@ -60,7 +60,7 @@ const PLATES: [Sign; 4] = [plate("1"), plate("2"), plate("3"), plate("4")];
 const fn plate(letters: &'static str) -> Sign {
     Sign {
         text: Text { letters, stacked: false },
-        cut: Cut::Plate,
+        cut: SignOutline::Plate,
         ink: Vec3::new(0.9, 0.85, 0.7),
         ground: Vec3::new(0.03, 0.05, 0.12),
         bulbs: false,
@@ -128,7 +128,7 @@ fn walls() -> [Face; 2] {
 
 /// A rectangle on one of the walls, given by the z of its centre.
 fn along(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
-    around(z * wall.right.z, y, width, height)
+    centred_rect(z * wall.right.z, y, width, height)
 }
 
 /// Floor, ceiling, walls with wooden panelling below, and the end walls.
@@ -192,12 +192,12 @@ fn doors() -> Vec<MeshBuilder> {
             let leaf = Rect::new([hole.min.x, hole.max.x], [0.0, DOOR_M[1]]);
             wall.block(&mut leaves, leaf, [-0.14, -0.10]);
             for (y, height) in [(0.55, 0.7), (1.5, 0.9)] {
-                wall.border(&mut leaves, around(a, y, 0.56, height), 0.04, [-0.1, -0.085]);
+                wall.border(&mut leaves, centred_rect(a, y, 0.56, height), 0.04, [-0.1, -0.085]);
             }
             handles.sphere(wall.at(a + 0.4, 1.03, -0.05), 0.035, [16, 8]);
             if number < 4 {
                 let mut plate = mesh("number", NUMBER + number);
-                wall.picture(&mut plate, around(a, 1.72, 0.16, 0.16), -0.08);
+                wall.picture(&mut plate, centred_rect(a, 1.72, 0.16, 0.16), -0.08);
                 parts.push(plate);
             }
             number += 1;
@@ -233,7 +233,7 @@ fn exit_face() -> Face {
 }
 
 fn exit_rect() -> Rect {
-    around(0.72, 2.42, 0.72, 0.24)
+    centred_rect(0.72, 2.42, 0.72, 0.24)
 }
 
 /// Paintings, the exit sign that hangs across the corridor, a bench and a fire extinguisher.
@@ -256,7 +256,7 @@ fn things() -> Vec<MeshBuilder> {
     exit_face().picture(&mut exit, exit_rect(), 0.0);
     let behind = Face::new([0.0, 0.0, exit_face().origin.z + 0.02], Vec3::NEG_X);
     let mut back = mesh("exit-back", EXIT);
-    behind.picture(&mut back, around(-0.72, 2.42, 0.72, 0.24), 0.0);
+    behind.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
     let mut rods = mesh("exit-rods", METAL);
     for a in [-0.28, 0.28] {
         let top = exit_face().at(0.72 + a, HEIGHT, -0.005);

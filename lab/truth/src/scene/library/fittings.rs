@@ -87,7 +87,7 @@ impl Face {
 }
 
 /// A rectangle given by its centre and size.
-pub fn around(a: f32, y: f32, width: f32, height: f32) -> Rect {
+pub fn centred_rect(a: f32, y: f32, width: f32, height: f32) -> Rect {
     let half = 0.5 * Vec2::new(width, height);
     Rect { min: Vec2::new(a, y) - half, max: Vec2::new(a, y) + half }
 }

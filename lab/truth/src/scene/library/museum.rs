@@ -3,10 +3,10 @@
 //! polished wall beside it.
 
 use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, around, standing};
+use super::fittings::{Face, centred_rect, standing};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, skeleton, thesis_lens, view};
-use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
+use crate::scene::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -47,7 +47,7 @@ const FINISHES: [Finish; 16] = [
 
 const EXIT_SIGN: Sign = Sign {
     text: Text { letters: "EXIT", stacked: false },
-    cut: Cut::Arrow,
+    cut: SignOutline::Arrow,
     ink: Vec3::new(0.97, 1.0, 0.97),
     ground: Vec3::new(0.01, 0.55, 0.16),
     bulbs: false,
@@ -220,7 +220,7 @@ fn skylight() -> Vec<MeshBuilder> {
 }
 
 /// A painting on a wall.
-struct Hung {
+struct HungPainting {
     name: &'static str,
     number: usize,
     material: usize,
@@ -229,7 +229,7 @@ struct Hung {
 }
 
 /// All paintings. The first six hang in the first hall and have impostors.
-fn hung() -> Vec<Hung> {
+fn hung() -> Vec<HungPainting> {
     let (left, right) = (left_wall(), right_wall());
     let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
     let places = [
@@ -253,8 +253,8 @@ fn hung() -> Vec<Hung> {
             // Converts the coordinate to the wall's own; a wall is parallel to x or to z.
             let a = along * (wall.right.x + wall.right.z);
             let ratio = if k == 3 { 1.25 } else { 2.0 / 3.0 };
-            let rect = around(a, y, width, width * ratio);
-            Hung { name: names[k], number, material: PAINTING + k, wall, rect }
+            let rect = centred_rect(a, y, width, width * ratio);
+            HungPainting { name: names[k], number, material: PAINTING + k, wall, rect }
         })
         .collect()
 }
@@ -277,7 +277,7 @@ fn paintings() -> Vec<MeshBuilder> {
 }
 
 fn exit_rect() -> Rect {
-    around(-DOOR_Z, 2.78, 1.2, 0.4)
+    centred_rect(-DOOR_Z, 2.78, 1.2, 0.4)
 }
 
 /// The side door and the exit sign above it.
@@ -295,11 +295,11 @@ fn exit() -> Vec<MeshBuilder> {
         let middle = -DOOR_Z + 0.375 * half;
         wall.block(&mut leaves, standing(middle, 0.74, 2.3), [-0.2, -0.15]);
         for (y, height) in [(0.6, 0.8), (1.65, 0.9)] {
-            wall.border(&mut leaves, around(middle, y, 0.44, height), 0.04, [-0.15, -0.13]);
+            wall.border(&mut leaves, centred_rect(middle, y, 0.44, height), 0.04, [-0.15, -0.13]);
         }
     }
     let mut box_ = mesh("exit-box", METAL);
-    wall.block(&mut box_, around(-DOOR_Z - 0.1, 2.78, 0.9, 0.3), [0.0, 0.11]);
+    wall.block(&mut box_, centred_rect(-DOOR_Z - 0.1, 2.78, 0.9, 0.3), [0.0, 0.11]);
     let mut sign = mesh("exit-sign", EXIT);
     wall.picture(&mut sign, exit_rect(), 0.12);
     vec![frame, leaves, box_, sign]

@@ -5,12 +5,12 @@
 mod house;
 
 use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, around};
+use super::fittings::{Face, centred_rect};
 use super::{Finish, car, materials, portrait, probe, thesis_lens, view};
-use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
+use crate::scene::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
-use house::{Front, Ground};
+use house::{Ground, HouseFront};
 
 const ROAD: usize = 0;
 const PAVEMENT: usize = 1;
@@ -75,7 +75,7 @@ const FINISHES: [Finish; 28] = [
 
 const CINEMA_SIGN: Sign = Sign {
     text: Text { letters: "CINEMA", stacked: false },
-    cut: Cut::Plate,
+    cut: SignOutline::Plate,
     ink: Vec3::new(1.0, 0.92, 0.30),
     ground: Vec3::new(0.30, 0.01, 0.015),
     bulbs: true,
@@ -83,7 +83,7 @@ const CINEMA_SIGN: Sign = Sign {
 };
 const HOTEL_SIGN: Sign = Sign {
     text: Text { letters: "HOTEL", stacked: true },
-    cut: Cut::Slant,
+    cut: SignOutline::Slant,
     ink: Vec3::new(0.35, 0.92, 1.0),
     ground: Vec3::new(0.005, 0.02, 0.09),
     bulbs: false,
@@ -91,7 +91,7 @@ const HOTEL_SIGN: Sign = Sign {
 };
 const BAR_SIGN: Sign = Sign {
     text: Text { letters: "BAR", stacked: false },
-    cut: Cut::Arrow,
+    cut: SignOutline::Arrow,
     ink: Vec3::new(1.0, 0.35, 0.62),
     ground: Vec3::new(0.05, 0.0, 0.05),
     bulbs: false,
@@ -99,7 +99,7 @@ const BAR_SIGN: Sign = Sign {
 };
 const CAFE_SIGN: Sign = Sign {
     text: Text { letters: "CAFE", stacked: false },
-    cut: Cut::Plate,
+    cut: SignOutline::Plate,
     ink: Vec3::new(0.98, 0.95, 0.85),
     ground: Vec3::new(0.02, 0.22, 0.06),
     bulbs: false,
@@ -128,7 +128,7 @@ pub fn scene() -> Scene {
     let mut parts = vec![ground(), cinema(), signs(), lamps()];
     parts.extend(fronts().iter().map(house::build));
     let paints = [(CAR, RED_PAINT), (SECOND_CAR, BLUE_PAINT)];
-    parts.extend(paints.map(|(place, paint)| car::parked(place, &car_materials(paint))));
+    parts.extend(paints.map(|(place, paint)| car::parked_car(place, &car_materials(paint))));
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
     let (min, max) = ([-HOUSE_X, 0.0, ENDS_Z[0]], [HOUSE_X, TOP, ENDS_Z[1]]);
     let mut scene = Scene {
@@ -174,10 +174,10 @@ fn right() -> Face {
 }
 
 /// The fronts of all houses.
-fn fronts() -> [Front; 8] {
+fn fronts() -> [HouseFront; 8] {
     let north = Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X);
     let south = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
-    let front = |name, face, span, height, material: usize, ground| Front {
+    let front = |name, face, span, height, material: usize, ground| HouseFront {
         name,
         face,
         span,
@@ -309,31 +309,31 @@ fn cinema() -> Vec<MeshBuilder> {
 const POSTERS: [&str; 2] = ["poster-ship", "poster-portrait"];
 
 fn cinema_rect() -> Rect {
-    around(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
+    centred_rect(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
 }
 
 fn poster_rects() -> [Rect; 2] {
-    [around(7.05, 1.75, 1.9, 1.27), around(14.9, 1.75, 1.2, 1.5)]
+    [centred_rect(7.05, 1.75, 1.9, 1.27), centred_rect(14.9, 1.75, 1.2, 1.5)]
 }
 
 /// A sign that projects from the houses across the street: name, material, plane and rectangle.
-struct Blade {
+struct BladeSign {
     name: &'static str,
     material: usize,
     face: Face,
     rect: Rect,
 }
 
-fn blades() -> [Blade; 2] {
+fn blades() -> [BladeSign; 2] {
     let across = |z: f32| Face::new([0.0, 0.0, z], Vec3::X);
     [
-        Blade { name: "hotel-sign", material: HOTEL, face: across(11.4), rect: around(5.75, 7.2, 1.2, 4.8) },
-        Blade { name: "bar-sign", material: BAR, face: across(2.6), rect: around(-5.55, 3.3, 1.75, 0.7) },
+        BladeSign { name: "hotel-sign", material: HOTEL, face: across(11.4), rect: centred_rect(5.75, 7.2, 1.2, 4.8) },
+        BladeSign { name: "bar-sign", material: BAR, face: across(2.6), rect: centred_rect(-5.55, 3.3, 1.75, 0.7) },
     ]
 }
 
 fn cafe_rect() -> Rect {
-    around(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
+    centred_rect(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
 /// The signs on the houses; those that project across the street have a back side of their own.
@@ -359,7 +359,7 @@ fn signs() -> Vec<MeshBuilder> {
     let mut cafe = mesh("cafe-sign", CAFE);
     right().picture(&mut cafe, cafe_rect(), 0.08);
     let mut board = mesh("cafe-board", METAL);
-    right().block(&mut board, around(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
+    right().block(&mut board, centred_rect(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
     parts.extend([rods, cafe, board]);
     parts
 }

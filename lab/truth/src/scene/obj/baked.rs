@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 /// What a material is by its law.
 #[derive(Debug, Clone)]
-pub(super) struct Reading {
+pub(super) struct MaterialReading {
     /// The material without its name, surface and images.
     pub material: Material,
     /// The factors of which images are baked.
@@ -25,7 +25,7 @@ type Image = usize;
 
 /// What an image of the scene is made of. Materials that ask for the same share it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Made {
+enum ImageRecipe {
     Plain(Image),
     Albedo { base: Option<Image>, metalness: Option<Image>, emission: Option<Image>, factors: Factors },
     Reflectivity { base: Option<Image>, metalness: Option<Image>, level: Option<Image>, factors: Factors },
@@ -35,7 +35,7 @@ enum Made {
 /// The images that were read, and those that the scene's materials ask for.
 pub(super) struct Textures {
     read: Vec<Option<Texture>>,
-    made: Vec<Made>,
+    made: Vec<ImageRecipe>,
     /// Where each is in the list, by its text: numbers of materials have no hash.
     index: HashMap<String, usize>,
 }
@@ -49,7 +49,7 @@ impl Textures {
         self.read[image].is_some()
     }
 
-    fn add(&mut self, wanted: Made) -> usize {
+    fn add(&mut self, wanted: ImageRecipe) -> usize {
         *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
             self.made.push(wanted);
             self.made.len() - 1
@@ -58,30 +58,35 @@ impl Textures {
 
     /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are in the order of
     /// [`MaterialImages`](super::images::MaterialImages).
-    pub(super) fn attach(&mut self, material: &mut Material, reading: Option<&Reading>, images: [Option<Image>; 7]) {
+    pub(super) fn attach(
+        &mut self,
+        material: &mut Material,
+        reading: Option<&MaterialReading>,
+        images: [Option<Image>; 7],
+    ) {
         let [base, normal, mask, reflectivity, emission, roughness, metalness] = images;
         let is_metallic = reading.is_some_and(|r| r.is_metallic);
         let emits = reading.is_some_and(|r| r.factors.emission != Vec3::ZERO);
         let is_baked = metalness.is_some() || emits && (base.is_some() || emission.is_some());
-        let mut plain = |image: Option<Image>| image.map(|image| self.add(Made::Plain(image)));
+        let mut plain = |image: Option<Image>| image.map(|image| self.add(ImageRecipe::Plain(image)));
         let as_they_are = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
         [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
             as_they_are.map(&mut plain);
-        let Some(Reading { factors, roughness_factor, .. }) = reading.cloned() else { return };
+        let Some(MaterialReading { factors, roughness_factor, .. }) = reading.cloned() else { return };
         if is_baked {
             let emission = emission.filter(|_| emits);
             (material.albedo, material.emission) = (Vec3::ONE, if emits { 1.0 } else { 0.0 });
-            material.albedo_map = Some(self.add(Made::Albedo { base, metalness, emission, factors }));
+            material.albedo_map = Some(self.add(ImageRecipe::Albedo { base, metalness, emission, factors }));
         }
         if let Some(image) = roughness {
             material.roughness = 1.0;
-            material.roughness_map = Some(self.add(Made::Roughness { image, factor: roughness_factor }));
+            material.roughness_map = Some(self.add(ImageRecipe::Roughness { image, factor: roughness_factor }));
         }
         let is_tinted = factors.metallic > 0.0 && (base.is_some() || metalness.is_some());
         if is_metallic && (is_tinted || reflectivity.is_some()) {
             material.reflectivity = 1.0;
             let level = reflectivity;
-            material.reflectivity_map = Some(self.add(Made::Reflectivity { base, metalness, level, factors }));
+            material.reflectivity_map = Some(self.add(ImageRecipe::Reflectivity { base, metalness, level, factors }));
         }
     }
 
@@ -95,8 +100,8 @@ impl Textures {
         }
         let Self { mut read, made, .. } = self;
         let baked: Vec<Option<Texture>> = made.par_iter().map(|made| bake(made, &read)).collect();
-        let taken = |(made, baked): (Made, Option<Texture>)| match made {
-            Made::Plain(image) => read[image].take(),
+        let taken = |(made, baked): (ImageRecipe, Option<Texture>)| match made {
+            ImageRecipe::Plain(image) => read[image].take(),
             _ => baked,
         };
         made.into_iter().zip(baked).filter_map(taken).collect()
@@ -104,23 +109,23 @@ impl Textures {
 }
 
 /// An image that is made of others; `None` for one that stays as it is.
-fn bake(made: &Made, read: &[Option<Texture>]) -> Option<Texture> {
+fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
     let input = |image: Option<Image>| read[image?].as_ref();
     // Numbers stand in every channel of a grey image.
     Some(match *made {
-        Made::Plain(_) => return None,
-        Made::Albedo { base, metalness, emission, factors } => {
+        ImageRecipe::Plain(_) => return None,
+        ImageRecipe::Albedo { base, metalness, emission, factors } => {
             texels_of(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
                 factors.albedo_texel(&TexelInputs::new(base, metalness.x, emission))
             })
         }
-        Made::Reflectivity { base, metalness, level, factors } => {
+        ImageRecipe::Reflectivity { base, metalness, level, factors } => {
             texels_of(&[base, metalness, level].map(input), Encoding::Linear, |[base, metalness, level]| {
                 let inputs = TexelInputs::new(base, metalness.x, DVec4::ONE).with_specular(level.x, DVec4::ONE);
                 grey(factors.reflectivity(&inputs))
             })
         }
-        Made::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[rough]| {
+        ImageRecipe::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[rough]| {
             grey(roughness_of_perceptual(factor * rough.x as f32))
         }),
     })

@@ -1,9 +1,9 @@
 //! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
 //! missing.
 
-use super::baked::{Reading, Textures};
+use super::baked::{MaterialReading, Textures};
 use crate::error::{Error, Result};
-use crate::scene::bounded::{self, shown};
+use crate::scene::bounded::{self, printable_name};
 use crate::scene::pattern;
 use crate::scene::texture::MAX_TEXELS;
 use crate::scene::{Encoding, Scene, Texture, texture};
@@ -63,11 +63,11 @@ impl MaterialImages {
 #[derive(Default)]
 pub(super) struct Source {
     pub images: MaterialImages,
-    pub reading: Option<Reading>,
+    pub reading: Option<MaterialReading>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Use {
+enum ImageRole {
     Albedo,
     /// Holds the bits of the bump multiplier.
     Normal(u32),
@@ -82,7 +82,7 @@ enum Use {
 #[derive(Debug, PartialEq, Eq, Hash, Clone)]
 struct Request {
     path: PathBuf,
-    role: Use,
+    role: ImageRole,
 }
 
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
@@ -94,7 +94,7 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     let wanted: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
 
     let bar = bounded::image_bar(requests.list.len());
-    let loaded: Vec<Loaded> = requests
+    let loaded: Vec<LoadedImage> = requests
         .within_budget(side)
         .into_par_iter()
         .map(|(request, fits)| {
@@ -112,7 +112,11 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
         {
             let ImageStatement { name, mtl_path, line, .. } = statement;
             let instead = loaded.instead;
-            scene.warnings.push(format!("{}:{line}: image {} {problem}; {instead}", mtl_path.display(), shown(name)));
+            scene.warnings.push(format!(
+                "{}:{line}: image {} {problem}; {instead}",
+                mtl_path.display(),
+                printable_name(name)
+            ));
         }
         index_of.push(loaded.texture);
     }
@@ -148,9 +152,17 @@ impl Requests {
     /// Adds the images of a material, in the order of [`MaterialImages::all`].
     fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
-        let level = if is_metallic { Use::Data } else { Use::Reflectivity };
+        let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
         let normal = source.images.normal.as_ref().map_or(0, |image| image.multiplier.to_bits());
-        let roles = [Use::Albedo, Use::Normal(normal), Use::Mask, level, Use::Emission, Use::Data, Use::Data];
+        let roles = [
+            ImageRole::Albedo,
+            ImageRole::Normal(normal),
+            ImageRole::Mask,
+            level,
+            ImageRole::Emission,
+            ImageRole::Data,
+            ImageRole::Data,
+        ];
         let mut roles = roles.into_iter();
         source.images.all().map(|image| {
             let role = roles.next()?;
@@ -158,7 +170,7 @@ impl Requests {
         })
     }
 
-    fn add(&mut self, statement: &ImageStatement, role: Use) -> usize {
+    fn add(&mut self, statement: &ImageStatement, role: ImageRole) -> usize {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
         let path = self.found.entry(key).or_insert_with(|| {
@@ -187,7 +199,7 @@ impl Requests {
 }
 
 /// The result of a request.
-struct Loaded {
+struct LoadedImage {
     path: PathBuf,
     texture: Option<Texture>,
     /// Why the requested image is not used, and what replaces it.
@@ -195,7 +207,7 @@ struct Loaded {
     instead: &'static str,
 }
 
-fn load(request: &Request, fits: bool, side: u32) -> Loaded {
+fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     let Request { path, role } = request.clone();
     let problem = if !path.is_file() {
         "is missing".to_owned()
@@ -203,35 +215,35 @@ fn load(request: &Request, fits: bool, side: u32) -> Loaded {
         format!("would exceed the {MAX_TEXELS} texels of a scene")
     } else {
         match decode(&path, role, side) {
-            Ok(texture) => return Loaded { path, texture: Some(texture), problem: None, instead: "" },
+            Ok(texture) => return LoadedImage { path, texture: Some(texture), problem: None, instead: "" },
             Err(error) => format!("cannot be used ({error})"),
         }
     };
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let texture = match role {
-        Use::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
-        Use::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
-        Use::Mask | Use::Reflectivity | Use::Emission | Use::Data => None,
+        ImageRole::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
+        ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
+        ImageRole::Mask | ImageRole::Reflectivity | ImageRole::Emission | ImageRole::Data => None,
     };
     let instead = match role {
         _ if texture.is_some() => "a generated image takes its place",
-        Use::Albedo => "the material's colour takes its place",
-        Use::Normal(_) => "the surface is smooth",
-        Use::Mask => "the surface is opaque",
-        Use::Reflectivity => "white takes its place",
-        Use::Emission | Use::Data => "the material's number takes its place",
+        ImageRole::Albedo => "the material's colour takes its place",
+        ImageRole::Normal(_) => "the surface is smooth",
+        ImageRole::Mask => "the surface is opaque",
+        ImageRole::Reflectivity => "white takes its place",
+        ImageRole::Emission | ImageRole::Data => "the material's number takes its place",
     };
-    Loaded { path, texture, problem: Some(problem), instead }
+    LoadedImage { path, texture, problem: Some(problem), instead }
 }
 
-fn decode(path: &Path, role: Use, side: u32) -> Result<Texture> {
-    let decode = |encoding| Ok::<_, Error>(texture::within(texture::decode(path, encoding)?, side));
+fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
+    let decode = |encoding| Ok::<_, Error>(texture::shrink_to_side(texture::decode(path, encoding)?, side));
     Ok(match role {
-        Use::Albedo | Use::Emission => decode(Encoding::Srgb)?,
-        Use::Data => decode(Encoding::Linear)?,
-        Use::Mask => texture::into_mask(decode(Encoding::Linear)?),
-        Use::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
-        Use::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
+        ImageRole::Albedo | ImageRole::Emission => decode(Encoding::Srgb)?,
+        ImageRole::Data => decode(Encoding::Linear)?,
+        ImageRole::Mask => texture::into_mask(decode(Encoding::Linear)?),
+        ImageRole::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
+        ImageRole::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
     })
 }
 

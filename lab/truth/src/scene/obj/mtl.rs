@@ -12,8 +12,8 @@
 //! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on what `Ks` says, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 //!
-//! What else changes how a material looks is dropped, and a warning for each kind says so ([`loss`]). `sharpness` and what is
-//! unknown say nothing that the other statements would need.
+//! What else changes how a material looks is dropped, and a warning for each kind says so ([`lost_meaning`]). `sharpness` and
+//! what is unknown say nothing that the other statements would need.
 
 mod laws;
 mod maps;
@@ -22,7 +22,7 @@ use super::images::{ImageStatement, MaterialImages, resolve};
 use super::text::{NO_MATERIAL, stated_number};
 use super::{decode, read_limited};
 use crate::error::{Error, Result};
-use crate::scene::bounded::shown;
+use crate::scene::bounded::printable_name;
 use glam::Vec3;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -92,7 +92,7 @@ pub(super) fn read_libraries(
                 None => warnings.push(format!(
                     "{}:{line}: the MTL file {} is missing; its materials are white",
                     obj_path.display(),
-                    shown(&name)
+                    printable_name(&name)
                 )),
             }
         }
@@ -161,11 +161,11 @@ fn without_comment(statement: &str) -> &str {
 fn spellings(statement: &str) -> Vec<Cow<'_, str>> {
     let plain = [statement, without_comment(statement)];
     let escaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
-    different(plain.map(Cow::Borrowed).into_iter().chain(escaped))
+    distinct(plain.map(Cow::Borrowed).into_iter().chain(escaped))
 }
 
 /// What differs from all before it, of a few things.
-fn different<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for one in all {
         if !found.contains(&one) {
@@ -224,15 +224,15 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
         "ks" => definition.specular = colour(place, keyword, rest, definition)?,
         "ns" => definition.exponent = number(place, keyword, rest, definition)?,
         "pr" => definition.roughness = number(place, keyword, rest, definition)?,
-        "pm" => definition.metalness = usable(place, rest, definition),
+        "pm" => definition.metalness = finite_number(place, rest, definition),
         "ke" => definition.emission = usable_colour(place, rest, definition),
         "ka" => definition.ambient = stated_colour(rest),
-        "ni" => definition.ior = stated(rest),
-        "illum" => definition.model = stated(rest).map(|model| model as u32),
+        "ni" => definition.ior = first_number(rest),
+        "illum" => definition.model = first_number(rest).map(|model| model as u32),
         "map_ke" => definition.images.emission = image(),
         "map_pr" => definition.images.roughness = image(),
         "map_pm" => definition.images.metalness = image(),
-        "tf" if stated(rest).is_some_and(|v| v > 0.0) && loss(keyword, rest).is_none() => {
+        "tf" if first_number(rest).is_some_and(|v| v > 0.0) && lost_meaning(keyword, rest).is_none() => {
             definition.transmission = Some(place.to_string());
         }
         "map_ns" => definition.exponent_image = definition.exponent_image.take().or_else(image),
@@ -242,7 +242,7 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
         "map_d" | "map_opacity" => definition.images.mask = image(),
         "bump" | "map_bump" | "norm" => definition.images.normal = image(),
         _ => {
-            if let Some(sentence) = loss(keyword, rest) {
+            if let Some(sentence) = lost_meaning(keyword, rest) {
                 definition.drop_kind(place, sentence);
             }
         }
@@ -251,7 +251,7 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
 }
 
 /// What is lost with a statement that is not read; `None` if it is nothing, as with the value that it has without one.
-fn loss(keyword: &str, rest: &str) -> Option<&'static str> {
+fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
     let is_not = |usual: f32| numbers().any(|v| v != usual);
     // The option -halo stands before the number.
@@ -282,7 +282,7 @@ impl Definition {
 }
 
 /// The first number of a statement; `None` if it is none, or not finite.
-fn stated(rest: &str) -> Option<f32> {
+fn first_number(rest: &str) -> Option<f32> {
     rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
 }
 
@@ -301,8 +301,8 @@ fn stated_colour(rest: &str) -> Option<Vec3> {
 const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
 
 /// The first number of a statement; `None`, with a warning, if it is none.
-fn usable(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
-    let number = stated(rest);
+fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
+    let number = first_number(rest);
     if number.is_none() {
         definition.drop_kind(place, NO_NUMBER);
     }
@@ -322,7 +322,7 @@ fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Opti
 fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
     let word = rest.split_whitespace().next().unwrap_or("");
     let stated = stated_number(word).ok_or_else(|| {
-        let message = format!("{keyword} needs a finite number, not {:?}", shown(word));
+        let message = format!("{keyword} needs a finite number, not {:?}", printable_name(word));
         Error::malformed(place.path, Some(place.line), message)
     })?;
     let number = Some(stated as f32).filter(|v| v.is_finite());

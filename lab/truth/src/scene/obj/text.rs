@@ -6,7 +6,7 @@
 //! attribute, the index of a NaN entry (which no file can contain itself).
 
 use crate::error::{Error, Result};
-use crate::scene::bounded::shown;
+use crate::scene::bounded::printable_name;
 use crate::scene::far_away::far_origin;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -41,7 +41,7 @@ pub(super) struct Statements {
 
 /// What a first reading of a file finds out, and the second one needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Known {
+struct FirstReading {
     /// How many vertices, texture coordinates and normals there are at most.
     counts: [usize; 3],
     /// What is taken from every vertex, in units of the file.
@@ -58,7 +58,7 @@ pub(super) fn normalise(
     scale: f32,
     warnings: &mut Vec<String>,
 ) -> Result<Statements> {
-    let read = |known: Known| {
+    let read = |known: FirstReading| {
         let mut scan = Scan::new(path, known);
         for (line, statement) in logical_lines(text) {
             scan.line = line;
@@ -66,7 +66,7 @@ pub(super) fn normalise(
         }
         Ok(scan)
     };
-    let mut known = Known { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
+    let mut known = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
     let mut scan = read(known)?;
     let scale = f64::from(scale);
     let far = far_origin(scan.bounds.map(|v| v * scale)).filter(|_| origin.is_none());
@@ -111,7 +111,7 @@ struct Counter {
 
 struct Scan<'a> {
     path: &'a Path,
-    known: Known,
+    known: FirstReading,
     line: usize,
     out: Statements,
     counters: [Counter; 3],
@@ -136,7 +136,7 @@ const FREE_FORM: [&str; 21] = [
 const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
 
 impl<'a> Scan<'a> {
-    fn new(path: &'a Path, known: Known) -> Self {
+    fn new(path: &'a Path, known: FirstReading) -> Self {
         let out = Statements {
             vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
             faces: String::from("mtllib all\n"),
@@ -199,8 +199,9 @@ impl<'a> Scan<'a> {
                     return Err(self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind])));
                 }
             }
-            numbers[i] = stated_number(stated[i])
-                .ok_or_else(|| self.error(format!("{:?} in a {} is not a number", shown(stated[i]), KINDS[kind])))?;
+            numbers[i] = stated_number(stated[i]).ok_or_else(|| {
+                self.error(format!("{:?} in a {} is not a number", printable_name(stated[i]), KINDS[kind]))
+            })?;
         }
         if kind == 0 && words.count() >= 3 {
             self.drop_kind("colours of vertices are not supported and were ignored");
@@ -209,7 +210,8 @@ impl<'a> Scan<'a> {
         match numbers.iter().position(|v| !is_finite(v)) {
             // Without it, a vertex has no place. Everything else can be found in another way.
             Some(i) if kind == 0 => {
-                let message = format!("the position of a vertex is not a number: {:?} is not finite", shown(stated[i]));
+                let message =
+                    format!("the position of a vertex is not a number: {:?} is not finite", printable_name(stated[i]));
                 return Err(self.error(message));
             }
             Some(_) => {

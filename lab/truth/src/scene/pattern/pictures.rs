@@ -45,7 +45,7 @@ pub enum Painting {
 
 /// The outline of a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cut {
+pub enum SignOutline {
     /// A plate with rounded corners.
     Plate,
     /// A plate whose right side runs out into the tip of an arrow.
@@ -60,7 +60,7 @@ pub struct Sign {
     /// The text.
     pub text: Text,
     /// The outline.
-    pub cut: Cut,
+    pub cut: SignOutline,
     /// Colour of the letters.
     pub ink: Vec3,
     /// Colour of the ground.
@@ -122,9 +122,9 @@ impl Sign {
         let rim = self.rim_distance(p, size);
         // Letters fill the plate except for a margin; the tip of an arrow stays free.
         let free = match self.cut {
-            Cut::Plate => size,
-            Cut::Arrow => size - Vec2::new(0.45, 0.0),
-            Cut::Slant => size - Vec2::new(0.0, 0.45),
+            SignOutline::Plate => size,
+            SignOutline::Arrow => size - Vec2::new(0.45, 0.0),
+            SignOutline::Slant => size - Vec2::new(0.0, 0.45),
         };
         let text = self.text.size();
         let margin = if self.bulbs { 0.4 } else { 0.28 };
@@ -154,10 +154,10 @@ impl Sign {
         };
         let body = plate(half, p - half);
         match self.cut {
-            Cut::Plate => body,
+            SignOutline::Plate => body,
             // The half planes that bound the tip: through the middle of the right edge, at 45°.
-            Cut::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
-            Cut::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
+            SignOutline::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
+            SignOutline::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
         }
     }
 }
@@ -176,7 +176,7 @@ impl Painting {
 }
 
 /// Paints `colour` over `below` where `inside` (a distance that is positive inside) is above 0.
-fn over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
+fn paint_over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
     below.lerp(colour, smoothstep(-0.004, 0.004, inside))
 }
 
@@ -198,28 +198,28 @@ fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
 fn landscape(uv: Vec2) -> Vec3 {
     let wave = |x: f32, seed: u32| fractal(Vec2::new(x, 0.5), IVec2::new(64, 1), 4, seed);
     let sky = Vec3::new(0.95, 0.62, 0.22).lerp(Vec3::new(0.16, 0.36, 0.72), smoothstep(0.55, 0.0, uv.y));
-    let mut c = over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(uv, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
-    c = over(c, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
-    c = over(c, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
-    c = over(c, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
+    let mut c = paint_over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(uv, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
+    c = paint_over(c, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
+    c = paint_over(c, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
+    c = paint_over(c, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
     let path = 0.36 + 0.3 * (uv.y - 0.8) + 0.05 * (uv.y * 30.0).sin();
-    c = over(c, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
-    over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
+    c = paint_over(c, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
+    paint_over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
 }
 
 fn ship(uv: Vec2) -> Vec3 {
     let swell = 0.012 * (uv.x * 38.0).sin() + 0.02 * (uv.x * 11.0 + 1.0).sin();
     let cloud = smoothstep(0.5, 0.75, fractal(uv * Vec2::new(4.0, 9.0), IVec2::splat(64), 4, 431));
     let mut c = Vec3::new(0.42, 0.62, 0.80).lerp(Vec3::splat(0.92), 0.8 * cloud);
-    c = over(c, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * uv.y), uv.y - 0.72 - swell);
-    c = over(c, Vec3::new(0.22, 0.10, 0.05), 0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)));
+    c = paint_over(c, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * uv.y), uv.y - 0.72 - swell);
+    c = paint_over(c, Vec3::new(0.22, 0.10, 0.05), 0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)));
     let sail = Vec3::new(0.95, 0.90, 0.78);
-    c = over(c, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
-    c = over(c, sail * 0.85, polygon(uv, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
-    c = over(c, Vec3::new(0.75, 0.06, 0.05), polygon(uv, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
+    c = paint_over(c, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
+    c = paint_over(c, sail * 0.85, polygon(uv, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
+    c = paint_over(c, Vec3::new(0.75, 0.06, 0.05), polygon(uv, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
     let hull = polygon(uv, &[(0.24, 0.64), (0.84, 0.62), (0.72, 0.77), (0.32, 0.77)]);
-    c = over(c, Vec3::new(0.30, 0.11, 0.05), hull);
-    over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
+    c = paint_over(c, Vec3::new(0.30, 0.11, 0.05), hull);
+    paint_over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
 }
 
 fn fields(uv: Vec2) -> Vec3 {
@@ -237,27 +237,27 @@ fn fields(uv: Vec2) -> Vec3 {
         if uv.x > 0.72 { (uv.y - 0.3).abs() } else { 1.0 },
     ];
     let nearest = bars.into_iter().chain(short).fold(1.0, f32::min);
-    over(colour, Vec3::splat(0.02), 0.014 - nearest)
+    paint_over(colour, Vec3::splat(0.02), 0.014 - nearest)
 }
 
 fn portrait(uv: Vec2) -> Vec3 {
     let ground = Vec3::new(0.10, 0.16, 0.10) + 0.22 * smoothstep(0.9, 0.0, uv.distance(Vec2::new(0.2, 0.25)));
     let hair = Vec3::new(0.12, 0.05, 0.02);
     let skin = Vec3::new(0.86, 0.60, 0.42) * (1.25 - 0.7 * uv.x);
-    let mut c = over(ground, hair, ellipse(uv, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
-    c = over(c, Vec3::new(0.36, 0.05, 0.06), ellipse(uv, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
-    c = over(c, Vec3::new(0.92, 0.88, 0.80), ellipse(uv, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
-    c = over(c, skin * 0.8, ellipse(uv, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
-    c = over(c, skin, ellipse(uv, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
-    c = over(c, hair, ellipse(uv, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
+    let mut c = paint_over(ground, hair, ellipse(uv, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
+    c = paint_over(c, Vec3::new(0.36, 0.05, 0.06), ellipse(uv, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
+    c = paint_over(c, Vec3::new(0.92, 0.88, 0.80), ellipse(uv, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
+    c = paint_over(c, skin * 0.8, ellipse(uv, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
+    c = paint_over(c, skin, ellipse(uv, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
+    c = paint_over(c, hair, ellipse(uv, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
     let dark = Vec3::new(0.05, 0.03, 0.03);
     for x in [0.39, 0.53] {
-        c = over(c, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
-        c = over(c, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
-        c = over(c, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
+        c = paint_over(c, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
+        c = paint_over(c, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
+        c = paint_over(c, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
     }
-    c = over(c, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
-    over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
+    c = paint_over(c, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
+    paint_over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
 }
 
 /// Four panes in a frame: a lit room with a lamp, or dark glass; both with a curtain on the left.
@@ -269,32 +269,32 @@ fn pane(uv: Vec2, lit: bool) -> Vec3 {
     let curtain = smoothstep(0.02, -0.02, uv.x - 0.3 + 0.14 * uv.y);
     let glass = if lit {
         let room = Vec3::new(0.95, 0.66, 0.28) * (0.55 + 0.6 * smoothstep(0.8, 0.0, uv.distance(Vec2::new(0.68, 0.3))));
-        let lamp = over(room, Vec3::new(1.0, 0.95, 0.8), ellipse(uv, Vec2::new(0.7, 0.24), Vec2::new(0.1, 0.05)));
+        let lamp = paint_over(room, Vec3::new(1.0, 0.95, 0.8), ellipse(uv, Vec2::new(0.7, 0.24), Vec2::new(0.1, 0.05)));
         lamp.lerp(Vec3::new(0.85, 0.42, 0.18) * folds, curtain)
     } else {
         Vec3::new(0.018, 0.024, 0.032).lerp(Vec3::new(0.14, 0.13, 0.12) * folds, curtain)
     };
-    over(over(glass, frame, 0.028 - bars), frame, 0.055 - edge).clamp(Vec3::ZERO, Vec3::ONE)
+    paint_over(paint_over(glass, frame, 0.028 - bars), frame, 0.055 - edge).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// Shelves with goods on the left, a counter with a lamp on the right.
 fn shop(uv: Vec2) -> Vec3 {
     let lamp = Vec2::new(0.74, 0.30);
     let room = Vec3::new(0.62, 0.40, 0.20) * (0.25 + 0.75 * smoothstep(0.75, 0.0, uv.distance(lamp)));
-    let mut c = over(room, Vec3::new(0.10, 0.06, 0.035), uv.y - 0.86);
+    let mut c = paint_over(room, Vec3::new(0.10, 0.06, 0.035), uv.y - 0.86);
     let rows = Vec2::new(uv.x * 14.0, (uv.y - 0.16) * 6.0);
     let (id, inside) = (rows.floor().as_ivec2(), rows - rows.floor());
     let on_shelves = uv.x > 0.06 && uv.x < 0.50 && uv.y > 0.16 && uv.y < 0.83;
     if on_shelves {
         let goods = Vec3::new(unit(id, 479), unit(id, 487), unit(id, 491)) * Vec3::new(0.8, 0.55, 0.4) + 0.05;
         let box_ = (0.42 - (inside.x - 0.5).abs()).min(inside.y - (0.25 + 0.5 * unit(id, 499)));
-        c = over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * uv.x), 0.1 * box_);
-        c = over(c, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
+        c = paint_over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * uv.x), 0.1 * box_);
+        c = paint_over(c, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
     }
-    c = over(c, Vec3::new(0.30, 0.14, 0.06), (uv.y - 0.62).min(uv.x - 0.60).min(0.96 - uv.x).min(0.88 - uv.y));
-    c = over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (uv.y - 0.62).abs()).min(uv.x - 0.58).min(0.98 - uv.x));
-    c = over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (uv.x - lamp.x).abs()).min(lamp.y - uv.y));
-    over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(uv, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - uv.y))
+    c = paint_over(c, Vec3::new(0.30, 0.14, 0.06), (uv.y - 0.62).min(uv.x - 0.60).min(0.96 - uv.x).min(0.88 - uv.y));
+    c = paint_over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (uv.y - 0.62).abs()).min(uv.x - 0.58).min(0.98 - uv.x));
+    c = paint_over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (uv.x - lamp.x).abs()).min(lamp.y - uv.y));
+    paint_over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(uv, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - uv.y))
         .clamp(Vec3::ZERO, Vec3::ONE)
 }
 
@@ -324,19 +324,19 @@ fn lancet(uv: Vec2, design: u32) -> Vec4 {
     let lead = Vec3::splat(0.012);
     let mut c = if figure > 0.0 {
         let shade = |id: IVec2| 0.41 + 0.2 * (design % 3) as f32 + 0.18 * unit(id, 449);
-        over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), shade, 457 + design), figure - 0.01)
+        paint_over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), shade, 457 + design), figure - 0.01)
     } else {
         let ground = glass(Vec2::new(p.x + 2.0, p.y) * 4.2, IVec2::splat(64), |id| 0.39 * unit(id, 443 + design), 439);
         let halo = ellipse(p, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30));
-        over(over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
+        paint_over(paint_over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
     };
-    c = over(c, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
+    c = paint_over(c, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
     // The figure holds a staff in one hand, so that its left and right differ.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
-    c = over(c, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
-    c = over(c, lead, 0.012 - (p.y - 3.55).abs());
+    c = paint_over(c, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
+    c = paint_over(c, lead, 0.012 - (p.y - 3.55).abs());
     let stone = Vec3::new(0.42, 0.38, 0.31);
-    over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
+    paint_over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
 
 /// Twelve petals around a flower; their colours run once around the circle.
@@ -358,7 +358,7 @@ fn rose(uv: Vec2) -> Vec4 {
         .min(r - 0.26)
         .max(0.075 - lobe.length())
         .max(0.19 - r * (1.0 + 0.12 * (6.0 * turn * TAU + FRAC_PI_2).sin()));
-    over(stone, c, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
+    paint_over(stone, c, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
 }
 
 #[cfg(test)]
@@ -367,7 +367,7 @@ mod tests {
 
     const SIGN: Sign = Sign {
         text: Text { letters: "CINEMA", stacked: false },
-        cut: Cut::Arrow,
+        cut: SignOutline::Arrow,
         ink: Vec3::ONE,
         ground: Vec3::ZERO,
         bulbs: false,

@@ -2,7 +2,7 @@
 //! reflects; ends that the screen itself would show are left out, because captures are for the others.
 
 use super::sees;
-use super::space::{Stand, front};
+use super::space::{StandingPlace, front};
 use crate::math::random::Stream;
 use crate::scene::Triangles;
 use crate::scene::bvh::WorldRay;
@@ -36,7 +36,7 @@ pub struct MirrorEnd {
 }
 
 /// The ends of paths from the places where people stand.
-pub fn ends(triangles: &Triangles, stands: &[Stand]) -> Vec<MirrorEnd> {
+pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));
     let Some(total) = sums.last().copied() else { return Vec::new() };

@@ -52,7 +52,7 @@ const SEED: u64 = 0x7374_616e;
 
 /// A place where a person stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
+pub struct StandingPlace {
     /// The eyes, world, in metres.
     pub eye: DVec3,
     /// How large people are here, where 1 is human.
@@ -84,16 +84,17 @@ struct Surroundings {
 }
 
 /// The places where people of a size stand; empty if the scene has no floor for them.
-pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<Stand> {
-    let columns: Vec<Vec<Stand>> = (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
-    let mut found: Vec<Stand> = columns.into_iter().flatten().collect();
+pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
+    let columns: Vec<Vec<StandingPlace>> =
+        (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
+    let mut found: Vec<StandingPlace> = columns.into_iter().flatten().collect();
     found.truncate(STANDS);
     inhabited(triangles, scene, found)
 }
 
 /// The candidates for captures: above places to stand on, at the height of the eyes and higher where there is room.
-pub fn candidates(stands: &[Stand]) -> Vec<Candidate> {
-    let above = |stand: &Stand| {
+pub fn candidates(stands: &[StandingPlace]) -> Vec<Candidate> {
+    let above = |stand: &StandingPlace| {
         let (eye, clearance_m) = (stand.eye, CLEARANCE_M * stand.size);
         let room = (stand.height_m / stand.size - EYE_M - RISE_M) / RISE_M;
         let levels = 1 + (room.max(0.0) as usize).min(3);
@@ -137,7 +138,7 @@ pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
 
 /// The places to stand on in a vertical line, from above. The lines fill the scene's bounds evenly: they are the
 /// sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<Stand> {
+fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<StandingPlace> {
     /// The root of x³ = x + 1.
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let bounds = scene.bounds();
@@ -153,7 +154,7 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
         let floor = ray.at(hit.t);
         let height_m = above - floor.y;
         if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
-            stands.push(Stand { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
+            stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
         }
         above = floor.y;
         ray.t_min = hit.t + 1e-4;
@@ -162,8 +163,8 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
 }
 
 /// The places that people use, with their weights.
-fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<Stand>) -> Vec<Stand> {
-    let mut places: Vec<(Stand, Surroundings)> =
+fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
+    let mut places: Vec<(StandingPlace, Surroundings)> =
         found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
     places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
     // A file with all its triangles the wrong way round shows backs everywhere, and is none the worse for it.
@@ -186,7 +187,7 @@ fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<Stand>) -> Vec<Sta
     let floors = joined(places.len(), sights[0].iter().copied().filter(|&(i, j)| level(i, j)));
     let mut area = vec![0.0; places.len()];
     floors.iter().for_each(|floor| area[*floor] += 1.0);
-    let stands = places.iter().zip(floors).map(|((stand, _), floor)| Stand { weight: area[floor], ..*stand });
+    let stands = places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: area[floor], ..*stand });
     // Without any light, all rooms are alike.
     stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
 }

@@ -48,7 +48,7 @@ fn positions(placement: &Placement) -> Vec<Vec3> {
 
 #[test]
 fn two_rooms_get_captures_on_both_sides_of_the_wall() {
-    let placement = place(&two_rooms(), Wanted::Count(2));
+    let placement = place(&two_rooms(), WantedCaptures::Count(2));
     let places = positions(&placement);
     let is_inside = |p: &Vec3| p.cmpgt(Vec3::splat(0.25)).all() && p.cmplt(Vec3::new(7.75, 2.75, 5.75)).all();
     assert!(places.len() == 2 && places.iter().all(is_inside), "{places:?}");
@@ -65,7 +65,7 @@ fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
     scene.meshes.push(cuboid(Vec3::new(2.0, 1.0, 5.9), Vec3::new(3.0, 2.0, 6.0), false));
     scene.meshes.last_mut().unwrap().material = 1;
     scene.materials.push(Material { surface: crate::scene::Surface::Sky, ..Material::default() });
-    let placement = place(&scene, Wanted::Count(1));
+    let placement = place(&scene, WantedCaptures::Count(1));
     assert!(placement.stands.len() > 20);
     for stand in &placement.stands {
         assert!(stand.x > 0.0 && stand.x < 8.0 && stand.y == 1.5, "{stand}");
@@ -76,24 +76,24 @@ fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
 #[test]
 fn views_and_threads_have_no_influence() {
     let scene = two_rooms();
-    let first = place(&scene, Wanted::Count(3));
+    let first = place(&scene, WantedCaptures::Count(3));
     let mut looked_at = scene.clone();
     looked_at.views.push(View { eye: Vec3::new(1.0, 1.0, 1.0), look_at: Vec3::ONE * 2.0, ..View::default() });
-    assert_eq!(place(&looked_at, Wanted::Count(3)), first);
+    assert_eq!(place(&looked_at, WantedCaptures::Count(3)), first);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(pool.install(|| place(&scene, Wanted::Count(3))), first);
+    assert_eq!(pool.install(|| place(&scene, WantedCaptures::Count(3))), first);
     // More captures only follow: the first ones are the same.
-    let one = place(&scene, Wanted::Count(1));
+    let one = place(&scene, WantedCaptures::Count(1));
     assert_eq!((one.captures[0], one.seen[0]), (first.captures[0], first.seen[0]));
 }
 
 #[test]
 fn auto_stops_where_another_capture_gains_little() {
     // An empty room is seen whole from anywhere in it.
-    let placement = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), true)]), Wanted::Auto);
+    let placement = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), true)]), WantedCaptures::Auto);
     assert_eq!((placement.captures.len(), placement.own), (1, 0));
     assert!(placement.seen[0] > 0.999, "{:?}", placement.seen);
-    let placement = place(&two_rooms(), Wanted::Auto);
+    let placement = place(&two_rooms(), WantedCaptures::Auto);
     assert!((2..=AUTO_MOST).contains(&placement.captures.len()), "{:?}", placement.seen);
 }
 
@@ -102,30 +102,30 @@ fn the_captures_of_a_file_come_first() {
     let mut scene = two_rooms();
     let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::at(Vec3::new(x, 1.0, 3.0)) });
     scene.captures = own.to_vec();
-    let auto = place(&scene, Wanted::Auto);
+    let auto = place(&scene, WantedCaptures::Auto);
     assert_eq!((auto.captures.as_slice(), auto.own), (&own[..], 2));
     assert!(auto.seen[0] > 0.2 && auto.seen[1] > auto.seen[0]);
-    let one = place(&scene, Wanted::Count(1));
+    let one = place(&scene, WantedCaptures::Count(1));
     assert_eq!((one.captures.as_slice(), one.own), (&own[..1], 1));
-    let three = with_captures(&mut scene, Wanted::Count(3));
+    let three = with_captures(&mut scene, WantedCaptures::Count(3));
     assert_eq!((three.own, three.captures.len(), &three.captures), (2, 3, &scene.captures));
     assert_eq!((three.captures[2].resolution, three.captures[2].near_m), (64, 0.1), "as the file's first");
 }
 
 #[test]
 fn a_small_scene_gets_small_people_and_an_empty_one_nobody() {
-    let tiny = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::splat(0.3), true)]), Wanted::Auto);
+    let tiny = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::splat(0.3), true)]), WantedCaptures::Auto);
     let [capture] = tiny.captures[..] else { panic!("{:?}", tiny.captures) };
     assert!(capture.position.cmpgt(Vec3::ZERO).all() && capture.position.cmplt(Vec3::splat(0.3)).all());
-    assert_eq!(place(&Scene::default(), Wanted::Count(4)), Placement::default());
-    assert_eq!(place(&two_rooms(), Wanted::Count(99)).captures.len().min(MAX_CAPTURES + 1), MAX_CAPTURES);
+    assert_eq!(place(&Scene::default(), WantedCaptures::Count(4)), Placement::default());
+    assert_eq!(place(&two_rooms(), WantedCaptures::Count(99)).captures.len().min(MAX_CAPTURES + 1), MAX_CAPTURES);
 }
 
 #[test]
 fn on_streets_and_in_halls_captures_stand_above_floors_and_below_roofs() {
     for (name, roof) in [("atrium", 13.0), ("street", 7.5), ("cathedral", 13.9)] {
         let scene = library::scene(name).unwrap();
-        let placement = place(&scene, Wanted::Count(4));
+        let placement = place(&scene, WantedCaptures::Count(4));
         let triangles = Triangles::new(&scene, &scene.materials);
         assert_eq!(placement.captures.len(), 4, "{name}");
         for capture in &placement.captures {

@@ -1,7 +1,7 @@
 //! Motions that a scene file names: a mesh that is moved and turned from key frame to key frame.
 
 use crate::error::Result;
-use crate::scene::motion::{Between, Changes, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
 use crate::scene::obj::Handedness;
 use crate::scene::source_text::SourceText;
 use crate::scene::{Aabb, Scene};
@@ -82,8 +82,8 @@ impl SourceText<'_> {
         let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
         let span = key.first().map_or(mesh.span(), Spanned::span);
         let wrong = |why: &str| self.error(span.clone(), format!("motion {name} {why}"));
-        let offsets = Keys::new(times.clone(), offsets, Between::Linear).map_err(wrong)?;
-        let turns = Keys::new(times, turns, Between::Linear).map_err(wrong)?;
+        let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;
+        let turns = Keys::new(times, turns, Interpolation::Linear).map_err(wrong)?;
         let nodes = vec![
             MovingNode {
                 rest: Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),

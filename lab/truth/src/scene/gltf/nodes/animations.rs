@@ -4,7 +4,7 @@
 use super::Nodes;
 use crate::scene::gltf::Notes;
 use crate::scene::gltf::data::Data;
-use crate::scene::motion::{Between, Changes, Keys, Motion, Mover, MovingNode, Rest};
+use crate::scene::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
 use crate::scene::{Mesh, bounded};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::Dimensions;
@@ -71,7 +71,7 @@ pub(super) fn motions(
                 }
             }
             Err(why) => {
-                let name = bounded::shown(&name);
+                let name = bounded::printable_name(&name);
                 notes.add(&format!("animation {number}"), format!("animation {name} was left out: {why}"));
             }
         }
@@ -97,9 +97,9 @@ fn changes(
         let pair = [sampler.input, sampler.output].map(|i| accessors.get(i));
         let [Some(input), Some(output)] = pair else { return Err(refused("has no accessor")) };
         let between = match sampler.interpolation.as_deref() {
-            None | Some("LINEAR") => Between::Linear,
-            Some("STEP") => Between::Step,
-            Some("CUBICSPLINE") => Between::Cubic,
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::Cubic,
             Some(_) => return Err(refused("has an interpolation that is not one of glTF")),
         };
         if channel.target.path == "weights" {
@@ -119,7 +119,7 @@ fn changes(
 }
 
 fn keys<const N: usize>(
-    (data, input, output, between): (&Data, &Accessor, &Accessor, Between),
+    (data, input, output, between): (&Data, &Accessor, &Accessor, Interpolation),
     dimensions: Dimensions,
 ) -> Result<Arc<Keys<N>>, String> {
     if input.dimensions() != Dimensions::Scalar || output.dimensions() != dimensions {
@@ -177,7 +177,7 @@ fn movers(
         if mover.is_placed() {
             movers.push(mover);
         } else {
-            let name = bounded::shown(name);
+            let name = bounded::printable_name(name);
             notes.add(
                 "uneven",
                 format!("{name} stands still: a size that changes along one axis alone is not supported"),

@@ -2,7 +2,7 @@
 
 use super::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
 use crate::scene::library::builder::{MeshBuilder, Rect};
-use crate::scene::library::fittings::{Face, around};
+use crate::scene::library::fittings::{Face, centred_rect};
 use crate::scene::pattern::unit;
 use glam::{IVec2, Vec3};
 
@@ -30,7 +30,7 @@ pub enum Ground {
 }
 
 /// A house as seen from the street.
-pub struct Front {
+pub struct HouseFront {
     /// The stem of its meshes' names.
     pub name: &'static str,
     pub face: Face,
@@ -63,7 +63,7 @@ enum Filling {
 }
 
 /// Builds all meshes of a house.
-pub fn build(front: &Front) -> Vec<MeshBuilder> {
+pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
     let names = parts(front.name);
     let mut wall = front.wall.renamed(&names[0]);
     let [mut trim, mut dark, mut lit, mut shops, mut doors, mut glass] =
@@ -101,7 +101,7 @@ pub fn build(front: &Front) -> Vec<MeshBuilder> {
                 face.block(&mut doors, rect, [-RECESS_M - 0.05, -RECESS_M]);
                 let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
                 for (y, height) in [(-0.5, 0.7), (0.4, 0.75)] {
-                    let panel = around(middle.x, middle.y + y * half.y, 1.3 * half.x, height * half.y);
+                    let panel = centred_rect(middle.x, middle.y + y * half.y, 1.3 * half.x, height * half.y);
                     face.border(&mut doors, panel, 0.04, [-RECESS_M, -RECESS_M + 0.03]);
                 }
                 face.border(&mut trim, rect, 0.12, [-0.05, 0.05]);
@@ -122,7 +122,7 @@ pub fn build(front: &Front) -> Vec<MeshBuilder> {
 }
 
 /// Doors and windows, storey by storey.
-fn openings(front: &Front) -> Vec<Opening> {
+fn openings(front: &HouseFront) -> Vec<Opening> {
     let [from, to] = front.span;
     let count = ((to - from) / BAY_M).floor().max(1.0) as usize;
     let pitch = (to - from) / count as f32;
@@ -163,7 +163,7 @@ fn openings(front: &Front) -> Vec<Opening> {
 }
 
 /// The parts of the side walls that rise above lower neighbours.
-fn gables(wall: &mut MeshBuilder, front: &Front) {
+fn gables(wall: &mut MeshBuilder, front: &HouseFront) {
     for (a, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
         let point = |y: f32, out: f32| front.face.at(a, y, out);
         wall.polygon(

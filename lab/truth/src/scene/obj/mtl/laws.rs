@@ -8,7 +8,7 @@ use super::{Definition, TRANSPARENCY};
 use crate::scene::Material;
 use crate::scene::material_terms::{F0, f0_of_ior, roughness_of_exponent, roughness_of_perceptual};
 use crate::scene::metallic::{Factors, TexelInputs};
-use crate::scene::obj::baked::Reading;
+use crate::scene::obj::baked::MaterialReading;
 use crate::scene::texture::luminance;
 use glam::Vec3;
 
@@ -90,7 +90,7 @@ impl Definition {
     }
 
     /// What the material is by its law.
-    pub(in crate::scene::obj) fn reading(&self) -> Reading {
+    pub(in crate::scene::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
             base: self.base(),
             metallic: self.metallic(),
@@ -107,7 +107,7 @@ impl Definition {
         };
         let roughness = self.lobe();
         let material = Material { albedo, emission, reflectivity, roughness, ..Material::default() };
-        Reading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
+        MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
     }
 
     /// Black under an image counts as white, as exporters mean it.

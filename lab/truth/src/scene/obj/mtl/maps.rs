@@ -1,6 +1,6 @@
 //! The lines of maps in MTL files: options, and a name that may have blanks.
 
-use super::{Place, different, without_comment};
+use super::{Place, distinct, without_comment};
 use crate::scene::obj::images::{ImageStatement, resolve};
 use std::path::Path;
 
@@ -62,7 +62,7 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
     let folder = place.path.parent().unwrap_or(Path::new(""));
     let clean = |name: &str| name.trim().trim_matches('"').trim().to_owned();
     let spelt = [whole, bare, head, last].into_iter().flat_map(|text| [clean(text), clean(&text.replace("\\ ", " "))]);
-    let spelt = different(spelt.filter(|name| !name.is_empty()));
+    let spelt = distinct(spelt.filter(|name| !name.is_empty()));
     let found = spelt.into_iter().find(|name| resolve(folder, name).is_some());
     let name = found.unwrap_or_else(|| clean(head));
     if name.len() <= head.len() {
