@@ -192,7 +192,10 @@ fn words_are_counted_as_readers_count_them() {
     assert_eq!(wordy(&format!("# Heading\n\n{thirty}one two three four [five](a/b.md)\n")), [0; 0]);
     assert_eq!(wordy(&format!("First.\n\n{thirty}\none two three four five six\n")), [3]);
     assert_eq!(wordy(&format!("{thirty}. A sentence {thirty}.\n- An item: {thirty}")), [0; 0]);
-    assert_eq!(wordy(&format!("```\n{thirty}{thirty}\n```\n| {thirty}{thirty} |\n<!-- {thirty}{thirty} -->\n")), [0; 0]);
+    assert_eq!(
+        wordy(&format!("```\n{thirty}{thirty}\n```\n| {thirty}{thirty} |\n<!-- {thirty}{thirty} -->\n")),
+        [0; 0]
+    );
 }
 
 #[test]

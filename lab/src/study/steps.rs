@@ -104,7 +104,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     let (screen, walk) = (alone.followed(), CaptureTraversal::new(&data.camera, &captures).with_bounds(bounds));
     let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
     let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
-    let lost = |(x, y): &(u32, u32)| match walk.on_screen(&screen, *x, *y) {
+    let lost = |(x, y): &(u32, u32)| match walk.trace_screen(&screen, *x, *y) {
         ScreenRayEnd::Lost(ray) if data.reflects(data.index(*x, *y)) => {
             Some(walk.trace_captures(&ray).steps.max(0) as u32)
         }
