@@ -15,16 +15,16 @@ void main() {
     vec2 material;
     if (ray.y < 0.0) {
         t = -eye.y / ray.y;
-        vec3 at = eye + t * ray;
-        float checker = mod(floor(at.x) + floor(at.z), 2.0);
+        vec3 point = eye + t * ray;
+        float checker = mod(floor(point.x) + floor(point.z), 2.0);
         normal = vec3(0, 1, 0), color = mix(vec3(0.05), vec3(0.3, 0.28, 0.25), checker);
-        material = vec2(0.6, at.x < 0.0 ? 0.0 : 0.15);
+        material = vec2(0.6, point.x < 0.0 ? 0.0 : 0.15);
     }
     float wall = (-8.0 - eye.z) / ray.z;
     if (wall > 0.0 && wall < t) {
-        vec3 at = eye + wall * ray;
+        vec3 point = eye + wall * ray;
         t = wall, normal = vec3(0, 0, 1), material = vec2(0);
-        color = 0.5 + 0.4 * cos(vec3(0, 2, 4) + 0.9 * at.x + 0.4 * at.y);
+        color = 0.5 + 0.4 * cos(vec3(0, 2, 4) + 0.9 * point.x + 0.4 * point.y);
     }
     for (int i = 0; i < 2; ++i) {
         vec3 centre = i == 0 ? vec3(-1.8, 1.0, -1.0) : vec3(1.6, 1.2, -2.0);

@@ -19,8 +19,8 @@ OUTPUT(0, rgba16f, vec4, out_reflection);
 // Pixels that a ray passes at most; a longer one is sampled as often.
 #define MARCH_MAX 512
 
-vec3 ViewPosition(vec2 at, float depth) {
-    vec4 h = camera.clip_to_view_reversed * vec4(at / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0), depth, 1.0);
+vec3 ViewPosition(vec2 position, float depth) {
+    vec4 h = camera.clip_to_view_reversed * vec4(position / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0), depth, 1.0);
     return h.xyz / h.w;
 }
 

@@ -214,7 +214,7 @@ fn mistakes_in_a_manifest_get_its_line() {
 fn mistakes_in_a_shader_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
     let cases = [
-        ("vec2 ndc = at", "vec2 ndc = here", "m/march.frag:16: 'here' : undeclared identifier"),
+        ("vec2 ndc = position_uv", "vec2 ndc = here", "m/march.frag:16: 'here' : undeclared identifier"),
         ("out vec4 reflection;", "out vec4 reflection; out vec4 more;", "writes 2 colours, and the pass has 1 targets"),
         ("uniform sampler2D colour;", "#include \"none.glsl\"\nuniform sampler2D colour;", "none.glsl"),
         ("#version 330 core", "", "m/march.frag"),

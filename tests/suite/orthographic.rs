@@ -310,7 +310,7 @@ fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
     let (eye, beside) = ("1,0,-3", "1,-0.5,0");
     let aimed = ["--eye", eye, "--look-at", beside];
-    let few = ["--scene", "rooms", "--size", "32x32", "--roughness", "0", "--json"];
+    let few = ["--scene", "rooms", "--size", "32x32", "--roughness", "0", "--capture-side", "128", "--json"];
     for (command, taken) in [
         ([&["time", "--samples", "1", "--warmup", "0"], &aimed[..]].concat(), 6),
         ([&["error", "--no-sweep", "--samples", "1", "--rays", "2"], &aimed[..]].concat(), 6),

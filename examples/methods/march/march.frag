@@ -12,9 +12,9 @@ uniform int steps;
 uniform float stride;         // metres
 uniform float thickness;      // metres
 
-vec3 Place(vec2 at) {
-    vec2 ndc = at * 2.0 - 1.0;
-    return vec3(ndc.x * tangents.x, -ndc.y * tangents.y, -1.0) * texture(depth, at).r;
+vec3 Place(vec2 position_uv) {
+    vec2 ndc = position_uv * 2.0 - 1.0;
+    return vec3(ndc.x * tangents.x, -ndc.y * tangents.y, -1.0) * texture(depth, position_uv).r;
 }
 
 void main() {
@@ -26,12 +26,12 @@ void main() {
     for (int i = 0; i < steps; ++i) {
         place += along;
         vec4 clip = projection * vec4(place, 1.0);
-        vec2 at = clip.xy / clip.w * 0.5 + 0.5;
-        if (clip.w <= 0.0 || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(1.0))))
+        vec2 screen_uv = clip.xy / clip.w * 0.5 + 0.5;
+        if (clip.w <= 0.0 || any(lessThan(screen_uv, vec2(0.0))) || any(greaterThan(screen_uv, vec2(1.0))))
             return;
-        float behind = -place.z - texture(depth, at).r;
+        float behind = -place.z - texture(depth, screen_uv).r;
         if (behind > 0.0 && behind < thickness) {
-            reflection = vec4(texture(colour, at).rgb, 1.0);
+            reflection = vec4(texture(colour, screen_uv).rgb, 1.0);
             return;
         }
     }

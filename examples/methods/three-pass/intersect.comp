@@ -61,9 +61,9 @@ void main() {
     line /= max(max(abs(line.x) * f.size.x, abs(line.y) * f.size.y), 1e-6);
     vec2 pixels = line.xy * f.size;
     int level = 0, most = min(textureQueryLevels(depth) - 1, 6);
-    float at = 1.0;
+    float distance_px = 1.0;
     for (int i = 0; i < f.steps; ++i) {
-        vec3 p = from + line * at;
+        vec3 p = from + line * distance_px;
         if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
             return;
         // Goes on to the side of the cell that the ray leaves by.
@@ -76,7 +76,7 @@ void main() {
         float farthest_of_ray = min(p.z, p.z + line.z * way);
         if (farthest_of_ray >= nearest) {
             // In front of all that is there.
-            at += way;
+            distance_px += way;
             level = min(level + 1, most);
         } else if (level > 0) {
             --level;
@@ -86,7 +86,7 @@ void main() {
                 imageStore(ends, pixel, vec4(p.xy, nearest, 1.0));
                 return;
             }
-            at += way;
+            distance_px += way;
         }
     }
 }
