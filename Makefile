@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars league test shader-test test-busy test-times test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars league test test-one shader-test test-busy test-times test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake embree library fuzz lint bench view doc docs \
 	clean
 
@@ -65,6 +65,10 @@ test: setup
 # those that share a word with it.
 shader-test:
 	@scripts/shader-test.sh "$(FILE)" $(TESTS)
+
+# Tests after a change of Rust, which is compiled in parts: only what changed. TESTS names them.
+test-one:
+	CARGO_INCREMENTAL=1 $(CARGO) test --test suite -- $(TESTS)
 
 # The same tests beside eight busy loops: no test may depend on how fast a machine is.
 test-busy: setup
