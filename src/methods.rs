@@ -204,7 +204,7 @@ pub struct MethodRequest {
     pub behind: bool,
 }
 
-/// What a method is that is not of the table but was added while the program runs.
+/// A method that is not in the table, but was added while the program runs.
 pub trait Added: Send + Sync {
     /// Its own parameters.
     fn parameters(&self) -> Vec<Parameter>;

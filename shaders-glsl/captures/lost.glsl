@@ -13,7 +13,7 @@ struct LostRay {
     float before;   // metres that its footprint has widened up to the start
     vec3 direction; // unit, world axes
     float spread;   // width of its footprint for each metre
-    uvec4 pixel;    // or cell that it is of: x, y; z: the triangle that it begins on, or NO_TRIANGLE; w unused
+    uvec4 pixel;    // x, y: the pixel or cell that it belongs to; z: the triangle that it begins on, or NO_TRIANGLE; w unused
 };
 
 layout(std430, binding = 19) LIST_ACCESS buffer LostRays {

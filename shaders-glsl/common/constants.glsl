@@ -151,7 +151,7 @@ const int CONVERT_WORLD_PLACE = 12;    // Where the surface stands in world spac
 
 const int ALPHA_FADE = 0;              // What is in a of a user's reflection: its fade.
 const int ALPHA_PREMULTIPLIED = 1;     // Its fade, which the colour is multiplied by already.
-const int ALPHA_NONE = 2;              // Nothing that counts.
+const int ALPHA_NONE = 2;              // Nothing that is read: it counts as 1.
 
 const int HITS_UV = 0;                 // A user's hits: texture coordinates, below 0 for none.
 const int HITS_UV_MASKED = 1;          // Texture coordinates, and a above 0 for a hit.

@@ -10,7 +10,7 @@ layout(binding = 31) uniform accelerationStructureEXT ray_structure; // of the c
 // The nearest triangle that stops the ray.
 TriangleHit ClosestHit(TreeRay ray) {
     TriangleHit best = NO_HIT;
-    // A query's ray must be finite; a walk meets no box with any other.
+    // The ray of a query must be finite. A ray that is not meets no box in a walk either.
     float size = dot(abs(ray.origin), vec3(1.0)) + dot(abs(ray.direction), vec3(1.0));
     if (!(size < NEVER))
         return best;

@@ -64,7 +64,7 @@ uvec4 Attribute(uint triangle, int vector) {
 
 // Materials: three vectors each. 0: albedo and emission. 1: albedo map and normal map. 2: MATERIAL_ bits and levels of all
 // maps, the normal deviation, and the alpha mask. A map is the place of its first word among the words of images, and its
-// width and height in 16 bits each; a map that there is none of is white.
+// width and height in 16 bits each; a map that is missing is white.
 uvec4 Material(uint attribute_word, int vector) {
     return Table(3 * int(attribute_word & 0x7fffffffu) + vector);
 }

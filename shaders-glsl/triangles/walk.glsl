@@ -92,7 +92,7 @@ bool IsNearer(TriangleHit hit, float t, uint id) {
     return hit.t < t || (hit.t == t && hit.id < id);
 }
 
-// Takes the hit on a triangle for the best one if it comes before that.
+// Makes the hit on a triangle the best one if the ray meets the triangle and this hit comes before the best one so far.
 void UpdateNearestHit(TreeRay ray, int slot, inout TriangleHit best) {
     TriangleHit hit;
     if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, best.t, best.id))

@@ -8,7 +8,7 @@
 layout(constant_id = 13) const bool TELLS = false; // the ends are wanted
 
 // The distance from where the ray began, in units of ViewPoint, as bits; and what it met (PackRayEnd). 0 for a ray that missed.
-layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // any image of this format without TELLS
+layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // without TELLS, any image of this format is bound
 
 void StoreRayEnd(ivec2 pixel, uvec2 ray_end) {
     if (TELLS)

@@ -182,7 +182,8 @@ const bool MARKS_NEAR = OWN_RAYS > 0;
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void BlockDifferences(vec3 unit, out vec3 across, out vec3 along);
 
-// Where the ray of a point ended (ViewPoint's scale), put far away if it is near, or the direction of a miss.
+// Where the ray of a point ended, as it is recorded (ViewPoint's scale); for a miss, the ray's direction. A hit that is near is put
+// far away (NEAR_HIT says why).
 vec3 RecordedPlace(vec3 point, RayEnd end) {
     return end.is_near ? point + FAR_AWAY * (end.place - point) : end.place;
 }

@@ -21,7 +21,8 @@ pub struct CaptureCubesInfo<'a> {
     pub places: &'a [[f32; 3]],
     /// Width and height of each face in texels, 1 to 4096.
     pub side: u32,
-    /// The projection that all faces were drawn with: a quarter turn, as [`CameraInput::view_to_clip`].
+    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
+    /// [`CameraInput::view_to_clip`].
     pub view_to_clip: [f32; 16],
     /// Where the top of a face is in its clip space.
     pub clip_y: ClipY,

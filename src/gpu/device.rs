@@ -164,7 +164,7 @@ pub struct Shared {
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
     pub(crate) numbers_triangles: bool,
-    /// What tells about compiled pipelines, on a device that compiles only.
+    /// The functions that ask about compiled pipelines, on a device that compiles only.
     pub(super) executables: Option<Executables>,
     /// Ray queries, or a sentence that says why there are none.
     ray_queries: std::result::Result<RayQueries, String>,

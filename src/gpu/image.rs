@@ -285,6 +285,7 @@ impl Image {
         image
     }
 
+    /// Wraps an image that somebody else made and destroys, without views.
     fn bare(gpu: &Gpu, name: &str, handle: vk::Image, (format, extent): (vk::Format, [u32; 2])) -> Self {
         Self {
             gpu: gpu.clone(),

@@ -226,7 +226,8 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
 }
 
 impl SharedPipeline {
-    /// The one that the device keeps, or a new one. Targets of no format at the end are left out.
+    /// Returns the pipeline that the device keeps for these stages and targets, or makes it. Targets without a format are left out
+    /// where they end the list.
     fn graphics(
         gpu: &Gpu,
         stages: &Stages,
@@ -350,7 +351,7 @@ impl SharedPipeline {
         Self::graphics(gpu, stages, &Geometry::Triangles(None), targets, None)
     }
 
-    /// The one that the device keeps, or a new one.
+    /// Returns the pipeline that the device keeps for this program and its constants, or makes it.
     pub(super) fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         let key = Key { shaders: [Some(shader.name), None], constants, ..Key::default() };
         let constants = key.constants.clone();

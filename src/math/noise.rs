@@ -67,7 +67,8 @@ fn split(x: f32) -> (i32, f32) {
     (cell, f * f * f * (f * (f * 6.0 - 15.0) + 10.0))
 }
 
-/// A lattice coordinate within the period. Most are already, and a division takes longer than all else here.
+/// A lattice coordinate within the period. Most coordinates lie there already, and are not divided, since a division takes longer
+/// than all else here.
 fn wrapped(cell: i32, period: i32) -> i32 {
     if (0..period).contains(&cell) { cell } else { cell.rem_euclid(period) }
 }

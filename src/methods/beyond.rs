@@ -12,7 +12,7 @@ use crate::scene::{Capture, Material};
 use glam::Vec3;
 
 impl Fallback {
-    /// The method that is behind.
+    /// The method that shows where a reflection fades or misses; `None` without a fallback.
     pub fn method(self) -> Option<&'static MethodInfo> {
         match self {
             Self::None => None,

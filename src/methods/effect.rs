@@ -356,8 +356,8 @@ impl Effect {
         &self.prepared
     }
 
-    /// The captures in which rays go on, once they are made, and where the scene was captured for them: the one at the
-    /// camera as the last frame was recorded.
+    /// The captures in which rays go on, once they are made, and the places where they were captured. A capture that moves with the
+    /// camera is where the camera was when the last frame was recorded.
     pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
         let images = self.captures.as_ref()?.images.as_ref()?.captures();
         Some((images, self.places().collect()))

@@ -129,7 +129,7 @@ impl ThesisMethod {
         Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.filling())
     }
 
-    /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].
+    /// Records the cone trace over hits that any tracer may have found, for a method made by [`Self::cone_alone`].
     pub fn record_cone<'a>(
         &'a self,
         frame: &mut Frame,

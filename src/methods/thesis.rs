@@ -176,7 +176,7 @@ impl HiZParams {
 }
 
 impl MarchParams {
-    /// Fills in what the linear march reads of the block.
+    /// Fills in the members of the block that the linear march reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock { linear_march_stride: self.march_stride, binary_search_first: self.search_first, ..block }
     }

@@ -31,8 +31,8 @@
 //! comes from behind meets it as well, or one that passes an edge, and a ray meets the pixel beside its own, whose
 //! surface it leaves: of the hits that the world does not have, these are most. Version 2 of the oracle (`--oracle 2`)
 //! asks where a ray can have come from: of the first pixel by the normal there, and after the walk by one more look at
-//! the pyramid, at the pixel before. A miss is black, and a wrong hit is often a better guess than that, so that it is
-//! a choice.
+//! the pyramid, at the pixel before. Version 2 is a choice, since a miss is black, and a wrong hit is often a better
+//! guess than black.
 //!
 //! **Beyond the screen.** With captures (`--captures`) the screen is one image of the scene among several. A ray that the
 //! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
@@ -458,7 +458,7 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];
     let side = extent.map(f64::from);
-    // The image is shifted by z or by 1, whichever w is.
+    // A shift of the image goes with w, which is z in a perspective and 1 in an orthographic projection.
     let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
     let [fade_start, fade_end] = FadeParams::default().ends();
     UnifiedBlock {

@@ -76,7 +76,7 @@ pub struct BillboardPass {
 }
 
 impl BillboardPass {
-    /// An image of a size in pixels; with a glow ([`Drawing::glow`]) or without.
+    /// Makes the pass and its image of a size in pixels. `glow` says whether the pass can draw a glow ([`Drawing::glow`]).
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], glow: bool) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &BillboardConstants { glow })?,

@@ -171,13 +171,13 @@ fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: v
     Ok(Box::new(Image::new(gpu, &described)?))
 }
 
-/// Levels of a chain, each from the one below it.
+/// Records blits of some levels of a chain, each from the level below it.
 fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
-/// The levels of a chain from one on: blits, and the last [`COARSE`] of them in one dispatch if none of these is below that one. The
-/// shader has one format.
+/// Records the levels of a chain from level `from` on, as blits. The last [`COARSE`] levels are one dispatch instead, if none of them
+/// is below `from` and the chain has the one format that the shader writes.
 fn record_levels(
     frame: &mut Frame,
     chain: &Image,
@@ -193,7 +193,7 @@ fn record_levels(
     }
 }
 
-/// The levels of a chain from one on, of which there are [`COARSE`].
+/// Records the last [`COARSE`] levels of a chain, from level `first` on, in one dispatch.
 fn coarse(
     frame: &mut Frame,
     chain: &Image,

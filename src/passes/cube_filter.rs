@@ -12,8 +12,8 @@ use ash::vk;
 /// Side of a face in texels.
 pub const FACE_SIZE: u32 = 256;
 
-/// Levels of a filtered map. The coarsest has 8 texels a side for the roughest lobe, whose cone is
-/// about five of them wide; each finer level halves both.
+/// Levels of a filtered map. The coarsest has 8 texels a side for the roughest lobe, whose cone is about five of them wide. In each
+/// finer level the texels and the cone are half as wide.
 pub const LEVELS: u32 = 6;
 
 /// Directions of a lobe that are averaged, at every level.

@@ -25,7 +25,7 @@ pub enum ListContent {
     Nothing,
     /// Pixels that get rays of their own ([`own_rays`](super::own_rays)).
     Pixels,
-    /// Rays that the screen lost, and then such pixels.
+    /// Rays that the screen lost; once these have been followed, pixels that get rays of their own.
     Rays,
 }
 

@@ -15,7 +15,7 @@ pub struct PccmPass {
 }
 
 impl PccmPass {
-    /// For a size in pixels and a projection, with the correction or without.
+    /// Makes the pass for a size in pixels and a kind of projection, with the correction of parallax or without.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, corrected: bool) -> Result<Self> {
         let constants = programs::PccmConstants { corrected, orthographic: kind.is_orthographic() };
         let label = if corrected { "pccm" } else { "local map" };

@@ -1,5 +1,5 @@
-//! Planar reflections: what stands around the mirrored scene (thesis §3.1.2). The scene itself is drawn and
-//! lit by the passes that draw and light it anyway, with a mirrored camera.
+//! Planar reflections (thesis §3.1.2): the passes before and after the mirrored scene is drawn. The scene itself is drawn and
+//! lit by the passes that draw and light every scene, with a mirrored camera.
 
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -33,7 +33,7 @@ pub struct PlanarPass {
 }
 
 impl PlanarPass {
-    /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
+    /// Makes the pass and its image of a size in pixels. `stencil` is the format of the depth target that is marked.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
         Ok(Self {
             mark: GraphicsPipeline::marking(gpu, stencil)?,

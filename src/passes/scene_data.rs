@@ -47,7 +47,7 @@ pub struct SceneData {
     moving: Vec<String>,
     /// Whether they have moved since that tree was built.
     has_moved: Cell<bool>,
-    /// Milliseconds in which it was built for the next frame.
+    /// Milliseconds that building that tree took, until the next frame reports them.
     moving_ms: Cell<Option<f64>>,
     /// Built when rays are first followed among them, and again when a mesh moves that never has.
     triangle_geometry: OnceCell<TriangleGeometry>,

@@ -34,7 +34,8 @@ pub struct UnifiedGlossPass {
     between: BetweenPasses,
 }
 
-/// The programs that trace narrow lobes, by who is asked where a ray ends (as for mirrors).
+/// The programs that trace narrow lobes, one for each way to find where a ray ends: on the screen, on the screen with triangles that
+/// confirm its hits, or among the triangles alone. Mirrors have the same three.
 enum NarrowTraces {
     Screen(TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>),
     Confirmed(TiledPipeline<TraceNarrowConfirmed<'static>, TraceNarrowConfirmedCompute<'static>>),

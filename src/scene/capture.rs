@@ -20,9 +20,9 @@ pub const BOUNDS_MARGIN: f32 = 0.02;
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.
 pub const FAR_M: f32 = 10_000.0;
 
-/// The camera of a face of a cube of images around a position, in Vulkan's order +x −x +y −y +z −z: a quarter turn, so
-/// that the six close up. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the faces of
-/// the poles need it.
+/// The camera of one face of a cube of images around a position. The faces are in Vulkan's order +x −x +y −y +z −z, and each sees
+/// a quarter turn, so that the six leave no gap. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the
+/// faces of the poles need it.
 pub fn face_camera(position: Vec3, face: usize, near_m: f32) -> Camera {
     let lens = Lens::perspective(FRAC_PI_2, near_m, FAR_M);
     Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), lens, 1.0)

@@ -28,7 +28,7 @@ use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The view of table 5.8.
+/// The scene and the view that the thesis's table 5.8 is measured on.
 const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 
 /// Roughness values at which the passes of `unified` are compared, so that each is among them.

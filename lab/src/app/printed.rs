@@ -7,7 +7,7 @@ use std::io::{Result, StdoutLock, Write};
 /// Standard output, without characters that a terminal obeys.
 pub struct PrintableOutput(StdoutLock<'static>);
 
-/// Standard output, for as long as something is printed.
+/// Locks standard output. What is written to it loses the characters that a terminal obeys.
 pub fn out() -> PrintableOutput {
     PrintableOutput(std::io::stdout().lock())
 }

@@ -19,7 +19,7 @@ use crate::study::record::DEFINITIONS;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
-/// Rays a pixel between two chances to stop, where nobody looks at the standard error.
+/// Rays a pixel that are traced before the program can stop again, where no standard error is asked for.
 const RAYS_AT_ONCE: u32 = 4;
 
 /// Samples until the standard error is met; what was sampled before, for the same image, is kept.

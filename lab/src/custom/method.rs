@@ -139,8 +139,9 @@ struct RunningVersion {
     files: Vec<PathBuf>,
     /// Names of the images, in their order.
     names: Vec<&'static str>,
-    /// Frames since the first, and what the last one was seen from.
+    /// How many frames there have been.
     frames: Cell<u32>,
+    /// The camera of the last frame.
     before: Cell<Option<Camera>>,
 }
 

@@ -1,4 +1,5 @@
-//! GLSL that Vulkan's compiler does not take, found before it is asked: its own words about such texts do not say what to write.
+//! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: its own messages about such texts do not say what
+//! to write.
 
 use crate::error::{Error, Result};
 use std::path::Path;

@@ -46,9 +46,9 @@ pub struct Judgement {
 /// One of the two runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Side {
-    /// The first, what is compared with.
+    /// The first run, which the other one is compared with.
     A,
-    /// The second.
+    /// The second run.
     B,
 }
 
@@ -63,9 +63,9 @@ pub struct CompareHead {
     pub version: &'static str,
     /// Commit of the program's source.
     pub commit: String,
-    /// The first, what is compared with.
+    /// The first run, which the other one is compared with.
     pub a: String,
-    /// The second.
+    /// The second run.
     pub b: String,
 }
 

@@ -105,7 +105,7 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
         Vec::new()
     }
 
-    /// CSV files beside that of the rows and that of their series.
+    /// Further CSV files, beside the file of the rows and the file of their series.
     fn sheets(_rows: &[Self]) -> Vec<Sheet> {
         Vec::new()
     }

@@ -163,7 +163,7 @@ pub struct Head {
     pub height: u32,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
-    /// All that was set.
+    /// Everything that was set for the measurement, by name.
     pub setup: RecordedSetup,
 }
 
@@ -335,7 +335,7 @@ impl TimeRecord {
         self.samples.iter().map(counted).collect()
     }
 
-    /// Medians of the counted passes with the levels of a chain added up, in order.
+    /// Medians of the passes that count towards the time of the method, in order. The levels of a chain are added up.
     pub fn stages(&self) -> Vec<(String, f64)> {
         self.grouped(true)
     }

@@ -60,7 +60,7 @@ columns! {
         pub width: u32 = figure(""),
         /// Pixels.
         pub height: u32 = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
         /// Pixels of the image.
         pub pixels: usize = figure(""),

@@ -46,7 +46,7 @@ impl Zones {
 
 #[cfg(not(feature = "tracy"))]
 impl Zones {
-    /// Nothing.
+    /// Does nothing without the feature `tracy`.
     pub fn begin() -> Self {
         Self {}
     }

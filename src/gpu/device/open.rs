@@ -102,7 +102,7 @@ fn no_driver_fits(result: vk::Result) -> Option<Error> {
     Some(Error::NoDevice(format!("the loader finds no driver that fits{short}")))
 }
 
-/// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
+/// Every device of an instance, and why one can't be used. A device that is to compile only need not have memory.
 pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
     let physical = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {

@@ -32,13 +32,13 @@ pub(super) struct OwnCommands {
     pub(super) fence: vk::Fence,
 }
 
-/// What a frame keeps until the device is done with it. One frame at a time, of which as many may be under way as there
-/// are slots.
+/// Holds what a frame needs until the device is done with it. A slot serves one frame at a time, so that as many frames may be
+/// under way as there are slots.
 pub(super) struct Slot {
     pub(super) uniforms: Uniforms,
     pub(super) sets: DescriptorSets,
     pub(super) timestamps: Timestamps,
-    /// The passes between whose timestamps the last frame's times lie.
+    /// The label of each pass of the last frame that has two timestamps, in order, and whether its time counts.
     pub(super) timed: Vec<(String, bool)>,
 }
 

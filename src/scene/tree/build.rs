@@ -70,7 +70,7 @@ impl Trees {
         Self { middle, extent: (high - middle).max_element(), scene }
     }
 
-    /// The tree over some triangles, by their places in a list. Its slots are such places.
+    /// Builds the tree over the triangles of a list. Its slots are indices into the list.
     fn over(&self, list: &[[DVec3; 3]]) -> Tree {
         let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
         Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))

@@ -36,7 +36,7 @@ columns! {
         pub height: u32 = figure(""),
         /// Frames.
         pub frames: usize = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
     }
 }

@@ -127,7 +127,7 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     })
 }
 
-/// All that was set, from each part of a record that may hold settings.
+/// Everything that was set for a measurement, from each part of a record that may hold settings.
 fn setup(json: &Json) -> RecordedSetup {
     let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
     let mut all: RecordedSetup = top.collect();

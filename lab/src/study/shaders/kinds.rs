@@ -87,7 +87,7 @@ impl Kind {
 }
 
 impl Fold {
-    /// What two values come to.
+    /// Combines two values into one.
     pub fn join(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Sum => a + b,

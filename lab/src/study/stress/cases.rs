@@ -175,7 +175,7 @@ impl Case {
     }
 }
 
-/// The size of cases that are about something else: primes.
+/// The size of images in cases that test something else than sizes. Both sides are primes.
 const ODD: [u32; 2] = [127, 61];
 
 /// Pixels from which on a random quarter of the tiles reflects: a march of one pixel a step through all of them

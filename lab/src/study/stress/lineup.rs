@@ -31,7 +31,7 @@ impl FrameImages {
     }
 }
 
-/// The screen-space ones of some methods, for G-buffers of one size.
+/// The screen-space methods among some methods, made for G-buffers of one size.
 pub struct ScreenLineup {
     pub(super) context: FrameContext,
     effects: Vec<(&'static MethodInfo, Effect)>,

@@ -84,7 +84,7 @@ columns! {
         pub height: u32 = figure(""),
         /// Global roughness.
         pub roughness: f32 = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
         /// Pairs of a pixel and the same surface a frame before.
         pub pairs: usize = figure(""),

@@ -391,7 +391,7 @@ pub fn chart(records: &[TimeRecord]) -> Chart {
     Chart::new("time", "Where the time goes", Drawing::Bars(records.iter().map(bar).collect()))
 }
 
-/// A timed frame of a method, with what it was of.
+/// A timed frame, with its method and a label.
 pub struct TimedFrame {
     /// The method.
     pub method: String,

@@ -3,7 +3,7 @@
 use super::VideoStudy;
 use crate::scene::{Camera, Placement};
 
-/// Frames after which the parts of a pixel repeat by which frames are shifted.
+/// Frames after which the shifts of the image by parts of a pixel repeat.
 const JITTERED: u32 = 8;
 
 impl VideoStudy {

@@ -221,8 +221,9 @@ impl LensChange {
     }
 }
 
-/// The lens of the least badness: from where it is, the best of all combinations of steps is gone, and where none is better,
-/// steps halve. Changes make up for each other, so that no single one of them leads along a valley.
+/// Searches for the lens of the least badness. Each round takes the best of all combinations of steps, and halves the steps where none
+/// is better. Combinations are needed since one change can make up for another: then each alone raises the badness, and
+/// only both together lower it.
 fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &[LensChange]) -> LensMapping {
     /// Far more than any search that ends in a minimum takes.
     const MOST_ROUNDS: usize = 60;

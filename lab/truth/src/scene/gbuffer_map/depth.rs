@@ -64,7 +64,8 @@ impl DepthKind {
 pub(super) struct MapDepth {
     source: MapSource,
     kind: DepthKind,
-    /// Planes of the depth buffer, if they are not those of the camera, in the renderer's unit of length.
+    /// Distances of the near and the far plane of the depth buffer, if they are not those of the camera, in the renderer's unit of
+    /// length.
     near: Option<f64>,
     far: Option<f64>,
     sky_beyond: Option<f64>,

@@ -96,7 +96,7 @@ fn blocks() -> MeshBuilder {
     blocks
 }
 
-/// The lamp, which shines whatever lights it.
+/// The lamp. It shines by its own emission, whatever light falls on it.
 fn lamp() -> MeshBuilder {
     let ([left, right], [near, far]) = LAMP_AT;
     let corners = [[left, near], [right, near], [right, far], [left, far]];

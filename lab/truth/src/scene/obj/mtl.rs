@@ -250,7 +250,8 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
     Ok(())
 }
 
-/// What is lost with a statement that is not read; `None` if it is nothing, as with the value that it has without one.
+/// Says what is lost with a statement that is not read. Returns `None` if nothing is lost, as when the statement has the value that
+/// holds without it.
 fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
     let is_not = |usual: f32| numbers().any(|v| v != usual);

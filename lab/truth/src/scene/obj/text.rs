@@ -44,12 +44,12 @@ pub(super) struct Statements {
 struct FirstReading {
     /// How many vertices, texture coordinates and normals there are at most.
     counts: [usize; 3],
-    /// What is taken from every vertex, in units of the file.
+    /// What is subtracted from every vertex, in units of the file.
     origin: DVec3,
 }
 
-/// Normalises the text of the file at `path`; errors and warnings name that path. From every vertex `origin` is taken, in
-/// units of the file. If it is none yet, and the vertices are too far from the file's origin for their size, it becomes
+/// Normalises the text of the file at `path`; errors and warnings name that path. `origin` is subtracted from every
+/// vertex, in units of the file. If it is `None`, and the vertices are too far from the file's origin for their size, it becomes
 /// their centre.
 pub(super) fn normalise(
     path: &Path,

@@ -1,8 +1,10 @@
 //! The space that people move in: the floors that they can stand on, and the places above them where captures may be.
 //!
-//! A floor is a level surface with head room. Of all floors, those count that are enclosed as well as most are, which
-//! roofs are not; whose surroundings show their fronts, which those inside a solid body do not; and to which light
-//! finds a way, which it does not into a void between two walls.
+//! A floor is a level surface with head room. A floor counts if all of this is true:
+//!
+//! - It is as well enclosed as most floors are. Roofs are not.
+//! - Its surroundings show their fronts. Inside a solid body they show their backs.
+//! - Light finds a way to it. Into a void between two walls it finds none.
 
 use super::sees;
 use crate::math::constants;

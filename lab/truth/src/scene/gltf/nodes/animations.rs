@@ -15,7 +15,7 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The most nodes on the ways to all things that move in a motion.
+/// The most nodes that a motion may have, counted along the way from each thing that moves up to its root.
 const MAX_NODES: usize = 1 << 20;
 
 #[derive(Deserialize)]
