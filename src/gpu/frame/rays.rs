@@ -8,8 +8,8 @@ use crate::gpu::sync::Access;
 use ash::vk;
 
 impl Frame<'_> {
-    /// Builds the structure `level` of what lies in the buffer `input`, which may refer to the structure `below`. The build works in
-    /// the memory of `scratch`.
+    /// Builds the acceleration structure `level` from the buffer `input`, whose instances may refer to the structure
+    /// `below`. The build works in the memory of `scratch`.
     pub(in crate::gpu) fn build_rays(
         &mut self,
         name: &str,
