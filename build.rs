@@ -1,12 +1,15 @@
-//! Compiles every program under `shaders-glsl/` to SPIR-V with shaderc (glslang) for Vulkan 1.3, and writes in Rust
-//! what GLSL declares, so that it is declared once: `programs.rs` has a struct for each program, whose fields are the
-//! bindings and push constants found in its module, and one for its specialization constants; `blocks.rs` a struct for
-//! each uniform or push-constant block; `constants.rs` the constants of `common/constants.glsl`.
+//! Compiles every program under `shaders-glsl/` to SPIR-V with shaderc (glslang) for Vulkan 1.3. Writes Rust declarations of what
+//! GLSL declares, so that nothing is declared twice:
 //!
-//! Without the feature `compile-shaders` there is no shaderc: the SPIR-V is then that of `shaders-spirv/`, which
-//! `scripts/package.sh` puts into the package, and everything else is made from it in the same way.
+//! - `programs.rs` has a struct for each program, whose fields are the bindings and push constants found in its module, and a
+//!   struct for its specialization constants.
+//! - `blocks.rs` has a struct for each uniform or push-constant block.
+//! - `constants.rs` has the constants of `common/constants.glsl`.
+//!
+//! Without the feature `compile-shaders` the script does without shaderc. The SPIR-V then comes from `shaders-spirv/`, which
+//! `scripts/package.sh` puts into the package, and the declarations are made from it in the same way.
 
-// The window, which shares it, also asks for the files that were read.
+// The window includes this module, too, and reads a field that this script does not: the files that a compilation read.
 #[allow(dead_code)]
 #[path = "src/gpu/glsl.rs"]
 mod glsl;
@@ -21,13 +24,13 @@ use std::path::{Path, PathBuf};
 
 const ROOT: &str = glsl::FOLDER;
 
-/// What shaders and host share, below [`ROOT`].
+/// The file of the constants that shaders and host share, below [`ROOT`].
 const CONSTANTS: &str = "common/constants.glsl";
 
-/// The programs' modules, below the folder that Cargo gives to this script: what is packaged.
+/// The folder of the programs' modules, below the folder that Cargo gives to this script. A package contains it.
 const MODULES: &str = "spirv";
 
-/// The file beside them that tells from which GLSL they were compiled.
+/// The file beside the modules with the hash of the GLSL that they were compiled from.
 const FINGERPRINT: &str = "glsl.txt";
 
 fn main() {
@@ -44,7 +47,7 @@ fn run() -> Result<(), String> {
     let fingerprint = fingerprint()?;
     let compiler = Compiler::new(&fingerprint)?;
     let modules = out.join(MODULES);
-    // What a program of another name left there would be packaged.
+    // A module of a program that was renamed or removed would be packaged with the others.
     if modules.exists() {
         std::fs::remove_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     }
@@ -105,7 +108,7 @@ fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Adds the blocks of a program to those that are known. A block has one declaration, whoever uses it.
+/// Adds the blocks of a program to the known ones. Every program that uses a block has to declare it alike.
 fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
     for (name, block) in &interface.blocks {
         match structs.get(name) {
@@ -120,7 +123,7 @@ fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Blo
 }
 
 /// Binding and format of the images that a compute program stores to, in the order of the outputs of the fragment program of the
-/// same source. Apart from them, both read the same.
+/// same source. Apart from these images, both programs have the same bindings and constants.
 fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'static str)>, String> {
     let is_read = |bound: &&StageBinding| fragment.bindings.contains(bound);
     let outputs: Vec<&StageBinding> = compute.bindings.iter().filter(|bound| !is_read(bound)).collect();
@@ -143,7 +146,7 @@ fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'stati
 fn fingerprint() -> Result<String, String> {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |bytes: &[u8]| {
-        // The length keeps what follows apart.
+        // The length of each text goes in first, so that two texts hash differently if the border between them moves.
         for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
             hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
@@ -155,7 +158,7 @@ fn fingerprint() -> Result<String, String> {
     Ok(format!("{hash:016x}\n"))
 }
 
-/// Where the modules come from: from shaderc.
+/// The source of the modules: shaderc.
 #[cfg(feature = "compile-shaders")]
 struct Compiler(shaderc::Compiler);
 
@@ -170,7 +173,7 @@ impl Compiler {
     }
 }
 
-/// Where the modules come from: from the package.
+/// The source of the modules: the package.
 #[cfg(not(feature = "compile-shaders"))]
 struct Compiler;
 
@@ -211,7 +214,7 @@ impl Compiler {
     }
 }
 
-/// A program's struct, with what the pipeline and the frame ask of it (`src/gpu/program.rs`).
+/// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
 fn declared_program(program: &NamedProgram, file: &str, interface: &Interface) -> String {
     let name = &program.name;
     let Interface { bindings, push, outputs, constants, .. } = interface;
@@ -260,7 +263,8 @@ fn declared_program(program: &NamedProgram, file: &str, interface: &Interface) -
     )
 }
 
-/// A program's `Shader`, with binding and format of what it stores to in place of a fragment program.
+/// Declares a program's `Shader`. `stored` has binding and format of each image that a compute program stores to in place of a
+/// fragment program's outputs.
 fn declared_shader(program: &NamedProgram, file: &str, interface: &Interface, stored: &[(u32, &str)]) -> String {
     let NamedProgram { name, defines } = program;
     let title = [&[file.to_owned()], &defines[..]].concat().join(" ");
@@ -279,7 +283,7 @@ fn declared_shader(program: &NamedProgram, file: &str, interface: &Interface, st
     )
 }
 
-/// The name of the type of a program's specialization constants, and its declaration.
+/// Returns the name of the type of a program's specialization constants, and its declaration.
 fn declared_constants(program: &str, constants: &[Constant]) -> (String, String) {
     if constants.is_empty() {
         return ("()".into(), String::new());
@@ -313,8 +317,8 @@ fn declared_constants(program: &str, constants: &[Constant]) -> (String, String)
     (name, text)
 }
 
-/// The constants that GLSL and Rust share, in Rust. A number with a point becomes an f64, which is what is written; whoever
-/// computes in f32 rounds it once, as GLSL does.
+/// Declares in Rust the constants that GLSL and Rust share. A number with a point becomes an f64, which keeps the decimal as it is
+/// written; code that computes in f32 rounds it once, as GLSL does.
 fn shared(source: &str) -> Result<String, String> {
     let (mut text, mut comment) = (String::new(), String::new());
     for (index, line) in source.lines().enumerate() {
@@ -347,7 +351,7 @@ fn shared(source: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// A block's Rust twin.
+/// Declares the Rust struct that has the layout of a block.
 fn declaration(block: &Block, name: &str) -> String {
     let mut text = format!(
         "/// Twin of the block `{name}` ({} bytes), first declared for `{}`.\n#[repr(C)]\n#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\n#[allow(missing_docs, non_snake_case)]\npub struct {name} {{\n",

@@ -1,5 +1,5 @@
-//! The words for how other renderers lay out their spaces, matrices, depth and normals. The door, methods from folders and maps of
-//! G-buffers share them; each takes those that it has a use for.
+//! Types that say how other renderers lay out their spaces, matrices, depth and normals. The door, methods from folders and maps of
+//! G-buffers share these types, and each uses those that it needs.
 
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
@@ -8,7 +8,7 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
-    /// x to the right, y up, z forwards: ours.
+    /// x to the right, y up, z forwards: the axes of this project.
     #[default]
     Left,
     /// x to the right, y up, z backwards.
@@ -22,7 +22,7 @@ pub enum Axes {
 }
 
 impl Axes {
-    /// Every one, by the name that files have for it.
+    /// Every choice of axes, with its name in files.
     pub const NAMES: [(&str, Self); 5] = [
         ("left", Self::Left),
         ("right", Self::Right),
@@ -31,7 +31,8 @@ impl Axes {
         ("right-y-down", Self::RightYDown),
     ];
 
-    /// Takes a vector of these axes to ours. Its columns are the axes x, y and z in ours, and its inverse is its transpose.
+    /// Returns the matrix that takes a vector from these axes to the project's. Its columns are the axes x, y and z; its inverse is
+    /// its transpose.
     pub fn to_ours(self) -> DMat3 {
         match self {
             Self::Left => DMat3::IDENTITY,
@@ -43,7 +44,7 @@ impl Axes {
     }
 }
 
-/// How the numbers of a matrix are listed, which is multiplied by column vectors from the right.
+/// The order in which a matrix lists its numbers. The matrix is multiplied by column vectors from the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MatrixOrder {
@@ -72,13 +73,13 @@ pub enum ClipDepth {
     /// 0 at the near plane and 1 at the far plane.
     #[default]
     Standard,
-    /// 1 at the near plane and 0 at the far plane, or infinitely far away.
+    /// 1 at the near plane and 0 at the far plane, which may be infinitely far away.
     Reversed,
     /// −1 at the near plane and 1 at the far plane, as OpenGL has it.
     MinusOneToOne,
 }
 
-/// In which space normals are stored.
+/// The space in which normals are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalSpace {
     /// The caller's view space.
@@ -87,7 +88,8 @@ pub enum NormalSpace {
     World,
 }
 
-/// How the texels of an image hold unit normals. The order is that of `CONVERT_VIEW_NORMAL` and what follows it in GLSL.
+/// How the texels of an image hold unit normals. The variants stand in the order of the codes from `CONVERT_VIEW_NORMAL` on in
+/// GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NormalEncoding {
     /// x, y and z as they are: floats or signed normalised numbers.

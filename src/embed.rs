@@ -1,6 +1,7 @@
-//! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles,
-//! [`Reflections`] holds what one view needs and records into a command buffer, [`CaptureCubes`] holds images of the scene
-//! around places that the screen does not show, [`Triangles`] the scene's meshes. Nothing here submits, waits or presents.
+//! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles.
+//! [`Reflections`] holds the pipelines and images of one view, and records into a command buffer. [`CaptureCubes`] holds images of
+//! the scene around places that the screen does not show, and [`Triangles`] holds the scene's meshes. Nothing here submits, waits
+//! or presents.
 
 mod camera;
 mod captures;
@@ -19,14 +20,15 @@ use crate::gpu::Gpu;
 use crate::gpu::device::{DeviceHandles, DeviceInfo};
 use crate::methods::{METHODS, MethodInfo};
 
-/// A device of the caller's that reflections are recorded for. Clones share it. It destroys nothing of the caller's.
+/// A device of the caller's that reflections are recorded for. Clones share the device. Dropping a context destroys none of the
+/// caller's handles.
 #[derive(Clone)]
 pub struct Context {
     gpu: Gpu,
 }
 
 impl Context {
-    /// Takes a device over as it is.
+    /// Makes a context of the caller's device.
     ///
     /// # Errors
     /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3 on the device or in the version that the
@@ -34,15 +36,15 @@ impl Context {
     /// [`enable_features`](crate::enable_features) that is not on, or graphics or compute in the queue family.
     ///
     /// # Safety
-    /// The handles belong together, and outlive the context and all that is made with it. What
-    /// [`DeviceHandles::enabled`] says to be on is on. When the last object made with the context is dropped, the device
-    /// is done with everything that was recorded with it.
+    /// The handles belong together, and outlive the context and all that is made with it. The features of
+    /// [`DeviceHandles::enabled`] are on. When the last object made with the context is dropped, the device is done with everything
+    /// that was recorded with it.
     pub unsafe fn new(device: DeviceHandles) -> Result<Self> {
         // SAFETY: by the contract.
         Ok(Self { gpu: unsafe { Gpu::of_others(device) }? })
     }
 
-    /// What the device calls itself.
+    /// Returns name, driver and kind of the device.
     pub fn info(&self) -> &DeviceInfo {
         self.gpu.info()
     }
@@ -52,25 +54,25 @@ impl Context {
         self.gpu.has_timestamps()
     }
 
-    /// Bytes of device memory that are allocated with the context; 0 with an allocator of the caller's, who knows them.
+    /// Bytes of device memory that are allocated with the context; 0 if the caller has its own allocator, which can count them.
     pub fn allocated_bytes(&self) -> u64 {
         self.gpu.allocated_bytes()
     }
 
-    /// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next
-    /// compiles nothing twice.
+    /// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized
+    /// later compiles nothing twice.
     pub fn trim(&self) {
         self.gpu.trim();
     }
 }
 
-/// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
-/// each. `captures` needs [`CaptureCubes`], too, and `traced` needs [`Triangles`].
+/// Lists the methods that need no more than a G-buffer: the name of each, as in [`ReflectionsInfo::method`], and a line that
+/// describes it. `captures` needs [`CaptureCubes`], too, and `traced` needs [`Triangles`].
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures || m.takes_triangles).map(|m| (m.name, m.summary))
 }
 
-/// The method of a name. One that needs the scene is refused where it is made.
+/// Finds a method by its name. A method that needs the scene is found, too, and is refused when its reflections are made.
 ///
 /// # Errors
 /// [`Error::Usage`] for a name that no method has, with the names of [`methods`].

@@ -17,7 +17,7 @@ pub enum Error {
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
 
@@ -28,11 +28,11 @@ pub enum Error {
         path: PathBuf,
         /// The line, counted from 1, where it is known.
         line: Option<usize>,
-        /// What is wrong there.
+        /// A description of the fault.
         message: String,
     },
 
-    /// No Vulkan device serves.
+    /// No Vulkan device can be used.
     #[error("no Vulkan device: {0}")]
     NoDevice(String),
 
@@ -49,16 +49,16 @@ pub enum Error {
         result: ash::vk::Result,
     },
 
-    /// Device memory could not be had.
+    /// Device memory could not be allocated.
     #[error("Vulkan: no memory for {what}: {message}")]
     Memory {
         /// The image or buffer.
         what: String,
-        /// What the allocator said.
+        /// The allocator's message.
         message: String,
     },
 
-    /// Another run has the folder.
+    /// Another run is writing into the folder.
     #[error("another run is writing into {}: wait for its end, or take another folder", folder.display())]
     Busy {
         /// The folder.
@@ -74,11 +74,11 @@ pub enum Error {
         journal: PathBuf,
     },
 
-    /// A signal asked to stop.
+    /// A signal asked the program to stop.
     #[error("stopped by {}{}", signal_name(*signal), kept.as_ref().map(|k| format!(
         ": what was measured is in {}", k.display())).unwrap_or_default())]
     Stopped {
-        /// Its number.
+        /// The signal's number.
         signal: u8,
         /// The journal of what was measured, if there is one.
         kept: Option<PathBuf>,
@@ -94,7 +94,7 @@ pub enum Error {
     Validation {
         /// The identifiers of the messages, and how often each came.
         ids: Vec<(String, usize)>,
-        /// The text of the first one.
+        /// The text of the first message.
         first: String,
     },
 }

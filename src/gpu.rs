@@ -2,8 +2,8 @@
 //! frame with its timestamps, and reading results back.
 //!
 //! A [`Gpu`] is a cheap handle that every resource keeps, so that resources destroy themselves.
-//! One [`FrameContext`] records and submits one frame at a time; each of its passes names its
-//! label, its timestamps and its barriers once (`frame.rs`).
+//! One [`FrameContext`] records and submits one frame at a time; `frame.rs` gives each pass its
+//! label, its timestamps and its barriers.
 
 pub mod device;
 pub mod executables;

@@ -42,12 +42,12 @@
 //! # }
 //! ```
 //!
-//! `docs/embedding.md` goes through it step by step, `examples/embed` is a renderer that does it. The map of this package
-//! and of the laboratory beside it is `src/ARCHITECTURE.md`.
+//! `docs/embedding.md` goes through this example step by step, and `examples/embed` is a whole renderer that uses the crate. The
+//! map of this package and of the laboratory beside it is `src/ARCHITECTURE.md`.
 //!
-//! The modules are public with the feature `internals` alone. It is for the laboratory, and promises nothing.
+//! The modules are public with the feature `internals` alone. The feature is for the laboratory, and promises nothing.
 
-// What the laboratory alone asks for is unused without it.
+// Without the feature, items that the laboratory alone uses are unused.
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 #[cfg(not(feature = "internals"))]
@@ -85,7 +85,7 @@ pub mod scene;
 
 mod embed;
 
-/// The examples of that page compile.
+/// Compiles the examples of docs/embedding.md.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/embedding.md")]
 struct Embedding;

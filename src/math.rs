@@ -22,8 +22,8 @@ pub fn linear_to_srgb(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The angle of the point (x, y) in radians, rounded from f64. The built-in scenes are made with it: C libraries differ in
-/// the last bits of their `atan2f` (glibc before and since 2.41), and a scene must be the same on every machine.
+/// The angle of the point (x, y) in radians, rounded from f64. The built-in scenes are made with this function, since C libraries
+/// differ in the last bits of their `atan2f` (glibc before and since 2.41), and a scene must be the same on every machine.
 pub fn atan2(y: f32, x: f32) -> f32 {
     f64::from(y).atan2(f64::from(x)) as f32
 }

@@ -1,6 +1,5 @@
-//! The methods, one file each, and the table of all of them. A method chooses passes and wires
-//! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
-//! them, down to the composite, is [`effect`].
+//! The methods, one file each, and the table of all of them. A method chooses passes and wires their outputs to their inputs; its
+//! `record` reads like the data flow. The passes around every method, down to the composite, are in [`effect`].
 
 pub mod area_light;
 mod beyond;
@@ -45,35 +44,35 @@ pub use setup::{EffectParams, Fallback, Setup, Wants};
 use std::collections::HashSet;
 use std::sync::{PoisonError, RwLock};
 
-/// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
+/// The inputs of a method in a frame. Its outputs may borrow the G-buffer (`'a`), but not the scene (`'s`).
 #[derive(Clone, Copy)]
 pub struct Input<'a, 's> {
-    /// What the scene passes left.
+    /// The images that the scene passes left.
     pub gbuffer: GBuffer<'a>,
-    /// Where it was seen from.
+    /// The camera that the G-buffer was drawn with.
     pub camera: &'s Camera,
     /// The scene itself; `None` where only a G-buffer is known.
     pub scene: Option<SceneInput<'s>>,
-    /// What a surface that shows the environment shows, as a cube map in world axes, where it is known.
+    /// The environment, as a cube map in world axes, where it is known.
     pub sky: Option<&'s Image>,
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
     /// The triangles of the scene, where rays are followed among them.
     pub triangles: Option<TriangleBuffers<'s>>,
-    /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). What
-    /// lies behind no surface has the depth 0.
+    /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). A pixel without a
+    /// second surface has the depth 0.
     pub behind: Option<GBuffer<'a>>,
-    /// The reflection that stands in front of what the method makes, for one that is a fallback.
+    /// The reflection that this method's shows behind, if this method is a fallback.
     pub in_front: Option<Reflection<'a>>,
-    /// How surfaces moved since the frame before, where the caller knows it; for a history.
+    /// The motion of surfaces since the frame before, for a history, if the caller knows it.
     pub motion: Option<SurfaceMotion<'s>>,
     /// How many frames with other directions of rays came before this one since the history began; 0 without a history, so that
     /// frames are equal.
     pub frame: u32,
-    /// Frames with other directions since the camera last moved; 0 while it moves.
+    /// Frames with other directions of rays since the camera last moved; 0 while the camera moves.
     pub rested: u32,
-    /// How many bounces came before this one in the frame. After the first, the lit colour has the reflections of the
-    /// bounce before in it, and all else is as it was: what a method made of it then still stands.
+    /// How many bounces came before this one in the frame. From the second bounce on, the lit colour contains the reflections of
+    /// the bounce before. All else is unchanged, so that images that do not depend on colour are still valid.
     pub bounce: u32,
 }
 
@@ -96,12 +95,12 @@ impl<'a, 's> Input<'a, 's> {
         }
     }
 
-    /// What the first bounce makes, and those after it read again: a pass that reads no colour.
+    /// Runs a pass that reads no colour in the first bounce; later bounces read the images of that pass again.
     pub(crate) fn once<T>(&self, make: impl FnOnce() -> Result<T>, made: impl FnOnce() -> T) -> Result<T> {
         if self.bounce == 0 { make() } else { Ok(made()) }
     }
 
-    /// The scene, for a method that can't do without.
+    /// The scene, for a method that needs one.
     ///
     /// # Errors
     /// [`Error::Usage`] if there is none.
@@ -119,19 +118,19 @@ pub struct SceneInput<'a> {
     pub materials: &'a [Material],
 }
 
-/// An image that a method made along the way, for whoever looks inside.
+/// An image that a method made along the way, for inspection.
 #[derive(Clone, Copy)]
 pub struct Intermediate<'a> {
     /// File stem; the number of a level, or of a volume's slice, follows it where there is more than one.
     pub name: &'static str,
-    /// What its numbers are.
+    /// The kind of its numbers.
     pub content: Content,
     /// The image.
     pub image: &'a Image,
 }
 
 impl<'a> Pyramid<'a> {
-    /// The pyramid of a picture of some pixels as an intermediate.
+    /// Returns the pyramid as an intermediate; `extent` is the size of the picture in pixels.
     pub(crate) fn shown(self, extent: [u32; 2]) -> Intermediate<'a> {
         Intermediate { name: "pyramid", content: Content::Pyramid(extent), image: self.0 }
     }
@@ -148,7 +147,7 @@ pub struct MethodOutput<'a> {
     pub hits: Option<Hits<'a>>,
     /// Where the rays of each pixel ended ([`ENDS`](crate::passes::lost::ENDS)), if the method knows it and a history asks for it.
     pub ends: Option<&'a Image>,
-    /// What else there is to see.
+    /// Other images that the method made.
     pub intermediates: Vec<Intermediate<'a>>,
 }
 
@@ -158,7 +157,7 @@ impl<'a> MethodOutput<'a> {
         Self { reflection: Some(reflection), composite: None, hits: None, ends: None, intermediates: Vec::new() }
     }
 
-    /// No reflection: the image is the lit colour.
+    /// An output without a reflection: the image is the lit colour.
     pub fn nothing(gbuffer: &GBuffer<'a>) -> Self {
         Self { reflection: None, composite: Some(gbuffer.color), hits: None, ends: None, intermediates: Vec::new() }
     }
@@ -166,8 +165,8 @@ impl<'a> MethodOutput<'a> {
 
 /// A method of one size on one device.
 pub trait Method: Send {
-    /// Makes what outlives frames (captured maps) from the scene. Called before the first frame and
-    /// again when materials change; not part of any frame's time.
+    /// Makes the images that outlive frames, such as captured maps, from the scene. The effect calls it before the first frame and
+    /// again when materials change; its time is not part of any frame's.
     fn prepare(&mut self, _context: &mut FrameContext, _scene: &SceneInput) -> Result<()> {
         Ok(())
     }
@@ -185,31 +184,31 @@ pub enum MethodScope {
     Scene,
 }
 
-/// What a method is made for: what [`Effect`] asks of it.
+/// The setup and the outputs that [`Effect`] makes a method for.
 pub struct MethodRequest {
     /// The parameters, and the size that the method works at.
     pub setup: Setup,
-    /// Whether it must say where each ray ended, if it can.
+    /// Whether the method must say where each ray ended, if it can.
     pub hits: bool,
     /// Whether the reflection is wanted as an image of its own; a method that composites along the way leaves it out
     /// otherwise.
     pub reflection: bool,
     /// Whether the method may make the composite along the way.
     pub composite: bool,
-    /// Width and height of the faces of the captures that it gets; `None` if it gets none.
+    /// Width and height of the faces of the captures that the method gets; `None` if it gets none.
     pub captures: Option<[u32; 2]>,
-    /// How the triangles are read that it gets; `None` if it gets none.
+    /// How shaders read the triangles that the method gets; `None` if it gets none.
     pub triangles: Option<TriangleReading>,
-    /// Whether another reflection stands in front of what the method makes ([`Input::in_front`]).
+    /// Whether another reflection shows in front of the method's ([`Input::in_front`]).
     pub behind: bool,
 }
 
-/// What a method is that is not of the table but was added while the program runs.
+/// A method that is not in the table, but was added while the program runs.
 pub trait Added: Send + Sync {
-    /// Its own parameters.
+    /// The method's own parameters.
     fn parameters(&self) -> Vec<Parameter>;
 
-    /// Makes it.
+    /// Makes the method.
     ///
     /// # Errors
     /// Errors of the device, and a sentence on parts of the method that do not fit together.
@@ -227,34 +226,34 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Where it is published.
     pub source: &'static str,
-    /// What it needs to see.
+    /// What the method needs to see.
     pub sees: MethodScope,
-    /// What it needs a scene to have; where one of these is missing, it shows nothing.
+    /// The parts that the method needs a scene to have. If one of them is missing, the method shows nothing.
     pub needs: &'static [Need],
     /// Whether its reflections can fade at the screen's border.
     pub fades: bool,
-    /// Whether it hits what the version of the oracle says that is asked for.
+    /// Whether the method finds the hits of the version of the oracle that the parameter `oracle` asks for.
     pub follows_oracle: bool,
-    /// Whether it follows rays in captures of the scene, if there are any.
+    /// Whether the method follows rays in captures of the scene, if there are any.
     pub takes_captures: bool,
-    /// Whether it follows rays among the triangles of the scene, if it is to.
+    /// Whether the method can follow rays among the triangles of the scene.
     pub takes_triangles: bool,
-    /// Whether it takes cameras whose rays of sight are parallel.
+    /// Whether the method takes orthographic cameras.
     pub takes_orthographic: bool,
-    /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
+    /// Whether the method traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
-    /// Its own parameters, if it is of the table.
+    /// The own parameters of a method of the table.
     pub parameters: fn() -> Vec<Parameter>,
-    /// Setups that the study of run time against error tries beside a base and the sweeps of single parameters.
+    /// Setups that the study of run time against error tries, beside a base setup and the sweeps of single parameters.
     pub combinations: fn(&Setup) -> Vec<Setup>,
-    /// Makes it, if it is of the table.
+    /// Makes a method of the table.
     pub create: CreateMethod,
-    /// What it is, if it was added.
+    /// The implementation of a method that was added; `None` in the table.
     pub added: Option<&'static dyn Added>,
 }
 
 impl MethodInfo {
-    /// A screen-space method that fades and has no parameters of its own; a row of the table says what differs.
+    /// A screen-space method that fades and has no parameters of its own. A row of the table overrides the fields that differ.
     const fn screen(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self {
             name,
@@ -275,12 +274,13 @@ impl MethodInfo {
         }
     }
 
-    /// A method that needs the scene and does not fade, without parameters of its own; a row of the table says what differs.
+    /// A method that needs the scene and does not fade, without parameters of its own. A row of the table overrides the fields that
+    /// differ.
     const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self { sees: MethodScope::Scene, fades: false, ..Self::screen(name, summary, source, create) }
     }
 
-    /// Makes the method alone, without what [`Effect`] puts around it: it may finish the image itself.
+    /// Makes the method without the passes that [`Effect`] puts around it. The method may finish the image itself.
     ///
     /// # Errors
     /// Errors of the device.
@@ -298,14 +298,14 @@ impl MethodInfo {
         self.make(gpu, &request)
     }
 
-    /// A screen-space method that is not of the table. Its strings live as long as the program.
+    /// Describes a screen-space method that is not in the table. Its strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
         let none: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
-        // What it makes of a camera is its own affair.
+        // No camera is refused here, since the method itself may refuse one.
         Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, none) }
     }
 
-    /// The method of one size on one device.
+    /// Makes the method for one size on one device.
     ///
     /// # Errors
     /// Errors of the device, and of a method that does not fit the setup.
@@ -316,12 +316,12 @@ impl MethodInfo {
         }
     }
 
-    /// Its own parameters.
+    /// The method's own parameters.
     pub fn own_parameters(&self) -> Vec<Parameter> {
         self.added.map_or_else(self.parameters, |added| added.parameters())
     }
 
-    /// What it needs and a scene does not have.
+    /// The needs of the method that a scene does not meet.
     pub fn lacks(&self, scene: &Scene) -> Vec<Need> {
         self.needs.iter().copied().filter(|need| !need.is_met(scene)).collect()
     }
@@ -331,12 +331,12 @@ impl MethodInfo {
         self.sees == MethodScope::Screen
     }
 
-    /// Whether it is set up for a second layer of depth.
+    /// Whether the method is set up for a second layer of depth.
     pub fn takes_second_layer(&self, setup: &Setup) -> bool {
         self.own_parameters().iter().any(|p| p.name == "layers") && setup.of::<LayerParams>().has_second()
     }
 
-    /// Every parameter that it reads: those of the effect around it, and its own.
+    /// Every parameter that the method reads: parameters of the effect around it, and its own.
     pub fn reads(&self) -> Vec<Parameter> {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
@@ -345,7 +345,7 @@ impl MethodInfo {
             "tracer" | "own_rays" => self.takes_triangles,
             "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
-            // Methods among triangles alone are compute shaders throughout.
+            // Methods that follow rays among triangles alone have no other stage than compute.
             "stage" => self.is_screen_space() || !self.takes_triangles,
             _ => self.is_screen_space(),
         };
@@ -380,7 +380,7 @@ impl MethodInfo {
     }
 }
 
-/// Every method.
+/// The table of methods.
 pub const METHODS: &[MethodInfo] = &[
     ssct::INFO,
     hzct::INFO,
@@ -415,7 +415,7 @@ pub fn all() -> Vec<&'static MethodInfo> {
 /// Adds a method, which stays as long as the program runs.
 ///
 /// # Errors
-/// [`Error::Usage`] if there is one of its name.
+/// [`Error::Usage`] if there is a method of this name already.
 pub fn add(info: MethodInfo) -> Result<&'static MethodInfo> {
     let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
     if METHODS.iter().chain(added.iter().copied()).any(|m| m.name == info.name) {
@@ -426,10 +426,10 @@ pub fn add(info: MethodInfo) -> Result<&'static MethodInfo> {
     Ok(info)
 }
 
-/// The methods of some names; without names, every method that can be set up so.
+/// Finds methods by their names. Without names, returns every method of the table that fits the setup.
 ///
 /// # Errors
-/// [`Error::Usage`] for a name that no method has, and for a parameter that is given and that none of them reads.
+/// [`Error::Usage`] for a name that no method has, and for a given parameter that none of the methods reads.
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
         let effect = setup.effect();
@@ -447,13 +447,13 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
     Ok(methods)
 }
 
-/// Refuses a parameter that is given and that none of some methods reads.
+/// Refuses a given parameter that none of some methods reads.
 ///
 /// # Errors
 /// [`Error::Usage`] with the parameter and the methods that have it.
 pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
-    // What surrounds every method has a say even where a method does not read it: the oracle judges all of them, and
-    // a fallback or a smaller resolution that a method cannot have is refused where it is made.
+    // Parameters of the effect are taken even if no method reads them. The oracle judges every method, and a fallback or a lower
+    // resolution that a method cannot have is refused when its effect is made.
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |m: &MethodInfo, name: &str| m.own_parameters().iter().any(|p| p.name == name);
     for name in setup.values.given().filter(|name| !around.contains(name)) {
@@ -480,8 +480,8 @@ pub fn find(name: &str) -> Result<&'static MethodInfo> {
     })
 }
 
-/// Every parameter with the methods that read it, in the order of the tables. A name comes again where methods have
-/// other values or words for it; what it takes is the same everywhere.
+/// Every parameter with the methods that read it, in the order of the tables. A name is listed again if methods have other values
+/// or texts for it; its domain is the same everywhere.
 pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();

@@ -35,7 +35,8 @@ impl fmt::Display for Value {
     }
 }
 
-/// Writes a value for records; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
+/// Writes a value for records. A number is written as its decimal, such as 0.1, and not as the nearest binary fraction in more
+/// digits.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
@@ -57,29 +58,29 @@ choices! {
     }
 }
 
-/// What is known of a parameter.
+/// The description of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name in records, in snake case.
+    /// The name in records, in snake case.
     pub name: &'static str,
-    /// What it does, as a sentence.
+    /// What the parameter does, as a sentence.
     pub help: String,
     /// Unit of a number; empty for none.
     pub unit: &'static str,
     /// Which values it takes.
     pub domain: Domain,
-    /// The value that is published, or this project's where nothing is: the default.
+    /// The published value, or this project's if none is published. It is the default.
     pub published: Value,
     /// The value in the author's own program.
     pub author: Value,
-    /// Where the published value stands.
+    /// The source of the published value.
     pub source: &'static str,
     /// Values that the study of run time against error tries, beside the preset's.
     pub sweep: Vec<(Preset, Value)>,
 }
 
 impl Parameter {
-    /// A parameter with one value for both presets; the rest follows by the functions below.
+    /// Makes a parameter with one value for both presets; the functions below set the rest.
     pub fn new<T: Field>(published: T) -> Self {
         let published = published.value();
         Self {
@@ -94,48 +95,48 @@ impl Parameter {
         }
     }
 
-    /// The value in the author's own program.
+    /// Sets the value in the author's own program.
     pub fn author<T: Field>(self, value: T) -> Self {
         Self { author: value.value(), ..self }
     }
 
-    /// Whole numbers from `least` to `most`.
+    /// Allows whole numbers from `least` to `most`.
     pub fn within(self, least: u32, most: u32) -> Self {
         Self { domain: Domain::Count(least, most), ..self }
     }
 
-    /// Numbers from `least` to `most`.
+    /// Allows numbers from `least` to `most`.
     pub fn between(self, least: f32, most: f32) -> Self {
         Self { domain: Domain::Number { least, with_least: true, most }, ..self }
     }
 
-    /// Numbers above `least`, up to `most`.
+    /// Allows numbers above `least`, up to `most`.
     pub fn above(self, least: f32, most: f32) -> Self {
         Self { domain: Domain::Number { least, with_least: false, most }, ..self }
     }
 
-    /// These numbers alone.
+    /// Allows these numbers alone.
     pub fn one_of(self, numbers: &'static [f32]) -> Self {
         Self { domain: Domain::Numbers(numbers), ..self }
     }
 
-    /// The unit.
+    /// Sets the unit.
     pub fn unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
     }
 
-    /// Where the published value stands.
+    /// Sets the source of the published value.
     pub fn source(self, source: &'static str) -> Self {
         Self { source, ..self }
     }
 
-    /// Values that the error study tries around a preset.
+    /// Adds values that the error study tries around a preset.
     pub fn sweep<T: Field>(mut self, preset: Preset, values: &[T]) -> Self {
         self.sweep.extend(values.iter().map(|v| (preset, v.value())));
         self
     }
 
-    /// Names it. Of the lines of a doc comment each begins with a space.
+    /// Sets the name and the help, without the space with which a line of a doc comment begins.
     #[doc(hidden)]
     pub fn named(self, name: &'static str, help: &str) -> Self {
         Self { name, help: help.trim().to_owned(), ..self }
@@ -157,7 +158,7 @@ impl Parameter {
     /// Reads a value from text.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the values that there are.
+    /// [`Error::Usage`] with the values that the parameter takes.
     pub fn parse(&self, text: &str) -> Result<Value> {
         let text = text.trim();
         self.domain
@@ -166,13 +167,13 @@ impl Parameter {
     }
 }
 
-/// A type that a parameter's value has in code.
+/// A type of Rust that the value of a parameter has.
 pub trait Field: Copy + PartialEq {
     /// Every value of the type.
     fn domain() -> Domain;
     /// Converts to a value.
     fn value(self) -> Value;
-    /// Converts from a value; `None` if it is of another type.
+    /// Converts from a value; `None` if the value is of another type.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -252,19 +253,18 @@ impl<T: Choices> Field for T {
 
 /// Parameters as a struct; [`parameters!`](crate::parameter::parameters) makes one.
 pub trait Parameters: Sized {
-    /// What is known of each, in the order of the fields.
+    /// The descriptions of the parameters, in the order of the fields.
     fn table() -> Vec<Parameter>;
-    /// What some values say, and their preset where they say nothing.
+    /// Makes the struct from given values, and from their preset for parameters that are not given.
     fn of(values: &Values) -> Self;
     /// Each value, in the order of the fields.
     fn list(&self) -> Vec<Value>;
 }
 
-/// Values by the names of parameters, over a preset. They may name parameters of several methods: each method takes
-/// its own.
+/// Values by the names of parameters, over a preset. They may belong to several methods, each of which takes its own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values {
-    /// Whose value a parameter has that is not given.
+    /// The preset whose values parameters have that are not given.
     pub preset: Preset,
     given: BTreeMap<&'static str, Value>,
 }
@@ -281,12 +281,12 @@ impl Values {
         self.given.insert(parameter.name, value);
     }
 
-    /// The names of what is given.
+    /// The names of the parameters that are given.
     pub fn given(&self) -> impl Iterator<Item = &'static str> {
         self.given.keys().copied()
     }
 
-    /// Returns these values with what a function changes in some parameters.
+    /// Returns these values after a function changed some parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         let mut all = P::of(self);
@@ -353,8 +353,8 @@ pub use parameters;
 #[cfg(not(feature = "internals"))]
 pub(crate) use parameters;
 
-/// Declares an enum whose values have names, the first of which is the default:
-/// `/// What it does.` `Value = "name",`, or `Value(CODE) = "name",` where a shader knows it by a code.
+/// Declares an enum whose values have names, the first of which is the default: `/// What it does.` `Value = "name",`, or
+/// `Value(CODE) = "name",` if a shader knows the value by a code.
 #[cfg_attr(feature = "internals", macro_export)]
 #[doc(hidden)]
 macro_rules! choices {

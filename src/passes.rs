@@ -69,10 +69,10 @@ pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of [`Hits`].
 pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Format of a ray trace colour before it is encoded: all the digits that a fragment program hands to the encoding.
+/// Format of a ray trace colour before it is encoded, with all the digits that a fragment program hands to the encoding.
 pub const UNENCODED_COLOR: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// What [`Hits`] hold of a pixel in which no ray begins.
+/// The texel of [`Hits`] for a pixel in which no ray begins.
 pub const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
 
 /// Format of normals, as `unified` loads them.
@@ -86,23 +86,23 @@ pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [
     Image::target_in(gpu, ShaderStage::Compute, name, format, extent)
 }
 
-/// An image of one texel that is bound as a program's hits where nobody wants them. The program writes nothing to it,
-/// and Vulkan wants the format that the shader names all the same.
+/// Makes an image of one texel that is bound as a program's hits if nobody wants them. The program writes nothing to it, but Vulkan
+/// requires the format that the shader names.
 fn unwanted_hits(gpu: &Gpu) -> Result<Image> {
     stored_target(gpu, "unwanted hits", HITS, [1, 1])
 }
 
-/// The numbers of the linear march that the thesis prints (§4.2.2). They are constants of every program that includes
-/// `thesis/linear_ray_march.glsl`, whose values are the default.
+/// The numbers of the linear march that the thesis prints (§4.2.2). Every program that includes `thesis/linear_ray_march.glsl` has
+/// them as specialization constants, whose values in the shader are the default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarchNumbers {
     /// Steps of the march at most.
     pub linear_march_count: i32,
-    /// What each step of the march is longer by than the one before, as a factor.
+    /// Factor from the length of one step of the march to the next.
     pub linear_march_increase: f32,
     /// Steps of the binary search at most.
     pub binary_search_count: i32,
-    /// What each step of the search is shorter by than the one before, as a factor.
+    /// Factor from the length of one step of the search to the next.
     pub binary_search_decrease: f32,
     /// How near to a surface the search ends, in standard depth.
     pub depth_delta_epsilon: f32,
@@ -137,34 +137,34 @@ macro_rules! march_constants {
 }
 use march_constants;
 
-/// What the scene passes leave for the methods. All images have one size.
+/// The images that the scene passes leave for the methods. All have one size.
 #[derive(Clone, Copy)]
 pub struct GBuffer<'a> {
     /// Reversed depth (near 1, far 0; 0 is sky), D32.
     pub depth: &'a Image,
-    /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`], which `unified` takes alone.
+    /// View-space unit normal in xyz; zero where nothing stands. The format is [`NORMAL`], the only one that `unified` takes.
     pub normal: &'a Image,
-    /// Reflectivity and roughness. [`MATERIAL`].
+    /// Reflectivity and roughness, in the format [`MATERIAL`].
     pub material: &'a Image,
     /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
     pub color: &'a Image,
-    /// The number of the triangle that each pixel shows among those of the scene, `NO_TRIANGLE` where nothing stands. R32
-    /// uint; `None` where nobody has asked for it.
+    /// The number of the triangle that each pixel shows among those of the scene, `NO_TRIANGLE` where nothing stands. R32 uint;
+    /// `None` if nobody asked for it.
     pub triangle: Option<&'a Image>,
-    /// What reflects in it, as far as is known beforehand.
+    /// The kinds of reflecting surface that the frame may have, as known before any pixel is looked at.
     pub reflectors: Reflectors,
 }
 
 impl<'a> GBuffer<'a> {
-    /// The levels of the colour's chain but the finest. An image of one pixel has none, nor does any ray hit in it: its depth stands
-    /// for them, and is never seen.
+    /// Returns the levels of the colour chain without the finest. An image of one pixel has no others, and no ray hits in it: its
+    /// depth is bound in their place, and is never read.
     pub(crate) fn coarse_colors(&self) -> Sampled<'a> {
         self.color.coarse().map_or(Sampled::nearest(self.depth.all()), Sampled::trilinear)
     }
 }
 
-/// What the materials that are drawn say of a frame's reflections, before any pixel is looked at. What there is not is
-/// neither looked for nor shown.
+/// The kinds of reflecting surface that a frame may have, as its materials tell before any pixel is looked at. Passes for the other
+/// kinds are left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reflectors {
     /// True if mirrors may occur: surfaces that reflect with roughness 0.
@@ -173,7 +173,7 @@ pub struct Reflectors {
     pub narrow: bool,
     /// True if gloss with wide lobes may occur: roughness above [`WIDE_ABOVE`].
     pub wide: bool,
-    /// True if every lit surface reflects, so that every pixel without sky does.
+    /// True if every lit surface reflects, so that every pixel reflects that does not show the sky.
     pub everywhere: bool,
 }
 
@@ -181,7 +181,7 @@ pub struct Reflectors {
 pub const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 
 impl Reflectors {
-    /// Nothing is known: there may be both.
+    /// Nothing is known, so that every kind may be there.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
     /// The kinds that can occur in a frame, given its reflectivity and roughness if they are constant.
@@ -232,7 +232,7 @@ pub struct HiZ<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
-/// The images that a method draws into which composites along the way. With neither of them nothing is drawn.
+/// The images that a method draws into if it composites along the way. Without both of them nothing is drawn.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The finished image, linear, where it is wanted. RGBA16F.
@@ -242,33 +242,33 @@ pub struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Its images, in the order of the shaders' outputs.
+    /// The images that are wanted, in the order of the shaders' outputs.
     pub fn images(self) -> impl Iterator<Item = &'a Image> {
         self.composite.into_iter().chain(self.reflection)
     }
 
-    /// What is drawn over tiles, in the order of the shaders' outputs.
+    /// The targets over tiles, in the order of the shaders' outputs.
     fn targets(self, tiles: tiles::Tiles) -> [Target<'a>; 2] {
         let mut images = self.images();
         [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
     }
 
-    /// The two images that compute programs store to, in the order of their bindings; `None` if no image is wanted. If
-    /// one is, it is bound in both places, and the program stores to the first of them.
+    /// The two images that compute programs store to, in the order of their bindings; `None` if no image is wanted. A single image
+    /// is bound in both places, and the program stores to the first of them.
     fn stored(self) -> Option<[&'a Image; 2]> {
         let mut images = self.images();
         let first = images.next()?;
         Some([first, images.next().unwrap_or(first)])
     }
 
-    /// Passes "composite", which takes the lit colour over, and "reflection": nothing is reflected yet.
+    /// Records passes "composite", which copies the lit colour, and "reflection", which clears the reflection.
     pub fn begin(self, frame: &mut Frame, color: &Image) -> Result<()> {
         let color = color.level(0);
         if let Some(composite) = self.composite {
             if color.image().format() == composite.format() {
                 frame.copy("composite", color, composite.all())?;
             } else {
-                // A blit converts: the precision study hands over 32-bit floats.
+                // A blit converts the format, since the precision study hands over 32-bit floats.
                 frame.blit("composite", color, composite.all())?;
             }
         }
@@ -291,8 +291,8 @@ pub struct ColorChain<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Hits<'a>(pub &'a Image);
 
-/// Radiance by direction in world axes, a roughness a level (`cube_filter::level_roughness`): six faces
-/// in Vulkan's order. RGBA16F.
+/// Radiance by direction in world axes, with one roughness for each level (`cube_filter::level_roughness`): six faces in Vulkan's
+/// order. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct CubeMap<'a>(pub &'a Image);
 
@@ -306,11 +306,11 @@ pub struct Captures<'a> {
     /// Lit colour with its chain, an array of cube maps: 0 where the sky is seen, and in a the share that is not sky.
     /// RGBA16F.
     pub color: &'a Image,
-    /// Where they were made, world, in metres; what follows the camera is moved in each frame.
+    /// The places of the captures in the world, in metres. Each frame moves a capture that follows the camera.
     pub places: &'a [Cell<Vec3>],
-    /// The block of every face.
+    /// The parameters of `unified` that every face has.
     pub face: &'a UnifiedBlock,
-    /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k).
+    /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k), as in [`lost::unit`].
     pub face_unit: f32,
     /// A box in the world, in metres, outside of which nothing stands.
     pub bounds: Aabb,
@@ -323,18 +323,18 @@ pub struct Reflection<'a>(pub &'a Image);
 /// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
 #[derive(Clone, Copy)]
 pub struct RayTraceColor<'a> {
-    /// Colour, 0 for a miss, and the ray's length in screen space, clamped to 1, in a. RGBA8, of which
-    /// the colour is sRGB-encoded.
+    /// Colour, 0 for a miss, and the ray's length in screen space, clamped to 1, in a. RGBA8, with the colour sRGB-encoded.
     pub color: &'a Image,
     /// 1 where a ray hit, else 0. R8.
     pub mask: &'a Image,
-    /// The colour before it is encoded, where compute programs make it: none can store to an sRGB format.
-    /// [`UNENCODED_COLOR`], of the levels of the chain.
+    /// The colour before it is encoded, if compute programs make it, since these cannot store to an sRGB format. The image has the
+    /// format [`UNENCODED_COLOR`] and the levels of the chain.
     pub unencoded: Option<&'a Image>,
 }
 
 impl RayTraceColor<'_> {
-    /// Pass "NAME/encode", where a level was made by a compute program: its colour as the image has it whose level is given.
+    /// Records pass "NAME/encode", which converts a level's colour into `to`, the same level of the encoded image, if a compute
+    /// program made it.
     fn encode(&self, frame: &mut Frame, name: &str, to: ImageSlice) -> Result<()> {
         let Some(unencoded) = self.unencoded else { return Ok(()) };
         frame.convert(&format!("{name}/encode"), unencoded.level(to.base_level()), to)
@@ -364,7 +364,7 @@ choices! {
     }
 }
 
-/// What an image's numbers are, for whoever draws it.
+/// What an image's numbers mean, for code that displays them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// Linear colour.
@@ -377,7 +377,7 @@ pub enum Content {
     StandardDepth,
     /// View-space z in metres.
     LinearDepth,
-    /// A [`Pyramid`], all levels in one image, of so many pixels along the width and the height of the picture.
+    /// A [`Pyramid`], all levels in one image, with the width and height of the picture in pixels.
     Pyramid([u32; 2]),
     /// Numbers that are none of the above: places, movements, packed normals.
     Numbers,
@@ -417,7 +417,7 @@ impl<P> PerProjection<P> {
         Self([const { OnceLock::new() }; 2])
     }
 
-    /// The pipeline of a kind, which `make` makes.
+    /// Returns the pipeline of a kind of projection; `make` makes it at the first call.
     ///
     /// # Errors
     /// Errors of `make`.

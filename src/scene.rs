@@ -1,7 +1,7 @@
 //! The contents of a scene (meshes, materials, lights, cameras and views) as plain data on the host.
 //!
-//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). Whoever has a scene makes a
-//! [`Scene`] of it; the laboratory (`lab/`) loads some from files and generates others.
+//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). Callers make a [`Scene`] of what they have; the
+//! laboratory (`lab/`) loads scenes from files and generates others.
 
 pub mod camera;
 pub mod capture;
@@ -52,16 +52,16 @@ pub struct Scene {
     pub impostors: Vec<Impostor>,
     /// Lights with an extent, which only the method `area-light` sees.
     pub area_lights: Vec<AreaLight>,
-    /// Where cubes of images are captured, in the order in which they help most; empty unless a scene file names
-    /// places or the laboratory's placement finds some. At most [`capture::MAX_CAPTURES`].
+    /// The places where cubes of images are captured, the most helpful first; empty unless a scene file names places or the
+    /// laboratory's placement finds some. At most [`capture::MAX_CAPTURES`].
     pub captures: Vec<Capture>,
     /// The lens of every view that has none of its own.
     pub lens: Lens,
-    /// Named views; never empty in a loaded scene. The first one is the default.
+    /// Named views; never empty in a loaded scene. The first view is the default.
     pub views: Vec<View>,
     /// Named paths of the camera.
     pub paths: Vec<CameraPath>,
-    /// Named motions of its meshes, which stand as they do before any of them begins.
+    /// Named motions of the meshes. The meshes stand where they do before any motion begins.
     pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
@@ -148,10 +148,10 @@ pub struct Material {
     pub roughness: f32,
     /// Roughness image (green channel, linear), a factor on [`Material::roughness`].
     pub roughness_map: Option<usize>,
-    /// The share of the albedo, 0…1, that is emitted: it is as bright as under full light, whatever the lights. The alpha
-    /// channel of the albedo image is a factor on it.
+    /// The share of the albedo, 0…1, that is emitted, and is as bright as under full light, whatever the lights are. The alpha
+    /// channel of the albedo image is a factor on this share.
     pub emission: f32,
-    /// Whether the surface is not there for whoever looks from behind.
+    /// Whether the surface is absent when it is seen from behind.
     pub single_sided: bool,
     /// Weight of the normal map, 0…1.
     pub normal_deviation: f32,
@@ -180,7 +180,7 @@ impl Default for Material {
     }
 }
 
-/// What a scene file or a view changes about a material; `None` leaves the value as it is.
+/// The changes that a scene file or a view makes to a material; `None` leaves the value as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MaterialChange {
     /// Replaces the reflectivity and removes its map.
@@ -258,11 +258,11 @@ impl Default for Aabb {
 }
 
 impl Aabb {
-    /// All there is.
+    /// The box of all of space.
     pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
-    /// The box between its least and its greatest corner; `None` if a number is not finite, or if they are the other way
-    /// round.
+    /// The box between its least and its greatest corner; `None` if a number is not finite, or if the corners are in the wrong
+    /// order.
     pub fn between([min, max]: [[f32; 3]; 2]) -> Option<Self> {
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some(Self { min, max })
@@ -286,7 +286,7 @@ impl Aabb {
         Self { min: self.min + offset, max: self.max + offset }
     }
 
-    /// A box around what is in this one, where a placement has it.
+    /// A box around the content of this box after a placement has moved it.
     pub fn placed(self, placement: &Placement) -> Self {
         if placement.is_offset() || !self.min.cmple(self.max).all() {
             return self.moved(placement.offset);
@@ -307,7 +307,7 @@ impl Aabb {
 }
 
 impl View {
-    /// Its camera for an image of a size in pixels, with its own lens or the scene's.
+    /// The view's camera for an image of a size in pixels, with the view's lens or the scene's.
     pub fn camera(&self, scene: &Scene, [width, height]: [u32; 2]) -> Camera {
         Camera::new(self.eye, self.look_at, self.lens.unwrap_or(scene.lens), width as f32 / height as f32)
     }
@@ -329,8 +329,8 @@ impl Scene {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all lengths about the origin: those of views, paths, lights, probes, impostors and captures, and the clip
-    /// planes and heights of lenses. Energies of point lights are lengths squared.
+    /// Scales all lengths about the origin: those of views, paths, lights, probes, impostors and captures, and the clip planes and
+    /// heights of lenses. Energies of point lights scale as lengths squared.
     pub fn scale(&mut self, factor: f32) {
         let own = self.views.iter_mut().filter_map(|view| view.lens.as_mut());
         for lens in own.chain([&mut self.lens]) {
@@ -363,8 +363,8 @@ impl Scene {
         captures.iter_mut().for_each(|c| c.position += offset);
     }
 
-    /// Moves what has a place and no extent; gives what has an extent to the caller. Every field is named, so that a
-    /// new one cannot be forgotten.
+    /// Moves the parts that have a place and no extent, and returns those that have an extent. Every field is named, so that a new
+    /// field cannot be forgotten.
     fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
         let Self {
             name: _,
@@ -410,7 +410,7 @@ impl Scene {
     /// Finds a view by name.
     ///
     /// # Errors
-    /// [`Usage`](crate::error::Error::Usage), which lists the scene's views, if there is none of this name.
+    /// [`Usage`](crate::error::Error::Usage), which lists the scene's views, if no view has this name.
     pub fn view(&self, name: &str) -> crate::error::Result<&View> {
         self.views.iter().find(|v| v.name == name).ok_or_else(|| {
             let names: Vec<_> = self.views.iter().map(|v| v.name.as_str()).collect();

@@ -1,25 +1,27 @@
-// Glossy reflections in screen space on Vulkan, recorded into your command buffer, on your device, out of your images.
-// docs/embedding.md has a renderer that does so from nothing, and examples/c is one.
+// Glossy reflections in screen space on Vulkan, recorded into your command buffer, on your device, from your images.
+// docs/embedding.md builds a renderer that does so from nothing, and examples/c is such a renderer.
 //
 // Written by cbindgen from c/src; `make docs` writes it anew.
 //
-// Structs. A struct that begins with `struct_size` is filled by you, with sizeof of the struct there; its other fields may
-// be zero where a default is named. Later versions add fields at the end: this library takes a longer struct whose fields
-// beyond its own are zero. Pointers in such structs are read during the call alone, but for the functions of SsctMemory.
+// Structs. You fill in a struct that begins with `struct_size`, and set this field to sizeof of the struct; its other fields
+// may be zero where a default is named. Later versions add fields at the end. This library takes a longer struct if all
+// fields that it does not know are zero. Pointers in such structs are read during the call alone, except for the functions
+// of SsctMemory.
 //
 // Failures. A function that can fail returns an SsctResult, and `ssct_last_error` has a sentence on it for the thread that
-// called. No fault of the library passes the border as anything else: an object in which one occurred returns
-// SSCT_RESULT_INTERNAL from then on, and can be destroyed. What Vulkan does not tell of a handle cannot be checked, such as
-// the usage that an image was really made with: turn the validation layers on for that.
+// called. A fault of the library comes to you in no other way: an object in which a fault occurred returns
+// SSCT_RESULT_INTERNAL from then on, and can be destroyed. The library cannot check what Vulkan does not tell of a handle,
+// such as the usage that an image was really made with: turn the validation layers on for that.
 //
-// Lifetimes. Instance, device and loader outlive every object. Objects may be destroyed in any order, a context before what
-// was made with it, once the device is done with what was recorded. Output images go with their reflections. A call on an
-// object that was destroyed, or on one of another type, is refused, as long as no other object has its address.
+// Lifetimes. Instance, device and loader outlive every object. Objects may be destroyed in any order, even a context before
+// the objects that were made with it, once the device is done with what was recorded. Output images are destroyed with their
+// reflections. A call on an object that was destroyed, or that is of another type, is refused, unless another object has its
+// address by now.
 //
-// Threads. A context may be used by several threads at once. Any other object may be used by any thread, by one
-// at a time; different objects, of one context, too, by different threads at once. A frame reads the capture cubes and
-// the triangles that it is given while it is recorded. A call on an object that another call uses is refused, and one that
-// destroys it too. Nothing here submits, waits or presents.
+// Threads. Several threads may use a context at once. Any thread may use any other object, but one thread at a time;
+// different objects, even of one context, may be used by different threads at once. While a frame is recorded, it reads the
+// capture cubes and the triangles that it is given. A call that uses or destroys an object is refused while another call
+// uses the object. Nothing here submits, waits or presents.
 
 
 #ifndef SSCT_H
@@ -32,7 +34,7 @@
 
 /// How a call ended. `ssct_last_error` has a sentence on every code but SSCT_RESULT_OK.
 typedef enum SsctResult {
-  /// It did what it is for.
+  /// The call did what it is for.
   SSCT_RESULT_OK = 0,
   /// An argument is wrong, and the sentence says which. Nothing was done.
   SSCT_RESULT_USAGE = 1,
@@ -54,28 +56,29 @@ typedef enum SsctResult {
 /// draw the faces, hand over each at least once, and again whenever you like.
 typedef struct SsctCaptureCubes SsctCaptureCubes;
 
-/// A device of yours that reflections are recorded for. It destroys nothing of yours.
+/// A device of yours that reflections are recorded for. Destroying the context destroys none of your handles.
 typedef struct SsctContext SsctContext;
 
-/// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
+/// The pipelines, images and uniform memory that reflect one view in every frame.
 typedef struct SsctReflections SsctReflections;
 
-/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
+/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses. A ray that hits a triangle sees
+/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
+/// them.
 typedef struct SsctTriangles SsctTriangles;
 
 /// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
 typedef uint32_t SsctMemoryPlace;
 
-/// A part of a memory object. It is nobody else's until it is released.
+/// A part of a memory object, which nobody else uses until it is released.
 typedef struct SsctMemoryBlock {
-  /// The object.
+  /// The memory object.
   VkDeviceMemory memory;
   /// Where the part begins, in bytes.
   uint64_t offset;
-  /// Where the host sees that part; NULL for SSCT_MEMORY_PLACE_DEVICE.
+  /// The address at which the host sees the part; NULL for SSCT_MEMORY_PLACE_DEVICE.
   void *mapped;
-  /// Whatever you want to know when you get the block back.
+  /// A number of your choice, which you get back with the block.
   uint64_t key;
 } SsctMemoryBlock;
 
@@ -86,8 +89,8 @@ typedef struct SsctMemory {
   size_t struct_size;
   /// Passed to both functions.
   void *user_data;
-  /// Fills `block` with memory that fits the requirements, for an image or a buffer of that name, and returns NULL; or
-  /// returns a clause that says why there is none, which must stay until the next call. `linear` is false for images of
+  /// Fills `block` with memory that fits the requirements, and returns NULL. If there is no such memory, returns a clause that
+  /// says why, which must stay until the next call. `name` is that of the image or buffer. `linear` is false for images of
   /// optimal tiling.
   const char *(*allocate)(void *user_data,
                           const char *name,
@@ -95,7 +98,7 @@ typedef struct SsctMemory {
                           SsctMemoryPlace place,
                           bool linear,
                           struct SsctMemoryBlock *block);
-  /// Takes a block back. What it was for is destroyed.
+  /// Takes a block back, whose image or buffer is destroyed already.
   void (*release)(void *user_data, const struct SsctMemoryBlock *block);
 } SsctMemory;
 
@@ -125,25 +128,25 @@ typedef struct SsctContextInfo {
   const struct SsctMemory *memory;
 } SsctContextInfo;
 
-/// What a device calls itself. The texts stay until the context is destroyed.
+/// Name, driver, version and kind of a device. The texts stay until the context is destroyed.
 typedef struct SsctDeviceInfo {
   /// sizeof(SsctDeviceInfo).
   size_t struct_size;
-  /// Its name.
+  /// The device's name.
   const char *name;
-  /// Name and version of its driver.
+  /// Name and version of the driver.
   const char *driver;
-  /// The highest version of Vulkan that it has, as "1.3.230".
+  /// The highest version of Vulkan that the device has, as "1.3.230".
   const char *api;
   /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
   const char *kind;
 } SsctDeviceInfo;
 
-/// A method, and a line on it.
+/// A method, and a line that describes it.
 typedef struct SsctMethod {
-  /// Its name, as in `SsctReflectionsInfo.method`.
+  /// The method's name, as in `SsctReflectionsInfo.method`.
   const char *name;
-  /// What it does.
+  /// What the method does.
   const char *summary;
 } SsctMethod;
 
@@ -152,20 +155,20 @@ typedef struct SsctMethod {
 typedef struct SsctImageUse {
   /// The image's layout.
   VkImageLayout layout;
-  /// Pipeline stages that touch it.
+  /// Pipeline stages that use the image.
   VkPipelineStageFlags2 stages;
-  /// How they access it.
+  /// How these stages access the image.
   VkAccessFlags2 access;
 } SsctImageUse;
 
 /// A common use of an image: one of SSCT_USE_*.
 typedef uint32_t SsctUse;
 
-/// A parameter of a method and its value, as docs/options.md lists them: { "fade", "off" }. "preset" is one of them.
+/// A parameter of a method and its value, as docs/options.md lists them, such as { "fade", "off" }. "preset" is a parameter, too.
 typedef struct SsctParameter {
-  /// Its name.
+  /// The parameter's name.
   const char *name;
-  /// Its value as text.
+  /// The parameter's value as text.
   const char *value;
 } SsctParameter;
 
@@ -175,7 +178,7 @@ typedef uint32_t SsctOutputs;
 /// The projection of a camera: one of SSCT_PROJECTION_*.
 typedef uint32_t SsctProjection;
 
-/// What is to be reflected, and how.
+/// The description of reflections that are to be made: size, method, inputs and outputs.
 typedef struct SsctReflectionsInfo {
   /// sizeof(SsctReflectionsInfo).
   size_t struct_size;
@@ -183,17 +186,18 @@ typedef struct SsctReflectionsInfo {
   VkExtent2D extent;
   /// A method of `ssct_methods`; NULL for "unified".
   const char *method;
-  /// Parameters; the others have their published values.
+  /// Parameters of the method. Those that are not given have their published values.
   const struct SsctParameter *parameters;
   /// Number of parameters.
   uint32_t parameter_count;
-  /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without.
+  /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without captures.
   uint32_t capture_side;
-  /// What is produced; 0 for composite and reflection.
+  /// The images that are produced; 0 for composite and reflection.
   SsctOutputs outputs;
   /// Number of frames that may be under way at once; 0 for 2.
   uint32_t frames_in_flight;
-  /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+  /// Triangles like those that every frame is given; NULL for frames without triangles. Captures and triangles exclude each
+  /// other.
   const struct SsctTriangles *triangles;
   /// The projection of every frame's camera.
   SsctProjection projection;
@@ -211,34 +215,34 @@ typedef struct SsctCamera {
   /// World to view space: a rotation and a translation.
   float world_to_view[16];
   /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
-  /// orthographic one has its near plane at the eye or in front of it.
+  /// orthographic projection has its near plane at the eye or in front of the eye.
   float view_to_clip[16];
   /// Where the top of the image is in clip space.
   SsctClipY clip_y;
 } SsctCamera;
 
-/// An image of yours, of which one level and, but for cube maps, one layer is read.
+/// An image of yours. One level of it is read, and one layer; of a cube map, six layers.
 typedef struct SsctImage {
   /// sizeof(SsctImage).
   size_t struct_size;
   /// The image.
   VkImage image;
-  /// A view of the part that is read; of a depth image it shows the depth alone. Of a cube map it is an array of the six
-  /// faces.
+  /// A view of the part that is read. The view of a depth image shows the depth alone; the view of a cube map is an array of the
+  /// six faces.
   VkImageView view;
   /// The image's format.
   VkFormat format;
   /// Width and height of the part in texels.
   VkExtent2D extent;
-  /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
-  /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
+  /// The part that the view shows, with every aspect that a barrier of the image's format needs. Aspects of 0 stand for all
+  /// aspects of the format. A count of 0 stands for one level, for one layer, or for the six layers of a cube map.
   VkImageSubresourceRange part;
-  /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
-  /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
+  /// The usage that the image was made with: VK_IMAGE_USAGE_SAMPLED_BIT must be in it, or VK_IMAGE_USAGE_STORAGE_BIT for numbers
+  /// of triangles. 0 stands for both bits.
   VkImageUsageFlags usage;
-  /// How you used it last.
+  /// How you used the image last.
   struct SsctImageUse before;
-  /// How you use it next; it is in that layout when what was recorded is done.
+  /// How you use the image next. The recorded commands leave it in that layout.
   struct SsctImageUse after;
 } SsctImage;
 
@@ -248,15 +252,15 @@ typedef uint32_t SsctNormalSpace;
 /// How texels hold unit normals: one of SSCT_NORMAL_ENCODING_*.
 typedef uint32_t SsctNormalEncoding;
 
-/// Normals of yours.
+/// The normals of your G-buffer.
 typedef struct SsctNormals {
   /// sizeof(SsctNormals).
   size_t struct_size;
-  /// Where they are.
+  /// The image of the normals.
   const struct SsctImage *image;
-  /// In which space they are.
+  /// The space of the normals.
   SsctNormalSpace space;
-  /// How texels hold them.
+  /// How texels hold the normals.
   SsctNormalEncoding encoding;
 } SsctNormals;
 
@@ -272,36 +276,36 @@ typedef struct SsctFactor {
   float value;
 } SsctFactor;
 
-/// What reflects in a frame, where you know it of the materials that you drew: SSCT_REFLECTORS_*, combined by `|`. What is
-/// known not to be there costs nothing.
+/// The kinds of reflecting surface that a frame may have, as you know them from the materials that you drew: SSCT_REFLECTORS_*,
+/// combined by `|`. A kind that is known to be absent costs nothing.
 typedef uint32_t SsctReflectors;
 
-/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
-/// where it was seen, x in red and y in green.
+/// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame before, x in
+/// red and y in green.
 typedef struct SsctMotion {
   /// sizeof(SsctMotion).
   size_t struct_size;
-  /// Where the way is, in floats or signed normalised numbers.
+  /// The image of the motion, in floats or signed normalised numbers.
   const struct SsctImage *image;
-  /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates the
-  /// image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
-  /// both have the other sign.
+  /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
+  /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
+  /// one.
   float scale[2];
-  /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices that
-  /// the images were drawn with.
+  /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
+  /// images were drawn with.
   VkBool32 jittered;
 } SsctMotion;
 
-/// What a frame shows, and where from.
+/// The inputs of a frame.
 typedef struct SsctFrame {
   /// sizeof(SsctFrame).
   size_t struct_size;
-  /// Which of the frames under way this is, below `SsctReflectionsInfo.frames_in_flight`: what was recorded with the same
-  /// number before is done.
+  /// The number of this frame among the frames under way, below `SsctReflectionsInfo.frames_in_flight`. The device must be done
+  /// with the frame that was recorded with the same number before.
   uint32_t slot;
   /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
   VkBool32 timed;
-  /// Where the images were seen from.
+  /// The camera that the images were drawn with.
   const struct SsctCamera *camera;
   /// Depth: a depth image, or a colour image with depth in red.
   const struct SsctImage *depth;
@@ -313,68 +317,68 @@ typedef struct SsctFrame {
   const struct SsctFactor *roughness;
   /// Lit colour, linear, without reflections.
   const struct SsctImage *color;
-  /// A cube map of what is seen where nothing stands, in world axes, its view an array of the six faces
-  /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY): the light of rays of which captures or triangles say that they end there. NULL for none:
-  /// they miss, as every ray does that leaves the screen where there are neither captures nor triangles.
+  /// A cube map of the light from where nothing stands, in world axes. Its view is an array of the six faces
+  /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that it ends in the sky. With NULL such
+  /// rays miss. Without captures and triangles, every ray that leaves the screen misses.
   const struct SsctImage *sky;
   /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
   const struct SsctCaptureCubes *captures;
-  /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+  /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is NULL.
   const struct SsctTriangles *triangles;
-  /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
-  /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+  /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for none. The image
+  /// is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
   const struct SsctImage *triangle_numbers;
-  /// What reflects, as far as you know it.
+  /// The kinds of reflecting surface that the frame may have, as you know them.
   SsctReflectors reflectors;
   /// How you use the outputs next.
   struct SsctImageUse outputs;
-  /// How surfaces moved since the frame that was recorded before, for the parameter "history"; NULL where it is not known, or
+  /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if it is not known, or if
   /// nothing but the camera moved.
   const struct SsctMotion *motion;
 } SsctFrame;
 
-/// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or
-/// destroyed. It can be sampled, and copied from.
+/// An image that the library made and owns. It stays the same in every frame, until the reflections are resized or destroyed. It
+/// can be sampled, and copied from.
 typedef struct SsctOutputImage {
   /// The image; VK_NULL_HANDLE if there is none.
   VkImage image;
-  /// A view of its first level.
+  /// A view of the image's first level.
   VkImageView view;
-  /// Its format.
+  /// The image's format.
   VkFormat format;
   /// Width and height in pixels.
   VkExtent2D extent;
 } SsctOutputImage;
 
-/// A pass that a frame does without.
+/// A pass that a frame leaves out.
 typedef struct SsctSkipped {
-  /// Its label.
+  /// The pass's label.
   const char *pass;
-  /// Why, in a clause.
+  /// The reason, in a clause.
   const char *why;
 } SsctSkipped;
 
-/// What was recorded. Texts and arrays stay until the next frame of the same reflections is recorded, or they are
-/// destroyed.
+/// The outputs and passes of a recorded frame. Texts and arrays stay until the next frame of the same reflections is recorded, or
+/// the reflections are destroyed.
 typedef struct SsctRecorded {
   /// sizeof(SsctRecorded).
   size_t struct_size;
-  /// Lit colour with what is reflected in it, linear, R16G16B16A16_SFLOAT. None if it was not asked for.
+  /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is none if it was not asked for.
   struct SsctOutputImage composite;
-  /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than 1
-  /// where it fades out. R16G16B16A16_SFLOAT. None if it was not asked for, or nothing reflects.
+  /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
+  /// reflection fades out. R16G16B16A16_SFLOAT. There is none if it was not asked for, or if nothing reflects.
   struct SsctOutputImage reflection;
   /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-  /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. None if it was not asked for, or the method does not say
-  /// it.
+  /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is none if it was not asked for, or if the method does not
+  /// tell where rays end.
   struct SsctOutputImage hits;
   /// The passes that were recorded, in order.
   const char *const *passes;
   /// Number of passes.
   uint32_t pass_count;
-  /// Number of passes that this frame does without.
+  /// Number of passes that this frame leaves out.
   uint32_t skipped_count;
-  /// The passes that this frame does without, and why.
+  /// The passes that this frame leaves out, and why.
   const struct SsctSkipped *skipped;
 } SsctRecorded;
 
@@ -382,7 +386,7 @@ typedef struct SsctRecorded {
 typedef struct SsctPassTime {
   /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
   const char *name;
-  /// Milliseconds that it took.
+  /// Milliseconds that the pass took.
   double ms;
   /// Milliseconds from the frame's first timestamp to the pass's.
   double start_ms;
@@ -390,24 +394,25 @@ typedef struct SsctPassTime {
   bool counted;
 } SsctPassTime;
 
-/// What captures are to be.
+/// The description of capture cubes that are to be made.
 typedef struct SsctCaptureCubesInfo {
   /// sizeof(SsctCaptureCubesInfo).
   size_t struct_size;
-  /// Where each was made, in world space: x, y and z of each place, one after the other.
+  /// The places of the captures in world space: x, y and z of each place, one after the other.
   const float *places;
   /// Number of places, 1 to 8.
   uint32_t place_count;
   /// Width and height of each face in texels, 1 to 4096.
   uint32_t side;
-  /// The projection that all faces were drawn with: a quarter turn, as `SsctCamera.view_to_clip`.
+  /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
+  /// `SsctCamera.view_to_clip`.
   float view_to_clip[16];
   /// Where the top of a face is in its clip space.
   SsctClipY clip_y;
   /// How many frames that renew faces may be under way at once; 0 for 2.
   uint32_t frames_in_flight;
-  /// The least and the greatest corner, six numbers, of a box in world space outside of which nothing stands, so that rays
-  /// that leave it end in the sky; NULL if there is no such box.
+  /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: six numbers, the least
+  /// corner and then the greatest. NULL if there is no such box.
   const float *bounds;
 } SsctCaptureCubesInfo;
 
@@ -417,40 +422,40 @@ typedef struct SsctCaptureFace {
   size_t struct_size;
   /// The capture's number, from 0.
   uint32_t capture;
-  /// The face's number, 0 to 5: +x -x +y -y +z -z, each as Vulkan lays out a cube map that world directions are looked up
+  /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face lies as in a cube map of Vulkan that world directions are looked up
   /// in.
   uint32_t face;
-  /// The colour of what stands there, in light that does not depend on the viewer; linear.
+  /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
   const struct SsctImage *color;
-  /// Its depth.
+  /// The depth of the face.
   const struct SsctImage *depth;
 } SsctCaptureFace;
 
-/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to it. Make it zero
-/// before you fill it in, so that it has no texture unless you say so.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the struct. Set it to
+/// zero before you fill it in, so that it has no texture unless you give it one.
 typedef struct SsctTriangleMesh {
   /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
   const float *positions;
-  /// Three vertices for each triangle; it is seen from both sides.
+  /// Three vertices for each triangle, which is seen from both sides.
   const uint32_t *indices;
   /// Number of vertices.
   uint32_t vertex_count;
   /// Number of indices.
   uint32_t index_count;
-  /// From the mesh's space to the world, column by column.
+  /// The matrix from the mesh's space to the world, column by column.
   float mesh_to_world[16];
-  /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
-  /// a texture.
+  /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the library computes no light for it.
+  /// With a texture, the colour is a factor of the texture.
   float color[3];
-  /// The number of its texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
+  /// The number of the mesh's texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
   uint32_t texture;
-  /// The place of each vertex on the texture, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the
-  /// last, and beyond them it repeats. NULL for a mesh without a texture.
+  /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the last.
+  /// Beyond them the texture repeats. NULL for a mesh without a texture.
   const float *texture_places;
 } SsctTriangleMesh;
 
-/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest in
-/// size to their footprint; the levels are made of it. The library keeps no pointer to it.
+/// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels are nearest in
+/// size to the ray's footprint. The library makes the levels, and keeps no pointer to the struct.
 typedef struct SsctHitTexture {
   /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
   const uint8_t *texels;
@@ -458,7 +463,7 @@ typedef struct SsctHitTexture {
   uint32_t width;
   /// Height in texels, 1 to 32768.
   uint32_t height;
-  /// Whether the bytes are sRGB, or else linear.
+  /// Whether the bytes are sRGB; otherwise they are linear.
   VkBool32 is_srgb;
 } SsctHitTexture;
 
@@ -513,7 +518,7 @@ typedef struct SsctHitTexture {
 /// Where each ray ended, if the method can say it.
 #define SSCT_OUTPUT_HITS 4
 
-/// Nothing is known: there may be all. This is always right.
+/// Nothing is known, so that every kind may be there. This is always right.
 #define SSCT_REFLECTORS_UNKNOWN 0
 
 /// There may be mirrors: surfaces that reflect with roughness 0.
@@ -525,10 +530,10 @@ typedef struct SsctHitTexture {
 /// There may be wide lobes: roughness above 0.2f.
 #define SSCT_REFLECTORS_WIDE 4
 
-/// Every lit surface reflects, so that every pixel without sky does.
+/// Every lit surface reflects, so that every pixel reflects that does not show the sky.
 #define SSCT_REFLECTORS_EVERYWHERE 8
 
-/// Nothing reflects. It stands alone.
+/// Nothing reflects. This flag stands alone, and is not combined with others.
 #define SSCT_REFLECTORS_NONE 16
 
 /// All rays of sight leave from the eye.
@@ -550,15 +555,15 @@ typedef struct SsctHitTexture {
 extern "C" {
 #endif // __cplusplus
 
-/// Returns the sentence on the last call of this thread that failed: what is wrong, and where. It is empty before any has
-/// failed, in UTF-8, and stays until the next call of this thread fails.
+/// Returns the sentence, in UTF-8, on the last call of this thread that failed: what is wrong, and where. The sentence is empty
+/// before any call has failed, and stays until the next call of this thread fails.
 const char *ssct_last_error(void);
 
 /// Returns the version of the library, as "0.1.0".
 const char *ssct_version(void);
 
-/// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
-/// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
+/// Turns on the features that a device must have on, beside whatever else is on in the three structs. No extension is needed: all
+/// are features of core Vulkan 1.3. A device may lack one of them, `largePoints`: leave it off there, and only the method "unified"
 /// cannot be made. `sType` of the last two structs is yours to set.
 enum SsctResult ssct_enable_features(VkPhysicalDeviceFeatures *features,
                                      VkPhysicalDeviceVulkan12Features *features12,
@@ -567,10 +572,10 @@ enum SsctResult ssct_enable_features(VkPhysicalDeviceFeatures *features,
 /// Makes a context of a device, and writes it to `context`; NULL if it fails.
 enum SsctResult ssct_context_create(const struct SsctContextInfo *info, struct SsctContext **context);
 
-/// Destroys a context; NULL is none. What was made with it stays usable, and keeps what it needs.
+/// Destroys a context; NULL is allowed. Objects that were made with the context stay usable, and keep what they need.
 void ssct_context_destroy(struct SsctContext *context);
 
-/// Writes what the device calls itself to `info`, whose `struct_size` is set.
+/// Writes name, driver, version and kind of the device to `info`, whose `struct_size` is set.
 enum SsctResult ssct_context_device_info(const struct SsctContext *context, struct SsctDeviceInfo *info);
 
 /// Returns whether passes can be timed: the queue family has timestamps.
@@ -579,43 +584,41 @@ bool ssct_context_has_timestamps(const struct SsctContext *context);
 /// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
 uint64_t ssct_context_allocated_bytes(const struct SsctContext *context);
 
-/// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next compiles
-/// nothing twice.
+/// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized later
+/// compiles nothing twice.
 void ssct_context_trim(const struct SsctContext *context);
 
-/// Returns the methods that need no more than a G-buffer, and writes how many there are to `count`. "captures" needs
-/// capture cubes, too. The array stays.
+/// Returns the methods that need no more than a G-buffer, and writes their number to `count`. "captures" needs capture cubes, too.
+/// The array stays for as long as the library is loaded.
 const struct SsctMethod *ssct_methods(uint32_t *count);
 
 /// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
 struct SsctImageUse ssct_image_use(SsctUse kind);
 
-/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if it fails. Nothing is
-/// submitted.
+/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if the call fails. Nothing is submitted.
 enum SsctResult ssct_reflections_create(const struct SsctContext *context,
                                         const struct SsctReflectionsInfo *info,
                                         struct SsctReflections **reflections);
 
-/// Destroys reflections; NULL is none. The device is done with every frame that was recorded.
+/// Destroys reflections; NULL is allowed. The device must be done with every frame that was recorded.
 void ssct_reflections_destroy(struct SsctReflections *reflections);
 
-/// Makes images of another size. The device is done with every frame that was recorded. If it fails, the old size stays.
+/// Makes images of another size. The device must be done with every frame that was recorded. If the call fails, the old size stays.
 enum SsctResult ssct_reflections_resize(struct SsctReflections *reflections,
                                         VkExtent2D extent);
 
-/// Forgets the frames that the parameter "history" averages, so that the next one stands alone: after a cut, and after a
-/// command buffer that was thrown away.
+/// Forgets the frames that the parameter "history" averages, so that the next frame stands alone. Call it after a cut, and after a
+/// command buffer was thrown away.
 enum SsctResult ssct_reflections_restart_history(struct SsctReflections *reflections);
 
-/// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have been
-/// recorded once, no allocation on the device. Writes what was recorded to `recorded`, whose `struct_size` is set, or
-/// nothing if that is NULL. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer
-/// away.
+/// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded once,
+/// nothing is allocated on the device. Writes what was recorded to `recorded`, whose `struct_size` is set; NULL if you do not need
+/// it. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer away.
 ///
 /// - The command buffer is recording, outside rendering, for a queue of the context's family.
-/// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is done;
-///   the images hold what you submitted before.
-/// - What was recorded with the same slot before is no longer under way.
+/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
+///   done. Whatever writes the images was submitted before.
+/// - The frame that was recorded with the same slot before is no longer under way.
 /// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
 ///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
 enum SsctResult ssct_reflections_record(struct SsctReflections *reflections,
@@ -623,37 +626,37 @@ enum SsctResult ssct_reflections_record(struct SsctReflections *reflections,
                                         const struct SsctFrame *frame,
                                         struct SsctRecorded *recorded);
 
-/// Returns how long each pass of the last frame of a slot took: writes an array and its length, 0 if the frame was not
-/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next such call,
-/// or until the reflections are destroyed.
+/// Writes an array of how long each pass of the last frame of a slot took, and the array's length, which is 0 if the frame was not
+/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next call of this
+/// function, or until the reflections are destroyed.
 enum SsctResult ssct_reflections_times(struct SsctReflections *reflections,
                                        uint32_t slot,
                                        const struct SsctPassTime **times,
                                        uint32_t *count);
 
-/// Makes the images of captures, and writes the object to `cubes`; NULL if it fails. They have no content yet.
+/// Makes the images of captures, which have no content yet, and writes the object to `cubes`; NULL if the call fails.
 enum SsctResult ssct_capture_cubes_create(const struct SsctContext *context,
                                           const struct SsctCaptureCubesInfo *info,
                                           struct SsctCaptureCubes **cubes);
 
-/// Destroys captures; NULL is none. The device is done with every frame that saw them.
+/// Destroys captures; NULL is allowed. The device must be done with every frame that saw the captures.
 void ssct_capture_cubes_destroy(struct SsctCaptureCubes *cubes);
 
-/// Records taking over a face. Submit it before frames that see it. Slots are counted as those of
+/// Records the commands that take over a face. Submit them before frames that are to see the face. Slots are counted as those of
 /// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
 enum SsctResult ssct_capture_cubes_record_face(struct SsctCaptureCubes *cubes,
                                                VkCommandBuffer commands,
                                                uint32_t slot,
                                                const struct SsctCaptureFace *face);
 
-/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
-/// it fails. `ssct_triangles_record_upload` fills the buffers.
+/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if the
+/// call fails. `ssct_triangles_record_upload` fills the buffers.
 enum SsctResult ssct_triangles_create(const struct SsctContext *context,
                                       const struct SsctTriangleMesh *meshes,
                                       uint32_t mesh_count,
                                       struct SsctTriangles **triangles);
 
-/// Does what `ssct_triangles_create` does for meshes with textures.
+/// Does the same as `ssct_triangles_create`, for meshes with textures.
 enum SsctResult ssct_triangles_create_textured(const struct SsctContext *context,
                                                const struct SsctTriangleMesh *meshes,
                                                uint32_t mesh_count,
@@ -661,10 +664,10 @@ enum SsctResult ssct_triangles_create_textured(const struct SsctContext *context
                                                uint32_t texture_count,
                                                struct SsctTriangles **triangles);
 
-/// Destroys triangles; NULL is none. The device is done with every frame that saw them.
+/// Destroys triangles; NULL is allowed. The device must be done with every frame that saw the triangles.
 void ssct_triangles_destroy(struct SsctTriangles *triangles);
 
-/// Records copying the triangles to the device: once, before the first frame that sees them.
+/// Records the copy of the triangles to the device. Call it once, before the first frame that sees them.
 enum SsctResult ssct_triangles_record_upload(struct SsctTriangles *triangles, VkCommandBuffer commands);
 
 #ifdef __cplusplus

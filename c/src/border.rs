@@ -1,5 +1,5 @@
-//! What every function has at the border: codes and sentences of failures, structs that begin with their size, texts, and
-//! a net below panics.
+//! Parts that all functions for C share: codes and sentences of failures, structs that begin with their size, texts, and a guard
+//! that stops panics.
 
 use crate::live;
 use std::any::Any;
@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SsctResult {
-    /// It did what it is for.
+    /// The call did what it is for.
     Ok = 0,
     /// An argument is wrong, and the sentence says which. Nothing was done.
     Usage = 1,
@@ -39,7 +39,7 @@ pub struct Failure {
 pub type Outcome<T> = Result<T, Failure>;
 
 impl Failure {
-    /// A wrong argument.
+    /// Makes the failure of a wrong argument.
     pub fn usage(sentence: impl Into<String>) -> Self {
         Self { code: SsctResult::Usage, sentence: sentence.into() }
     }
@@ -73,14 +73,14 @@ thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Returns the sentence on the last call of this thread that failed: what is wrong, and where. It is empty before any has
-/// failed, in UTF-8, and stays until the next call of this thread fails.
+/// Returns the sentence, in UTF-8, on the last call of this thread that failed: what is wrong, and where. The sentence is empty
+/// before any call has failed, and stays until the next call of this thread fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn ssct_last_error() -> *const c_char {
     LAST.with_borrow(|sentence| sentence.as_ptr())
 }
 
-/// Runs what a function does. Keeps its sentence if it fails, and stops a panic.
+/// Runs the body of a function. Keeps the sentence of a failure for `ssct_last_error`, and turns a panic into a failure.
 pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
     // Objects that a panic may have left half changed refuse to be used again (`Guarded`).
     let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|payload| Err(Failure::of_panic(&*payload)));
@@ -93,7 +93,7 @@ pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
     }
 }
 
-/// Runs what a function without a code does; the other value stands for it where it fails.
+/// Runs the body of a function that returns no code. Returns `otherwise` if the body fails.
 pub fn or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
     let mut made = otherwise;
     guard(|| run().map(|value| made = value));
@@ -111,7 +111,7 @@ impl<T> Guarded<T> {
         Self { value, is_broken: false }
     }
 
-    /// The object, to be read.
+    /// Returns the object, to be read.
     pub fn get(&self) -> Outcome<&T> {
         if self.is_broken {
             let sentence = "an earlier fault left this object unusable: destroy it".into();
@@ -120,7 +120,7 @@ impl<T> Guarded<T> {
         Ok(&self.value)
     }
 
-    /// Does something with the object.
+    /// Runs a function on the object, which is unusable afterwards if the function panics.
     pub fn with<R>(&mut self, run: impl FnOnce(&mut T) -> Outcome<R>) -> Outcome<R> {
         self.get()?;
         self.is_broken = true;
@@ -135,12 +135,12 @@ impl<T> Guarded<T> {
 /// # Safety
 /// It is `repr(C)`, its first field is `struct_size: usize`, and any bytes are a value of it.
 pub unsafe trait Growing: Copy {
-    /// Its name in the header.
+    /// The struct's name in the header.
     const NAME: &'static str;
 }
 
-/// Reads a struct of the caller's. A longer one than this library's, of a later header, is taken if what this library
-/// does not know of it is zero.
+/// Reads a struct of the caller's. A struct of a later header may be longer than this library's; it is taken if all bytes that this
+/// library does not know are zero.
 ///
 /// # Safety
 /// The pointer is NULL, or points to a struct of the size that its first field states.
@@ -172,7 +172,7 @@ pub unsafe fn size_of_theirs<T: Growing>(argument: &str, pointer: *const T) -> O
     // SAFETY: by the contract, the size comes first.
     let size = unsafe { pointer.cast::<usize>().read_unaligned() };
     let (name, known) = (T::NAME, size_of::<T>());
-    // No struct is longer than a page; what states more was never set.
+    // No struct is longer than a page; a greater size was never set by the caller.
     if !(known..=4096).contains(&size) {
         return Err(Failure::usage(format!(
             "the struct_size of the {name} of the argument {argument} is {size}; it must be sizeof({name}), which is {known}"
@@ -245,15 +245,15 @@ pub unsafe fn create<T: 'static>(argument: &str, to: *mut *mut T, make: impl FnO
     })
 }
 
-/// Destroys an object of [`create`]; NULL is none, and one that was destroyed before is refused.
+/// Destroys an object of [`create`]. NULL is allowed, and an object that was destroyed before is refused.
 ///
 /// # Safety
-/// What [`create`] made at the address, if it is still there, is of this type.
+/// If an object that [`create`] made is still at the address, it is of this type.
 pub unsafe fn destroy<T: 'static>(object: *mut T) {
     guard(|| {
         if !object.is_null() {
             live::remove(object)?;
-            // SAFETY: by the contract; it was there until now, and no call uses it.
+            // SAFETY: by the contract; the object was there until now, and no call uses it.
             drop(unsafe { Box::from_raw(object) });
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Images of the scene around places.
+//! Capture cubes: images of the scene around places.
 
 use crate::border::{Failure, Growing, Guarded, SsctResult, array, create, destroy, guard, take};
 use crate::context::SsctContext;
@@ -13,26 +13,27 @@ pub struct SsctCaptureCubes {
     pub(crate) cubes: Guarded<CaptureCubes>,
 }
 
-/// What captures are to be.
+/// The description of capture cubes that are to be made.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctCaptureCubesInfo {
     /// sizeof(SsctCaptureCubesInfo).
     pub struct_size: usize,
-    /// Where each was made, in world space: x, y and z of each place, one after the other.
+    /// The places of the captures in world space: x, y and z of each place, one after the other.
     pub places: *const f32,
     /// Number of places, 1 to 8.
     pub place_count: u32,
     /// Width and height of each face in texels, 1 to 4096.
     pub side: u32,
-    /// The projection that all faces were drawn with: a quarter turn, as `SsctCamera.view_to_clip`.
+    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
+    /// `SsctCamera.view_to_clip`.
     pub view_to_clip: [f32; 16],
     /// Where the top of a face is in its clip space.
     pub clip_y: SsctClipY,
     /// How many frames that renew faces may be under way at once; 0 for 2.
     pub frames_in_flight: u32,
-    /// The least and the greatest corner, six numbers, of a box in world space outside of which nothing stands, so that rays
-    /// that leave it end in the sky; NULL if there is no such box.
+    /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: six numbers, the least
+    /// corner and then the greatest. NULL if there is no such box.
     pub bounds: *const f32,
 }
 
@@ -44,12 +45,12 @@ pub struct SsctCaptureFace {
     pub struct_size: usize,
     /// The capture's number, from 0.
     pub capture: u32,
-    /// The face's number, 0 to 5: +x -x +y -y +z -z, each as Vulkan lays out a cube map that world directions are looked up
+    /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face lies as in a cube map of Vulkan that world directions are looked up
     /// in.
     pub face: u32,
-    /// The colour of what stands there, in light that does not depend on the viewer; linear.
+    /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
     pub color: *const SsctImage,
-    /// Its depth.
+    /// The depth of the face.
     pub depth: *const SsctImage,
 }
 
@@ -63,7 +64,7 @@ unsafe impl Growing for SsctCaptureFace {
     const NAME: &'static str = "SsctCaptureFace";
 }
 
-/// Makes the images of captures, and writes the object to `cubes`; NULL if it fails. They have no content yet.
+/// Makes the images of captures, which have no content yet, and writes the object to `cubes`; NULL if the call fails.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_capture_cubes_create(
     context: *const SsctContext,
@@ -97,14 +98,14 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
     unsafe { create("cubes", cubes, make) }
 }
 
-/// Destroys captures; NULL is none. The device is done with every frame that saw them.
+/// Destroys captures; NULL is allowed. The device must be done with every frame that saw the captures.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_capture_cubes_destroy(cubes: *mut SsctCaptureCubes) {
     // SAFETY: the header asks for an object that is not yet destroyed.
     unsafe { destroy(cubes) };
 }
 
-/// Records taking over a face. Submit it before frames that see it. Slots are counted as those of
+/// Records the commands that take over a face. Submit them before frames that are to see the face. Slots are counted as those of
 /// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_capture_cubes_record_face(
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_record_face(
             let (color, depth) = (image("face.color", face.color, 1)?, image("face.depth", face.depth, 1)?);
             (cubes, CaptureFaceInput { capture: face.capture as usize, face: face.face as usize, color, depth })
         };
-        // SAFETY: the header asks for what this does of the command buffer, the slot and the images.
+        // SAFETY: the header asks the caller for the same of the command buffer, the slot and the images.
         cubes.cubes.with(|cubes| Ok(unsafe { cubes.record_face(commands, slot as usize, &input) }?))
     })
 }

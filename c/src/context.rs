@@ -14,7 +14,7 @@ use ssct::{Context, DeviceHandles, EnabledFeatures};
 use std::ffi::{CString, c_char};
 use std::sync::OnceLock;
 
-/// A device of yours that reflections are recorded for. It destroys nothing of yours.
+/// A device of yours that reflections are recorded for. Destroying the context destroys none of your handles.
 pub struct SsctContext {
     pub(crate) context: Context,
     device: [CString; 4],
@@ -48,28 +48,28 @@ pub struct SsctContextInfo {
     pub memory: *const SsctMemory,
 }
 
-/// What a device calls itself. The texts stay until the context is destroyed.
+/// Name, driver, version and kind of a device. The texts stay until the context is destroyed.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctDeviceInfo {
     /// sizeof(SsctDeviceInfo).
     pub struct_size: usize,
-    /// Its name.
+    /// The device's name.
     pub name: *const c_char,
-    /// Name and version of its driver.
+    /// Name and version of the driver.
     pub driver: *const c_char,
-    /// The highest version of Vulkan that it has, as "1.3.230".
+    /// The highest version of Vulkan that the device has, as "1.3.230".
     pub api: *const c_char,
     /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
     pub kind: *const c_char,
 }
 
-/// A method, and a line on it.
+/// A method, and a line that describes it.
 #[repr(C)]
 pub struct SsctMethod {
-    /// Its name, as in `SsctReflectionsInfo.method`.
+    /// The method's name, as in `SsctReflectionsInfo.method`.
     pub name: *const c_char,
-    /// What it does.
+    /// What the method does.
     pub summary: *const c_char,
 }
 
@@ -89,8 +89,8 @@ pub extern "C" fn ssct_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// Turns on what a device must have on, beside whatever else is on in the three structs. No extension is needed: this is
-/// core Vulkan 1.3. `largePoints` is among it, which a device may lack: then leave it off, and only the method "unified"
+/// Turns on the features that a device must have on, beside whatever else is on in the three structs. No extension is needed: all
+/// are features of core Vulkan 1.3. A device may lack one of them, `largePoints`: leave it off there, and only the method "unified"
 /// cannot be made. `sType` of the last two structs is yours to set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_enable_features(
@@ -145,14 +145,14 @@ pub unsafe extern "C" fn ssct_context_create(
     unsafe { create("context", context, make) }
 }
 
-/// Destroys a context; NULL is none. What was made with it stays usable, and keeps what it needs.
+/// Destroys a context; NULL is allowed. Objects that were made with the context stay usable, and keep what they need.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_destroy(context: *mut SsctContext) {
     // SAFETY: the header asks for an object that is not yet destroyed.
     unsafe { destroy(context) };
 }
 
-/// Writes what the device calls itself to `info`, whose `struct_size` is set.
+/// Writes name, driver, version and kind of the device to `info`, whose `struct_size` is set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_device_info(
     context: *const SsctContext,
@@ -182,16 +182,16 @@ pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContex
     or(0, || Ok(unsafe { live::read("context", context) }?.context.allocated_bytes()))
 }
 
-/// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next compiles
-/// nothing twice.
+/// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized later
+/// compiles nothing twice.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
     // SAFETY: the header asks for such a pointer.
     or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
 }
 
-/// Returns the methods that need no more than a G-buffer, and writes how many there are to `count`. "captures" needs
-/// capture cubes, too. The array stays.
+/// Returns the methods that need no more than a G-buffer, and writes their number to `count`. "captures" needs capture cubes, too.
+/// The array stays for as long as the library is loaded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
     static METHODS: OnceLock<Methods> = OnceLock::new();
@@ -204,12 +204,12 @@ pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
 }
 
 struct Methods {
-    /// What the rows point to.
+    /// The texts that the rows point to.
     _texts: Vec<CString>,
     rows: Vec<SsctMethod>,
 }
 
-// SAFETY: the pointers are to texts of its own, which nothing changes.
+// SAFETY: the pointers are to texts of the struct itself, which nothing changes.
 unsafe impl Send for Methods {}
 // SAFETY: as above.
 unsafe impl Sync for Methods {}
@@ -223,7 +223,7 @@ impl Methods {
     }
 }
 
-/// The handles as the door takes them.
+/// Converts the handles to the struct that the door takes.
 ///
 /// # Safety
 /// The handles are NULL or belong together, and pointers are NULL or to such structs.

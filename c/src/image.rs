@@ -61,13 +61,13 @@ pub const SSCT_USE_TRANSFER_TARGET: SsctUse = 5;
 pub struct SsctImageUse {
     /// The image's layout.
     pub layout: VkImageLayout,
-    /// Pipeline stages that touch it.
+    /// Pipeline stages that use the image.
     pub stages: VkPipelineStageFlags2,
-    /// How they access it.
+    /// How these stages access the image.
     pub access: VkAccessFlags2,
 }
 
-/// An image of yours, of which one level and, but for cube maps, one layer is read.
+/// An image of yours. One level of it is read, and one layer; of a cube map, six layers.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctImage {
@@ -75,22 +75,22 @@ pub struct SsctImage {
     pub struct_size: usize,
     /// The image.
     pub image: VkImage,
-    /// A view of the part that is read; of a depth image it shows the depth alone. Of a cube map it is an array of the six
-    /// faces.
+    /// A view of the part that is read. The view of a depth image shows the depth alone; the view of a cube map is an array of the
+    /// six faces.
     pub view: VkImageView,
     /// The image's format.
     pub format: VkFormat,
     /// Width and height of the part in texels.
     pub extent: VkExtent2D,
-    /// The part that the view shows, with every aspect that a barrier of the image's format needs. Where the aspects are 0,
-    /// they are all that the format has; where a count is 0, it is one level, one layer, and of a cube map six.
+    /// The part that the view shows, with every aspect that a barrier of the image's format needs. Aspects of 0 stand for all
+    /// aspects of the format. A count of 0 stands for one level, for one layer, or for the six layers of a cube map.
     pub part: VkImageSubresourceRange,
-    /// What the image was made for, VK_IMAGE_USAGE_SAMPLED_BIT among it, of numbers of triangles
-    /// VK_IMAGE_USAGE_STORAGE_BIT; 0 stands for both bits.
+    /// The usage that the image was made with: VK_IMAGE_USAGE_SAMPLED_BIT must be in it, or VK_IMAGE_USAGE_STORAGE_BIT for numbers
+    /// of triangles. 0 stands for both bits.
     pub usage: VkImageUsageFlags,
-    /// How you used it last.
+    /// How you used the image last.
     pub before: SsctImageUse,
-    /// How you use it next; it is in that layout when what was recorded is done.
+    /// How you use the image next. The recorded commands leave it in that layout.
     pub after: SsctImageUse,
 }
 
@@ -105,23 +105,23 @@ pub struct SsctCamera {
     /// World to view space: a rotation and a translation.
     pub world_to_view: [f32; 16],
     /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
-    /// orthographic one has its near plane at the eye or in front of it.
+    /// orthographic projection has its near plane at the eye or in front of the eye.
     pub view_to_clip: [f32; 16],
     /// Where the top of the image is in clip space.
     pub clip_y: SsctClipY,
 }
 
-/// Normals of yours.
+/// The normals of your G-buffer.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctNormals {
     /// sizeof(SsctNormals).
     pub struct_size: usize,
-    /// Where they are.
+    /// The image of the normals.
     pub image: *const SsctImage,
-    /// In which space they are.
+    /// The space of the normals.
     pub space: SsctNormalSpace,
-    /// How texels hold them.
+    /// How texels hold the normals.
     pub encoding: SsctNormalEncoding,
 }
 
@@ -139,21 +139,21 @@ pub struct SsctFactor {
     pub value: f32,
 }
 
-/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
-/// where it was seen, x in red and y in green.
+/// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame before, x in
+/// red and y in green.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctMotion {
     /// sizeof(SsctMotion).
     pub struct_size: usize,
-    /// Where the way is, in floats or signed normalised numbers.
+    /// The image of the motion, in floats or signed normalised numbers.
     pub image: *const SsctImage,
-    /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates the
-    /// image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
-    /// both have the other sign.
+    /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
+    /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
+    /// one.
     pub scale: [f32; 2],
-    /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices that
-    /// the images were drawn with.
+    /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
+    /// images were drawn with.
     pub jittered: VkBool32,
 }
 
@@ -206,7 +206,7 @@ pub fn none_of(names: &str, field: &str, value: u32) -> Failure {
 }
 
 impl SsctImageUse {
-    /// The use as the door takes it.
+    /// Converts the use to the door's type.
     pub fn taken(self) -> ImageUse {
         let Self { layout, stages, access } = self;
         if layout == VkImageLayout::UNDEFINED && stages == 0 && access == 0 {
@@ -217,7 +217,7 @@ impl SsctImageUse {
     }
 }
 
-/// An image as the door takes it; a cube map has six layers.
+/// Reads an image into the door's type. `layers` is 1, or 6 for a cube map.
 ///
 /// # Safety
 /// The pointer is NULL or points to such a struct.
@@ -240,7 +240,7 @@ pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> O
     Ok(ImageInput { image, view, part, format, extent, usage, before: before.taken(), after: after.taken() })
 }
 
-/// All aspects of a format.
+/// Returns all aspects of a format.
 fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
     use vk::ImageAspectFlags as A;
     match format {
@@ -260,7 +260,7 @@ pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
     }
 }
 
-/// The camera as the door takes it.
+/// Reads a camera into the door's type.
 ///
 /// # Safety
 /// The contract is that of [`image`].
@@ -270,7 +270,7 @@ pub unsafe fn camera(pointer: *const SsctCamera) -> Outcome<CameraInput> {
     Ok(CameraInput { world_to_view, view_to_clip, clip_y: clip_y(y)? })
 }
 
-/// Normals as the door takes them.
+/// Reads normals into the door's type.
 ///
 /// # Safety
 /// The contract is that of [`image`].
@@ -295,7 +295,7 @@ pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     Ok(NormalInput { image, space, encoding })
 }
 
-/// A factor as the door takes it.
+/// Reads a factor into the door's type.
 ///
 /// # Safety
 /// The contract is that of [`image`].
@@ -310,7 +310,7 @@ pub unsafe fn factor(argument: &str, pointer: *const SsctFactor) -> Outcome<Fact
     }
 }
 
-/// Motion as the door takes it; none for NULL.
+/// Reads motion into the door's type; none for NULL.
 ///
 /// # Safety
 /// The contract is that of [`image`].

@@ -1,10 +1,10 @@
-//! The door of `ssct` for C: a shared and a static library, and the header `include/ssct.h`, which cbindgen writes from
-//! these files. Comments on what the header shows are written for whoever reads it there. What a caller must uphold
-//! stands once, at the header's top.
+//! The door of `ssct` for C: a shared and a static library, and the header `include/ssct.h`, which cbindgen writes from these
+//! files. Comments on public items are written for readers of the header. The header states once, at its top, what a caller must
+//! uphold.
 
 #![allow(clippy::missing_safety_doc, reason = "the header's top states what callers uphold, for all functions")]
 
-// In the order of the header, each apart, since rustfmt sorts neighbours.
+// The modules stand in the order of the header. Blank lines keep them apart, since rustfmt sorts neighbouring lines.
 mod border;
 
 mod context;

@@ -1,5 +1,5 @@
-//! The objects that callers have, by their addresses. A handle that was destroyed, one of another type, and one that two
-//! calls use at a time are refused with a sentence, where following them would be a fault of memory.
+//! Table of the objects that callers have, by their addresses. Calls refuse, with a sentence, a handle that was destroyed, is of
+//! another type, or is used by another call. Following such a handle would be a fault of memory.
 
 use crate::border::{Failure, Outcome};
 use std::any::{TypeId, type_name};
@@ -17,7 +17,7 @@ struct Object {
 static OBJECTS: Mutex<BTreeMap<usize, Object>> = Mutex::new(BTreeMap::new());
 
 fn objects() -> MutexGuard<'static, BTreeMap<usize, Object>> {
-    // What is kept is whole between two statements, whatever happened in another thread.
+    // The table is whole even after a panic in another thread, since no statement leaves it half changed.
     OBJECTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -29,7 +29,7 @@ pub fn add<T: 'static>(object: *const T) {
 /// Forgets an object that is about to be destroyed.
 ///
 /// # Errors
-/// [`Failure::usage`] for one that is not there, or that a call uses.
+/// [`Failure::usage`] for an object that is not in the table, or that a call uses.
 pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
     let mut all = objects();
     let known = found("object", object, &mut all)?;
@@ -58,16 +58,16 @@ fn in_use(argument: &str) -> Failure {
     Failure::usage(format!("the argument {argument} is used by another call at the same time"))
 }
 
-/// An object that a call reads, as others may meanwhile.
+/// An object that a call reads. Other calls may read it at the same time.
 pub struct Read<'a, T>(&'a T);
 
-/// An object that a call changes, and that no other uses meanwhile.
+/// An object that a call changes. No other call uses it meanwhile.
 pub struct Written<'a, T>(&'a mut T);
 
 /// Begins to read an object.
 ///
 /// # Safety
-/// An object of this type that was noted at the address is not freed but by [`remove`].
+/// If an object of this type was noted at the address, it is freed only after [`remove`].
 pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Read<'a, T>> {
     let mut all = objects();
     let known = found(argument, object, &mut all)?;
@@ -75,7 +75,7 @@ pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<
         return Err(in_use(argument));
     }
     known.readers += 1;
-    // SAFETY: by the contract, it is there, and nobody removes or changes it while it is read.
+    // SAFETY: by the contract, the object is there, and nobody removes or changes it while it is read.
     Ok(Read(unsafe { &*object }))
 }
 
@@ -99,7 +99,7 @@ pub unsafe fn write<'a, T: 'static>(argument: &str, object: *mut T) -> Outcome<W
         return Err(in_use(argument));
     }
     known.is_written = true;
-    // SAFETY: by the contract, it is there, and nobody else uses it until this is dropped.
+    // SAFETY: by the contract, the object is there, and nobody else uses it until the result is dropped.
     Ok(Written(unsafe { &mut *object }))
 }
 

@@ -17,17 +17,17 @@ pub const SSCT_MEMORY_PLACE_UPLOAD: SsctMemoryPlace = 1;
 /// Memory that the device writes and the host reads; mapped and coherent.
 pub const SSCT_MEMORY_PLACE_READBACK: SsctMemoryPlace = 2;
 
-/// A part of a memory object. It is nobody else's until it is released.
+/// A part of a memory object, which nobody else uses until it is released.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctMemoryBlock {
-    /// The object.
+    /// The memory object.
     pub memory: VkDeviceMemory,
     /// Where the part begins, in bytes.
     pub offset: u64,
-    /// Where the host sees that part; NULL for SSCT_MEMORY_PLACE_DEVICE.
+    /// The address at which the host sees the part; NULL for SSCT_MEMORY_PLACE_DEVICE.
     pub mapped: *mut c_void,
-    /// Whatever you want to know when you get the block back.
+    /// A number of your choice, which you get back with the block.
     pub key: u64,
 }
 
@@ -40,8 +40,8 @@ pub struct SsctMemory {
     pub struct_size: usize,
     /// Passed to both functions.
     pub user_data: *mut c_void,
-    /// Fills `block` with memory that fits the requirements, for an image or a buffer of that name, and returns NULL; or
-    /// returns a clause that says why there is none, which must stay until the next call. `linear` is false for images of
+    /// Fills `block` with memory that fits the requirements, and returns NULL. If there is no such memory, returns a clause that
+    /// says why, which must stay until the next call. `name` is that of the image or buffer. `linear` is false for images of
     /// optimal tiling.
     pub allocate: Option<
         unsafe extern "C" fn(
@@ -53,7 +53,7 @@ pub struct SsctMemory {
             block: *mut SsctMemoryBlock,
         ) -> *const c_char,
     >,
-    /// Takes a block back. What it was for is destroyed.
+    /// Takes a block back, whose image or buffer is destroyed already.
     pub release: Option<unsafe extern "C" fn(user_data: *mut c_void, block: *const SsctMemoryBlock)>,
 }
 
@@ -92,7 +92,7 @@ impl CallersMemory {
 // SAFETY: the header says that the functions are called by any thread.
 unsafe impl Send for CallersMemory {}
 
-// SAFETY: the header asks of blocks what this trait does.
+// SAFETY: the header asks the same of blocks as this trait.
 unsafe impl DeviceMemory for CallersMemory {
     fn allocate(
         &mut self,
@@ -123,7 +123,7 @@ unsafe impl DeviceMemory for CallersMemory {
         }
         let mapped = NonNull::new(block.mapped.cast::<u8>());
         if place != SSCT_MEMORY_PLACE_DEVICE && mapped.is_none() {
-            // SAFETY: the block is the one that was given.
+            // SAFETY: the block is the one that `allocate` gave.
             unsafe { (self.release)(self.user_data, &block) };
             return Err("SsctMemory.allocate left `mapped` NULL for memory that the host uses".into());
         }

@@ -20,7 +20,7 @@ use reported::{Report, Times};
 use ssct::{CaptureCubes, FrameInput, ProjectionKind, Reflections, ReflectionsInfo, Reflectors, Triangles};
 use std::ffi::{CString, c_char};
 
-/// What one view needs to be reflected in every frame: pipelines, images and uniform memory.
+/// The pipelines, images and uniform memory that reflect one view in every frame.
 pub struct SsctReflections {
     reflections: Guarded<Reflections>,
     /// Names that `SsctRecorded` of the last frame points to.
@@ -39,11 +39,11 @@ pub const SSCT_OUTPUT_REFLECTION: SsctOutputs = 2;
 /// Where each ray ended, if the method can say it.
 pub const SSCT_OUTPUT_HITS: SsctOutputs = 4;
 
-/// What reflects in a frame, where you know it of the materials that you drew: SSCT_REFLECTORS_*, combined by `|`. What is
-/// known not to be there costs nothing.
+/// The kinds of reflecting surface that a frame may have, as you know them from the materials that you drew: SSCT_REFLECTORS_*,
+/// combined by `|`. A kind that is known to be absent costs nothing.
 pub type SsctReflectors = u32;
 
-/// Nothing is known: there may be all. This is always right.
+/// Nothing is known, so that every kind may be there. This is always right.
 pub const SSCT_REFLECTORS_UNKNOWN: SsctReflectors = 0;
 /// There may be mirrors: surfaces that reflect with roughness 0.
 pub const SSCT_REFLECTORS_MIRRORS: SsctReflectors = 1;
@@ -51,12 +51,12 @@ pub const SSCT_REFLECTORS_MIRRORS: SsctReflectors = 1;
 pub const SSCT_REFLECTORS_NARROW: SsctReflectors = 2;
 /// There may be wide lobes: roughness above 0.2f.
 pub const SSCT_REFLECTORS_WIDE: SsctReflectors = 4;
-/// Every lit surface reflects, so that every pixel without sky does.
+/// Every lit surface reflects, so that every pixel reflects that does not show the sky.
 pub const SSCT_REFLECTORS_EVERYWHERE: SsctReflectors = 8;
-/// Nothing reflects. It stands alone.
+/// Nothing reflects. This flag stands alone, and is not combined with others.
 pub const SSCT_REFLECTORS_NONE: SsctReflectors = 16;
 
-// The number in the comments above; as a constant, it would be of the type double in C.
+// Holds the number in the comments above. The header has no constant for it, which would be of the type double in C.
 const _: () = assert!(ssct::WIDE_ABOVE == 0.2);
 
 /// The projection of a camera: one of SSCT_PROJECTION_*.
@@ -67,16 +67,16 @@ pub const SSCT_PROJECTION_PERSPECTIVE: SsctProjection = 0;
 /// All rays of sight are parallel.
 pub const SSCT_PROJECTION_ORTHOGRAPHIC: SsctProjection = 1;
 
-/// A parameter of a method and its value, as docs/options.md lists them: { "fade", "off" }. "preset" is one of them.
+/// A parameter of a method and its value, as docs/options.md lists them, such as { "fade", "off" }. "preset" is a parameter, too.
 #[repr(C)]
 pub struct SsctParameter {
-    /// Its name.
+    /// The parameter's name.
     pub name: *const c_char,
-    /// Its value as text.
+    /// The parameter's value as text.
     pub value: *const c_char,
 }
 
-/// What is to be reflected, and how.
+/// The description of reflections that are to be made: size, method, inputs and outputs.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctReflectionsInfo {
@@ -86,34 +86,35 @@ pub struct SsctReflectionsInfo {
     pub extent: VkExtent2D,
     /// A method of `ssct_methods`; NULL for "unified".
     pub method: *const c_char,
-    /// Parameters; the others have their published values.
+    /// Parameters of the method. Those that are not given have their published values.
     pub parameters: *const SsctParameter,
     /// Number of parameters.
     pub parameter_count: u32,
-    /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without.
+    /// Width and height of the faces of the capture cubes that every frame is given; 0 for frames without captures.
     pub capture_side: u32,
-    /// What is produced; 0 for composite and reflection.
+    /// The images that are produced; 0 for composite and reflection.
     pub outputs: SsctOutputs,
     /// Number of frames that may be under way at once; 0 for 2.
     pub frames_in_flight: u32,
-    /// Triangles like those that every frame is given; NULL for frames without. Not with captures.
+    /// Triangles like those that every frame is given; NULL for frames without triangles. Captures and triangles exclude each
+    /// other.
     pub triangles: *const SsctTriangles,
     /// The projection of every frame's camera.
     pub projection: SsctProjection,
 }
 
-/// What a frame shows, and where from.
+/// The inputs of a frame.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctFrame {
     /// sizeof(SsctFrame).
     pub struct_size: usize,
-    /// Which of the frames under way this is, below `SsctReflectionsInfo.frames_in_flight`: what was recorded with the same
-    /// number before is done.
+    /// The number of this frame among the frames under way, below `SsctReflectionsInfo.frames_in_flight`. The device must be done
+    /// with the frame that was recorded with the same number before.
     pub slot: u32,
     /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
     pub timed: VkBool32,
-    /// Where the images were seen from.
+    /// The camera that the images were drawn with.
     pub camera: *const SsctCamera,
     /// Depth: a depth image, or a colour image with depth in red.
     pub depth: *const SsctImage,
@@ -125,74 +126,74 @@ pub struct SsctFrame {
     pub roughness: *const SsctFactor,
     /// Lit colour, linear, without reflections.
     pub color: *const SsctImage,
-    /// A cube map of what is seen where nothing stands, in world axes, its view an array of the six faces
-    /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY): the light of rays of which captures or triangles say that they end there. NULL for none:
-    /// they miss, as every ray does that leaves the screen where there are neither captures nor triangles.
+    /// A cube map of the light from where nothing stands, in world axes. Its view is an array of the six faces
+    /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that it ends in the sky. With NULL such
+    /// rays miss. Without captures and triangles, every ray that leaves the screen misses.
     pub sky: *const SsctImage,
     /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
     pub captures: *const SsctCaptureCubes,
-    /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is.
+    /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is NULL.
     pub triangles: *const SsctTriangles,
-    /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or UINT32_MAX for none;
-    /// R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for none. The image
+    /// is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
     pub triangle_numbers: *const SsctImage,
-    /// What reflects, as far as you know it.
+    /// The kinds of reflecting surface that the frame may have, as you know them.
     pub reflectors: SsctReflectors,
     /// How you use the outputs next.
     pub outputs: SsctImageUse,
-    /// How surfaces moved since the frame that was recorded before, for the parameter "history"; NULL where it is not known, or
+    /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if it is not known, or if
     /// nothing but the camera moved.
     pub motion: *const SsctMotion,
 }
 
-/// An image that was made. It stays the library's and the same in every frame, until the reflections are resized or
-/// destroyed. It can be sampled, and copied from.
+/// An image that the library made and owns. It stays the same in every frame, until the reflections are resized or destroyed. It
+/// can be sampled, and copied from.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctOutputImage {
     /// The image; VK_NULL_HANDLE if there is none.
     pub image: VkImage,
-    /// A view of its first level.
+    /// A view of the image's first level.
     pub view: VkImageView,
-    /// Its format.
+    /// The image's format.
     pub format: VkFormat,
     /// Width and height in pixels.
     pub extent: VkExtent2D,
 }
 
-/// A pass that a frame does without.
+/// A pass that a frame leaves out.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctSkipped {
-    /// Its label.
+    /// The pass's label.
     pub pass: *const c_char,
-    /// Why, in a clause.
+    /// The reason, in a clause.
     pub why: *const c_char,
 }
 
-/// What was recorded. Texts and arrays stay until the next frame of the same reflections is recorded, or they are
-/// destroyed.
+/// The outputs and passes of a recorded frame. Texts and arrays stay until the next frame of the same reflections is recorded, or
+/// the reflections are destroyed.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctRecorded {
     /// sizeof(SsctRecorded).
     pub struct_size: usize,
-    /// Lit colour with what is reflected in it, linear, R16G16B16A16_SFLOAT. None if it was not asked for.
+    /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is none if it was not asked for.
     pub composite: SsctOutputImage,
-    /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than 1
-    /// where it fades out. R16G16B16A16_SFLOAT. None if it was not asked for, or nothing reflects.
+    /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
+    /// reflection fades out. R16G16B16A16_SFLOAT. There is none if it was not asked for, or if nothing reflects.
     pub reflection: SsctOutputImage,
     /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-    /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. None if it was not asked for, or the method does not say
-    /// it.
+    /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is none if it was not asked for, or if the method does not
+    /// tell where rays end.
     pub hits: SsctOutputImage,
     /// The passes that were recorded, in order.
     pub passes: *const *const c_char,
     /// Number of passes.
     pub pass_count: u32,
-    /// Number of passes that this frame does without.
+    /// Number of passes that this frame leaves out.
     pub skipped_count: u32,
-    /// The passes that this frame does without, and why.
+    /// The passes that this frame leaves out, and why.
     pub skipped: *const SsctSkipped,
 }
 
@@ -202,7 +203,7 @@ pub struct SsctRecorded {
 pub struct SsctPassTime {
     /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
     pub name: *const c_char,
-    /// Milliseconds that it took.
+    /// Milliseconds that the pass took.
     pub ms: f64,
     /// Milliseconds from the frame's first timestamp to the pass's.
     pub start_ms: f64,
@@ -225,8 +226,7 @@ unsafe impl Growing for SsctRecorded {
     const NAME: &'static str = "SsctRecorded";
 }
 
-/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if it fails. Nothing is
-/// submitted.
+/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if the call fails. Nothing is submitted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_create(
     context: *const SsctContext,
@@ -290,22 +290,22 @@ fn projection(value: SsctProjection) -> Outcome<ProjectionKind> {
     }
 }
 
-/// Destroys reflections; NULL is none. The device is done with every frame that was recorded.
+/// Destroys reflections; NULL is allowed. The device must be done with every frame that was recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_destroy(reflections: *mut SsctReflections) {
     // SAFETY: the header asks for an object that is not yet destroyed.
     unsafe { destroy(reflections) };
 }
 
-/// Makes images of another size. The device is done with every frame that was recorded. If it fails, the old size stays.
+/// Makes images of another size. The device must be done with every frame that was recorded. If the call fails, the old size stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_resize(reflections: *mut SsctReflections, extent: VkExtent2D) -> SsctResult {
     // SAFETY: the header asks for such a pointer.
     with(|| unsafe { live::write("reflections", reflections) }, |r| Ok(r.resize([extent.width, extent.height])?))
 }
 
-/// Forgets the frames that the parameter "history" averages, so that the next one stands alone: after a cut, and after a
-/// command buffer that was thrown away.
+/// Forgets the frames that the parameter "history" averages, so that the next frame stands alone. Call it after a cut, and after a
+/// command buffer was thrown away.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut SsctReflections) -> SsctResult {
     // SAFETY: the header asks for such a pointer.
@@ -318,15 +318,14 @@ pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut Ssct
     )
 }
 
-/// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have been
-/// recorded once, no allocation on the device. Writes what was recorded to `recorded`, whose `struct_size` is set, or
-/// nothing if that is NULL. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer
-/// away.
+/// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded once,
+/// nothing is allocated on the device. Writes what was recorded to `recorded`, whose `struct_size` is set; NULL if you do not need
+/// it. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer away.
 ///
 /// - The command buffer is recording, outside rendering, for a queue of the context's family.
-/// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is done;
-///   the images hold what you submitted before.
-/// - What was recorded with the same slot before is no longer under way.
+/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
+///   done. Whatever writes the images was submitted before.
+/// - The frame that was recorded with the same slot before is no longer under way.
 /// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
 ///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
 #[unsafe(no_mangle)]
@@ -349,20 +348,20 @@ pub unsafe extern "C" fn ssct_reflections_record(
         if commands == VkCommandBuffer::null() {
             return Err(Failure::usage("the argument commands is a null handle"));
         }
-        // SAFETY: the header asks for what this does of the command buffer, the slot and the images.
+        // SAFETY: the header asks the caller for the same of the command buffer, the slot and the images.
         let made = object.reflections.with(|r| Ok(unsafe { r.record(commands, &input) }?))?;
         object.recorded = Report::new(&made);
         if let Some(struct_size) = struct_size {
-            // SAFETY: the header asks for a struct of the stated size, which is at least that of this one.
+            // SAFETY: the header asks for a struct of the stated size, which is at least the size of `SsctRecorded`.
             unsafe { recorded.write(object.recorded.shown(&made, struct_size)) };
         }
         Ok(())
     })
 }
 
-/// Returns how long each pass of the last frame of a slot took: writes an array and its length, 0 if the frame was not
-/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next such call,
-/// or until the reflections are destroyed.
+/// Writes an array of how long each pass of the last frame of a slot took, and the array's length, which is 0 if the frame was not
+/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next call of this
+/// function, or until the reflections are destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_times(
     reflections: *mut SsctReflections,
@@ -390,7 +389,7 @@ pub unsafe extern "C" fn ssct_reflections_times(
     })
 }
 
-/// Does something with the reflections of a handle.
+/// Runs a function on the reflections of a handle.
 fn with<'a>(
     object: impl FnOnce() -> Outcome<Written<'a, SsctReflections>>,
     run: impl FnOnce(&mut Reflections) -> Outcome<()>,
@@ -401,10 +400,10 @@ fn with<'a>(
     })
 }
 
-/// The frame as the door takes it.
+/// Reads a frame into the door's type.
 ///
 /// # Safety
-/// The pointers are NULL or to what they say.
+/// Each pointer is NULL or points to a value of its type.
 unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
     // SAFETY: by the contract.
     unsafe {
@@ -431,7 +430,7 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
     }
 }
 
-/// The captures that a frame is given.
+/// Returns the captures that a frame is given.
 ///
 /// # Safety
 /// The pointer is NULL, or valid for as long as the result is used.
@@ -440,7 +439,7 @@ unsafe fn captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a C
     unsafe { pointer.as_ref() }.map(|captures| captures.cubes.get()).transpose()
 }
 
-/// The triangles that a frame is given.
+/// Returns the triangles that a frame is given.
 ///
 /// # Safety
 /// The contract is that of [`captures`].

@@ -8,38 +8,39 @@ use ash::vk;
 use ssct::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 use std::ptr::null;
 
-/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
+/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses. A ray that hits a triangle sees
+/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
+/// them.
 pub struct SsctTriangles {
     pub(crate) triangles: Guarded<Triangles>,
 }
 
-/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to it. Make it zero
-/// before you fill it in, so that it has no texture unless you say so.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the struct. Set it to
+/// zero before you fill it in, so that it has no texture unless you give it one.
 #[repr(C)]
 pub struct SsctTriangleMesh {
     /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
     pub positions: *const f32,
-    /// Three vertices for each triangle; it is seen from both sides.
+    /// Three vertices for each triangle, which is seen from both sides.
     pub indices: *const u32,
     /// Number of vertices.
     pub vertex_count: u32,
     /// Number of indices.
     pub index_count: u32,
-    /// From the mesh's space to the world, column by column.
+    /// The matrix from the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
-    /// a texture.
+    /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the library computes no light for it.
+    /// With a texture, the colour is a factor of the texture.
     pub color: [f32; 3],
-    /// The number of its texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
+    /// The number of the mesh's texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
     pub texture: u32,
-    /// The place of each vertex on the texture, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the
-    /// last, and beyond them it repeats. NULL for a mesh without a texture.
+    /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the last.
+    /// Beyond them the texture repeats. NULL for a mesh without a texture.
     pub texture_places: *const f32,
 }
 
-/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest in
-/// size to their footprint; the levels are made of it. The library keeps no pointer to it.
+/// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels are nearest in
+/// size to the ray's footprint. The library makes the levels, and keeps no pointer to the struct.
 #[repr(C)]
 pub struct SsctHitTexture {
     /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
@@ -48,12 +49,12 @@ pub struct SsctHitTexture {
     pub width: u32,
     /// Height in texels, 1 to 32768.
     pub height: u32,
-    /// Whether the bytes are sRGB, or else linear.
+    /// Whether the bytes are sRGB; otherwise they are linear.
     pub is_srgb: VkBool32,
 }
 
-/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if
-/// it fails. `ssct_triangles_record_upload` fills the buffers.
+/// Builds the tree over the triangles of meshes on the CPU, makes the buffers, and writes the object to `triangles`; NULL if the
+/// call fails. `ssct_triangles_record_upload` fills the buffers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_triangles_create(
     context: *const SsctContext,
@@ -61,11 +62,11 @@ pub unsafe extern "C" fn ssct_triangles_create(
     mesh_count: u32,
     triangles: *mut *mut SsctTriangles,
 ) -> SsctResult {
-    // SAFETY: the header asks for what this does.
+    // SAFETY: the header asks the same of the arguments of both functions.
     unsafe { ssct_triangles_create_textured(context, meshes, mesh_count, null(), 0, triangles) }
 }
 
-/// Does what `ssct_triangles_create` does for meshes with textures.
+/// Does the same as `ssct_triangles_create`, for meshes with textures.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_triangles_create_textured(
     context: *const SsctContext,
@@ -91,14 +92,14 @@ pub unsafe extern "C" fn ssct_triangles_create_textured(
     unsafe { create("triangles", triangles, make) }
 }
 
-/// Destroys triangles; NULL is none. The device is done with every frame that saw them.
+/// Destroys triangles; NULL is allowed. The device must be done with every frame that saw the triangles.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_triangles_destroy(triangles: *mut SsctTriangles) {
     // SAFETY: the header asks for an object that is not yet destroyed.
     unsafe { destroy(triangles) };
 }
 
-/// Records copying the triangles to the device: once, before the first frame that sees them.
+/// Records the copy of the triangles to the device. Call it once, before the first frame that sees them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_triangles_record_upload(
     triangles: *mut SsctTriangles,
@@ -107,15 +108,15 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
     guard(|| {
         // SAFETY: the header asks for such a pointer.
         let mut triangles = unsafe { live::write("triangles", triangles) }?;
-        // SAFETY: the header asks for what this does of the command buffer.
+        // SAFETY: the header asks the caller for the same of the command buffer.
         triangles.triangles.with(|triangles| Ok(unsafe { triangles.record_upload(commands) }?))
     })
 }
 
-/// A mesh as the door takes it.
+/// Reads a mesh into the door's type.
 ///
 /// # Safety
-/// The pointers are NULL or to as many numbers as the counts say.
+/// Each pointer is NULL or points to as many numbers as its count says.
 unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
     // SAFETY: by the contract.
     let (positions, indices) = unsafe {
@@ -135,13 +136,13 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
     Ok(TriangleMesh { positions, indices, mesh_to_world, color, texture })
 }
 
-/// A texture as the door takes it.
+/// Reads a texture into the door's type.
 ///
 /// # Safety
-/// The pointer is NULL or to as many bytes as width and height say.
+/// The pointer is NULL or points to as many bytes as width and height say.
 unsafe fn texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
     let SsctHitTexture { texels, width, height, is_srgb } = *texture;
-    // No texel is read of a texture that is too large, which the door refuses.
+    // The door refuses a texture that is too large, so that none of its texels is read here.
     let count = if width.max(height) > HitTexture::MAX_SIDE { 0 } else { width * height };
     // SAFETY: by the contract.
     let texels = unsafe { array("texture.texels", texels.cast::<[u8; 4]>(), count) }?;

@@ -1,4 +1,4 @@
-//! The command: arguments, headless runs, exit status. The only place that prints.
+//! The `ssct` command: arguments, headless runs and the exit status. Only this module and the modules inside it print.
 
 mod age;
 mod captures;
@@ -56,8 +56,8 @@ use tracing_subscriber::filter::{LevelFilter, ParseError, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Runs the command line of `ssct`; returns the exit status: 0 done, 1 the run failed or a bar was missed,
-/// 2 the arguments are wrong.
+/// Runs the command line of `ssct` and returns the exit status: 0 if all is done, 1 if the run failed or missed a bar, 2 if the arguments
+/// are wrong.
 pub fn run() -> ExitCode {
     program(help::command, |cli: &Cli| match &cli.command {
         Command::Render(options) => render::run(options),
@@ -77,14 +77,14 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// Runs a program of the laboratory by its command line, and prints how it ended; returns the exit status of [`run`].
+/// Runs a program of the laboratory by its command line and prints how it ended; returns an exit status as [`run`] does.
 /// `command` arranges the command line for the help that the arguments ask for, and `run` does what they say.
 pub fn program<P: FromArgMatches>(
     command: impl FnOnce(&[OsString]) -> clap::Command,
     run: impl FnOnce(&P) -> anyhow::Result<()>,
 ) -> ExitCode {
     say_little_memory();
-    // Methods from folders have flags of their own, so that they are known before the command line is read.
+    // Methods from folders add flags of their own, so that the folders are read before the command line is parsed.
     let arguments = match custom_methods::add_folders(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -108,29 +108,29 @@ pub fn program<P: FromArgMatches>(
         }
     };
     say_other_shaders();
-    // What is still in the buffer may fail to be printed, as on a full disk.
+    // Flushing the rest of the buffer may fail, as on a full disk.
     let flushed = || Ok(std::io::stdout().flush()?);
     report_end(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
 }
 
-/// Memory with which every command ran that was tried: a CPU's driver takes most of it.
+/// Memory in MiB that sufficed for every command that was tried; the driver of a CPU takes most of it.
 const ENOUGH_MIB: u64 = 1024;
 
-/// Where the system bounds the memory of a process, an allocation that fails aborts it, and nobody says why. This says it before, and
-/// lets the process end with the status of an error.
+/// Warns of little memory. If the system bounds the memory of a process, a failed allocation aborts the process and gives no reason.
+/// The abort is changed to end with the status of an error.
 #[cfg(unix)]
 fn say_little_memory() {
     let Some(mib) = memory_limit().map(|limit| limit >> 20).filter(|mib| *mib < ENOUGH_MIB) else { return };
     eprintln!("ssct: memory is short, as this process may take {mib} MiB (ulimit -v)");
     let always = std::sync::Arc::new(true.into());
-    // Without it, the status is that of the signal.
+    // Without this handler, the status would be that of the signal.
     drop(signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, 1, always));
 }
 
 #[cfg(not(unix))]
 fn say_little_memory() {}
 
-/// Says on standard error that shaders are not those that the program was built with, where a variable names a folder of others.
+/// Says on standard error that shaders come from another folder, if an environment variable names one.
 fn say_other_shaders() {
     if let Some(folder) = sources::named() {
         let folder = printable(&folder.display().to_string());
@@ -138,7 +138,7 @@ fn say_other_shaders() {
     }
 }
 
-/// Prints from now on what the variable SSCT_LOG asks for, as `vulkan=warn`; errors alone without it.
+/// Begins to print the log messages that the variable SSCT_LOG asks for, as in `vulkan=warn`; without the variable, only errors.
 fn log() -> Result<(), Error> {
     let wrong = |text: &str, e: ParseError| Error::Usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
     let asked = match std::env::var("SSCT_LOG") {
@@ -156,7 +156,7 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
         Err(e) => {
-            // Our own errors name their cause in their sentence; others have it behind them.
+            // Our own errors name their cause in their sentence; `{e:#}` adds the causes of all others behind them.
             match e.downcast_ref::<Error>() {
                 Some(own) => eprintln!("ssct: {}{}", printable(&own.to_string()), advice(own)),
                 None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
@@ -167,7 +167,7 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
     }
 }
 
-/// A sentence in one line, without the control characters that a name of a file may bring, which a terminal would obey.
+/// A sentence in one line, without control characters, which a file's name may contain and a terminal would obey.
 fn printable(sentence: &str) -> String {
     one_line(sentence).into_owned()
 }
@@ -181,7 +181,7 @@ fn exit_status(error: &Error) -> u8 {
     }
 }
 
-/// Which flags help after an error, as the end of its sentence.
+/// Advice for the end of an error's sentence: the flags that help after the error.
 fn advice(error: &Error) -> String {
     match error {
         Error::Stopped { kept: Some(_), .. } => ", and --resume goes on with it".to_owned(),
@@ -192,7 +192,7 @@ fn advice(error: &Error) -> String {
     }
 }
 
-/// The reader of our output went away: not our failure.
+/// True if the reader of our output closed the pipe, which is no failure of ours.
 fn is_closed_pipe(e: &anyhow::Error) -> bool {
     e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -1,13 +1,12 @@
-//! Methods from folders: a manifest (`method.toml`) and shaders, which become a method as any other
-//! (docs/custom-methods.md).
+//! Methods from folders: a manifest (`method.toml`) and shaders become a method like any other (docs/custom-methods.md).
 //!
-//! `manifest` reads what the folder says. `shader` compiles the stages: `includes` says which files they may be made of,
-//! `built_in` has the project's own shaders, which a folder may use without a copy,
-//! `old_glsl` refuses texts that are too old, and `loose_uniforms` and `own_values` put uniforms that stand alone in blocks.
-//! `reflect` reads the stages' interfaces, `bindings` holds them against the manifest, `published` says what feeds the project's
-//! own shaders, and `kinds` holds images, inputs and outputs against what is there.
-//! `source` names what a shader may read, `inputs` makes it of the G-buffer, and `values` fills uniform blocks. `method`
-//! records the passes, and `finish` makes a reflection of what they made.
+//! `manifest` reads the manifest, and `shader` compiles the stages. `includes` says which files a shader may consist of, and `built_in` has
+//! the project's own shaders, which a folder may use without a copy. `old_glsl` refuses GLSL that is too old, and `loose_uniforms` and
+//! `own_values` put uniforms outside of blocks into blocks.
+//! `reflect` reads the interfaces of the stages, and `bindings` checks them against the manifest. `published` says which values and images
+//! feed the project's own shaders, and `kinds` checks that images, inputs and outputs fit each other.
+//! `source` names what a shader may read, `inputs` makes these images from the G-buffer, and `values` fills uniform blocks. `method`
+//! records the passes, and `finish` makes a reflection from their images.
 
 mod bindings;
 mod built_in;
@@ -42,13 +41,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The name of the manifest in its folder.
 pub const MANIFEST: &str = "method.toml";
 
-/// Whether methods look for changes of their files while they run.
+/// True if methods look for changes of their files while they run.
 static WATCHED: AtomicBool = AtomicBool::new(false);
 
-/// What is called with a sentence where a shader does not end.
+/// The function of [`give_up_by`], which is called with a sentence if a shader does not end.
 static GIVE_UP: OnceLock<fn(&str)> = OnceLock::new();
 
-/// Says what is done with a sentence where a shader of a method does not end: it cannot be stopped, so that the program is.
+/// Sets the function that is called with a sentence if a method's shader does not end. Such a shader cannot be stopped, so that the
+/// function ends the program.
 pub fn give_up_by(give_up: fn(&str)) {
     GIVE_UP.get_or_init(|| give_up);
 }
@@ -58,8 +58,7 @@ pub fn watch() {
     WATCHED.store(true, Ordering::Relaxed);
 }
 
-/// The folder of a method, if the name of a method names one: a path with a separator, or a folder that has a manifest and not
-/// the name of a method that there is.
+/// The folder of a method, if `name` is a path with a separator, or a folder that has a manifest and not the name of a known method.
 pub fn folder(name: &str) -> Option<PathBuf> {
     let path = Path::new(name);
     let is_path = name.contains(['/', '\\']);
@@ -67,7 +66,7 @@ pub fn folder(name: &str) -> Option<PathBuf> {
     (is_path || is_folder()).then(|| path.to_path_buf())
 }
 
-/// Reads a folder's manifest, compiles its shaders, and adds the method to those that there are; gives its name.
+/// Reads a folder's manifest, compiles its shaders, and adds the method to the known methods; returns its row.
 ///
 /// # Errors
 /// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
@@ -86,7 +85,7 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     })
 }
 
-/// Reads a folder's manifest, compiles its shaders, and holds them against the manifest, as [`add`] does, and adds nothing.
+/// Reads a folder's manifest, compiles its shaders and checks them against the manifest, as [`add`] does, but adds no method.
 ///
 /// # Errors
 /// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.

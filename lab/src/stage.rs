@@ -21,7 +21,7 @@ use glam::Vec3;
 /// (docs/definitions.md, "Surfaces").
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Globals {
-    /// Replaces every roughness, that of maps too. No reflectivity changes with it.
+    /// Replaces every roughness, also in materials with a roughness map. Reflectivities stay as they are.
     pub roughness: Option<f32>,
     /// Scales every reflectivity.
     pub reflectivity: f32,
@@ -50,7 +50,7 @@ impl Globals {
     }
 }
 
-/// A scene on a device, and what frames are recorded with.
+/// A scene on a device, with the context that records its frames.
 pub struct Stage {
     /// Records, submits and reads back.
     pub context: FrameContext,
@@ -77,17 +77,17 @@ impl Stage {
         &mut self.data
     }
 
-    /// Replaces the captures of the scene's file for shots that are made from now on; without any, they are placed.
+    /// Replaces the captures of the scene's file for shots that are made from now on; if the list is empty, captures are placed.
     pub fn set_captures(&mut self, captures: Vec<Capture>) {
         self.data.set_captures(captures);
     }
 
-    /// What frames are recorded with, and the scene.
+    /// The context that records frames, and the scene on the device.
     pub(crate) fn parts(&mut self) -> (&mut FrameContext, &SceneData) {
         (&mut self.context, &self.data)
     }
 
-    /// Begins a frame of a shot, with the scene's triangles where its meshes stand now if the shot's method asks for them.
+    /// Begins a frame of a shot. If the shot's method asks for the scene's triangles, they are first put where the meshes stand now.
     fn begin(&mut self, shot: &Shot, mode: Mode) -> Result<(Frame<'_>, &SceneData)> {
         let Self { context, data } = self;
         shot.effect.prepare_triangles(context, data)?;
@@ -109,26 +109,26 @@ impl Stage {
         Ok(drawn)
     }
 
-    /// Runs one frame of a shot and hands over what it made.
+    /// Runs one frame of a shot and returns its output.
     pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         self.output_in(Mode::Plain, shot)
     }
 
-    /// Runs one frame of a shot in a mode and hands over what it made.
+    /// Runs one frame of a shot in a mode and returns its output.
     pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         let (drawn, output) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn, output))
     }
 
-    /// Draws the image of a camera at rest: with a history, the last of as many frames as the history averages, from the
-    /// first on.
+    /// Draws the image of a camera at rest. With a history, the history begins anew, and the image is the last of the frames that it
+    /// averages.
     pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         self.settle(shot)?;
         self.output(shot)
     }
 
-    /// Begins the history of a shot, and runs all frames that an image at rest takes but the last.
+    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
     pub fn settle(&mut self, shot: &Shot) -> Result<()> {
         shot.effect.restart_history();
         for _ in 1..shot.effect.frames_at_rest() {
@@ -151,19 +151,19 @@ impl Stage {
     }
 }
 
-/// One camera, one size, one method: the scene passes and the method's.
+/// One camera, one size and one method, with the scene passes and the method's own passes.
 pub struct Shot {
     /// The G-buffer pass and its images.
     pub gbuffer: GBufferPass,
     lighting: LightingPass,
     effect: Effect,
-    /// Where it looks from.
+    /// The camera of the shot.
     pub camera: Camera,
     materials: Vec<Material>,
 }
 
 impl Shot {
-    /// Makes pipelines and images, and what the method captures of the scene.
+    /// Makes pipelines and images, and captures the parts of the scene that the method needs.
     pub fn new(
         stage: &mut Stage,
         method: &MethodInfo,
@@ -185,12 +185,12 @@ impl Shot {
         Self::new(stage, &unified::INFO, &Setup::on_screen(extent), Wants::IMAGE, camera, materials)
     }
 
-    /// The captures in which rays go on, and where they stand; none if the method takes none.
+    /// The captures in which rays go on, with their places; `None` if the method takes no captures.
     pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
         self.effect.captures()
     }
 
-    /// What the method made of the scene before the first frame.
+    /// The data that the method prepared from the scene before the first frame.
     pub fn prepared(&self) -> &Prepared {
         self.effect.prepared()
     }
@@ -202,23 +202,23 @@ impl Shot {
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
-    /// How many frames of a camera at rest an image of it takes: one, but with a history.
+    /// Number of frames that an image of a camera at rest takes: 1 without a history.
     pub fn frames_at_rest(&self) -> u32 {
         self.effect.frames_at_rest()
     }
 
-    /// Faces of the captures that the method looks into; 0 without captures.
+    /// Number of faces of the captures that the method looks into; 0 without captures.
     pub fn capture_faces(&self) -> u32 {
         self.effect.capture_faces()
     }
 
-    /// Moves the method's captures of the scene, as many as it has, and draws them anew there.
+    /// Moves the method's captures to other places in the scene, at most as many as there are captures, and draws them anew there.
     pub fn move_captures(&mut self, stage: &mut Stage, places: &[Vec3]) -> Result<()> {
         let Stage { context, data } = stage;
         self.effect.move_captures(context, &SceneInput { data, materials: &self.materials }, places)
     }
 
-    /// The scene passes.
+    /// Records the scene passes.
     fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<DrawnCounts> {
         let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
@@ -233,7 +233,7 @@ impl Shot {
         Ok((drawn, output))
     }
 
-    /// The method's passes, on the G-buffer of a shot, and from its camera.
+    /// Records the method's passes on the G-buffer of `shot`, seen from the camera of `shot`.
     fn reflect<'s>(
         &'s self,
         frame: &mut Frame,

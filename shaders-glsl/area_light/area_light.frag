@@ -10,7 +10,7 @@
 #include "area_light/share.glsl"
 
 struct AreaLightData { // view space, metres
-    vec4 a;        // centre, or one end; w: radius, or a cuboid's third half
+    vec4 a;        // centre, or one end; w: radius, or half of a cuboid's third side
     vec4 b;        // the other end, or half_u
     vec4 c;        // half_v
     vec4 radiance; // linear; w: SHAPE_*
@@ -56,6 +56,6 @@ SHADE(out_reflection) {
             share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
         sum += share * light.radiance.rgb;
     }
-    // Devices may take numbers below the least normal one for 0 in one stage and not in the other.
+    // Devices may flush denormal numbers to 0 in one shader stage and not in the other.
     out_reflection = vec4(sum, all(lessThan(abs(sum), vec3(LEAST_NORMAL))) ? 0.0 : 1.0);
 }

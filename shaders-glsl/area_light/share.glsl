@@ -1,14 +1,14 @@
-// Which share of a reflection lobe a light with an extent fills: analytic highlights of spheres, capsules,
-// cylinders, rectangles and cuboids with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
-// nearest distance, attenuated by the roughness).
+// The share of a reflection lobe that a light with an extent fills: analytic highlights of spheres, capsules,
+// cylinders, rectangles and cuboids with roughness. (In thesis 3.1.1, a ray that meets the light gets all of it; else
+// the nearest distance counts, attenuated by the roughness.)
 //
-// The lobe is cos^a around the mirror direction r (docs/definitions.md, "Surfaces"), and m = a + 1. Of directions
-// within the angle x of r it holds the share 1 - cos^m x: that of a Gaussian within G(x) = sqrt(-2 m ln cos x)
-// standard deviations. So angles are measured by G, and a light between two edges at the signed distances
-// x0 and x1 fills Phi(G(x1)) - Phi(G(x0)). Like the representative point (Karis 2013) this looks only at
-// where the light is nearest; unlike it, also at how far it goes on, so that the highlight of a light keeps
-// its energy: it tends to the light's radiance as the lobe narrows, and to the light's solid angle times
-// the lobe as the light shrinks. tests/suite/area_light.rs states the error.
+// The lobe is cos^a around the mirror direction r (docs/definitions.md, "Surfaces"), and m = a + 1. Within the angle x
+// of r the lobe holds the share 1 - cos^m x, as a Gaussian does within G(x) = sqrt(-2 m ln cos x) standard deviations.
+// So angles are measured by G, and a light between two edges at the signed distances x0 and x1 fills Phi(G(x1)) -
+// Phi(G(x0)). Like the representative point (Karis 2013), this method looks only at the place where the light is
+// nearest, but it also takes the light's extent from there. So the highlight keeps its energy: it tends to the light's
+// radiance as the lobe narrows, and to the light's solid angle times the lobe as the light shrinks.
+// tests/suite/area_light.rs states the error.
 
 // -ln(1 - sin^2 x) = -2 ln cos x, exact where x is small.
 float LogCos(float x) {
@@ -16,10 +16,10 @@ float LogCos(float x) {
     return q < 0.01 ? q * (1.0 + q * (0.5 + q / 3.0)) : -log(max(1.0 - q, 1e-6));
 }
 
-// A mirror is taken for a lobe of 0.02 degrees: its highlights have an edge, not a stair.
+// A mirror counts as a lobe of 0.02 degrees, so that its highlights have smooth edges and no stairs.
 #define MIRROR_M 1e7
 
-float LobeExponent(float roughness) { // m; ln 0.244 is that of xi
+float LobeExponent(float roughness) { // m; 1.4105871 is -ln xi, and xi is 0.244
     return min(2.0 * 1.4105871 / max(LogCos(0.5 * roughness), 1e-12), MIRROR_M);
 }
 
@@ -42,8 +42,8 @@ float ShareBetween(float from, float to, float m) {
     return max(Phi(G(to, m)) - Phi(G(from, m)), 0.0);
 }
 
-// Directions below the surface carry nothing: the part above it of a light that reaches from elevation
-// e0 to e1, as the lobe weighs it along the elevation.
+// The part of a light above the surface, for a light from elevation e0 to e1, as the lobe weighs it along the
+// elevation. Directions below the surface carry nothing.
 float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
     if (e0 >= 0.0)
         return 1.0;
@@ -63,36 +63,36 @@ float HalfAngle(vec3 centre, float radius) {
     return asin(min(radius / max(length(centre), 1e-6), 1.0));
 }
 
-// Everything below is seen from the origin.
+// All functions below see the light from the origin.
 
 float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     if (dot(centre, centre) <= radius * radius)
         return 1.0;
     float s = HalfAngle(centre, radius);
     float x = Angle(r, centre);
-    // Across the ray as through its middle, where the share is known.
+    // Across the ray, the share is that of a ray through the sphere's middle, which is known.
     float g = G(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);
     return ShareBetween(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
 }
 
-// The angle from one vector to another around an axis that stands on both.
+// The angle from one vector to another around an axis that is perpendicular to both.
 float AngleAround(vec3 from, vec3 to, vec3 axis) {
     return atan(dot(cross(from, to), axis), dot(from, to));
 }
 
-// A capsule's, or with `flat_ends` a cylinder's.
+// The share that a capsule fills, or with `flat_ends` a cylinder.
 float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, float m) {
     vec3 normal = cross(a, b);
     if (dot(normal, normal) < 1e-10 * dot(a, a) * dot(b, b))
         return SphereShare(r, n, dot(a, a) < dot(b, b) ? a : b, radius, m);
     normal = normalize(normal);
-    // Along the great circle of the segment, from the direction nearest to the ray.
+    // Angles along the great circle of the segment, from the circle's direction nearest to the ray.
     vec3 nearest = r - dot(r, normal) * normal;
     nearest = length(nearest) > 1e-6 ? normalize(nearest) : normalize(a + b);
     float to_a = AngleAround(nearest, a, normal), to_b = AngleAround(nearest, b, normal);
-    if (to_b < to_a) { // the segment passes behind
+    if (to_b < to_a) { // the segment passes the direction opposite to `nearest`
         float arc = Angle(a, b);
         if (abs(to_a) < abs(to_b))
             to_b = to_a + arc;
@@ -107,19 +107,21 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     }
     float s = HalfAngle(mix(a, b, t), radius);
     float x = asin(min(abs(dot(r, normal)), 1.0));
-    // The round ends: where the ray passes them in a mirror, their mean width in a wide lobe.
+    // Half widths of the round ends along the circle: for a mirror where the ray passes them, for a wide lobe their
+    // mean.
     float s_a = HalfAngle(a, radius), s_b = HalfAngle(b, radius);
     vec2 ends = vec2(s_a, s_b);
     vec2 sharp = ends * ends * m / (1.0 + ends * ends * m);
     ends = mix(0.25 * 3.14159265 * ends, sqrt(max(ends * ends - x * x, 0.0)), sharp);
     float from = to_a - ends.x, to = to_b + ends.y;
     if (flat_ends) {
-        // A flat end is an ellipse, which reaches so far along the great circle, on either side of its middle.
+        // A flat end is seen as an ellipse; `reach` is how far it reaches along the great circle, on either side of its
+        // middle.
         vec3 rim = radius * normalize(cross(normal, b - a));
         vec4 reach = vec4(AngleAround(a, a - rim, normal), AngleAround(a, a + rim, normal),
                           AngleAround(b, b - rim, normal), AngleAround(b, b + rim, normal));
         vec2 middles = vec2(to_a, to_b), half_angles = vec2(s_a, s_b);
-        // The nearer end may cover the other one, and the ray may pass it there.
+        // The nearer end may cover the other one, and where the ray passes an end, the width of that end counts.
         vec2 off = middles / max(0.5 * abs(reach.yw - reach.xz), 1e-6);
         vec2 wide = half_angles * sqrt(max(1.0 - off * off, 0.0));
         s = max(s, max(wide.x, wide.y));
@@ -132,7 +134,7 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
         * AboveHorizon(r, n, min(e_a - s_a, e_b - s_b), max(e_a + s_a, e_b + s_b), m);
 }
 
-// Phi at the ray's signed distance from the great circle of an edge; the light is on its inner side.
+// Phi at the ray's signed distance from the great circle of an edge, which is positive on the light's side.
 float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
     vec3 normal = normalize(cross(from, to));
     if (dot(normal, centre) < 0.0)
@@ -142,7 +144,7 @@ float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
 
 float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float m) {
     if (dot(cross(half_u, half_v), centre) >= 0.0)
-        return 0.0; // from behind it is dark
+        return 0.0; // a rectangle is dark from behind
     vec3 p0 = centre - half_u - half_v, p1 = centre + half_u - half_v;
     vec3 p2 = centre + half_u + half_v, p3 = centre - half_u + half_v;
     float u = EdgeShare(r, p1, p2, centre, m) + EdgeShare(r, p3, p0, centre, m) - 1.0;
@@ -152,19 +154,19 @@ float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, floa
     return max(u, 0.0) * max(v, 0.0) * AboveHorizon(r, n, lowest, highest, m);
 }
 
-// The faces that are seen, each by itself: at most three.
+// The sum of the shares of the faces that are seen, each by itself: at most three.
 float CuboidShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float half_w, float m) {
     vec3 halves[3] = vec3[3](half_u, half_v, half_w * normalize(cross(half_u, half_v)));
     float sum = 0.0;
     bool is_inside = true;
     for (int i = 0; i < 3; ++i) {
         vec3 outward = halves[i];
-        // The face on the side of the point that is lit.
+        // The face that looks towards the point that is lit.
         float side = dot(centre, outward) < 0.0 ? 1.0 : -1.0;
         if (abs(dot(centre, outward)) <= dot(outward, outward))
-            continue; // between two faces, of which neither shows its front
+            continue; // the point lies between two faces, and neither shows its front
         is_inside = false;
-        // half_u x half_v of a rectangle points to where it shines.
+        // A rectangle shines in the direction half_u x half_v.
         vec3 u = halves[(i + 1) % 3], v = halves[(i + 2) % 3];
         sum += RectangleShare(r, n, centre + side * outward, u, dot(cross(u, v), side * outward) > 0.0 ? v : -v, m);
     }

@@ -1,7 +1,8 @@
 #version 460
 #pragma program(BeginInCaptures)
-// The method `captures`: the mirror ray of each pixel that reflects is followed in the captures from where it begins, or,
-// behind another reflection, of each pixel in which that does not cover all.
+// The method `captures`: puts the mirror ray of each reflecting pixel on the list of lost rays, to be followed in the
+// captures from its beginning. Behind another reflection, only pixels that this reflection does not cover wholly get a
+// ray.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -12,7 +13,7 @@ layout(constant_id = 0) const bool BEHIND = false; // there is another reflectio
 layout(binding = 1) uniform sampler2D depth_buffer;      // reversed; 0 is sky
 layout(binding = 2) uniform sampler2D normal_buffer;     // view space
 layout(binding = 3) uniform sampler2D material_buffer;   // reflectivity, roughness
-layout(binding = 4) uniform sampler2D reflection_buffer; // the reflection in front; any image without BEHIND
+layout(binding = 4) uniform sampler2D reflection_buffer; // the reflection in front; without BEHIND, any image
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -28,11 +29,12 @@ void main() {
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth) * captures.view_unit;
     vec3 sight = ViewDirection(point);
     float along = dot(sight, normal);
-    // From below its surface a pixel reflects nothing.
+    // A pixel that is seen from below its surface reflects nothing.
     if (along >= 0.0)
         return;
     vec3 direction = sight - (2.0 * along / dot(normal, normal)) * normal;
-    // A mirror's footprint is the pixel's, which has widened since the eye; a lobe's is the thesis's cone (4.2.4).
+    // A mirror's ray has the footprint of its pixel, which has widened since the eye; a lobe's ray has the cone of the
+    // thesis (4.2.4).
     float widened = ORTHOGRAPHIC ? FAR_EYE : length(point);
     bool is_mirror = material.y <= 0.0;
     PushLostRay(uvec2(pixel), point, direction, is_mirror ? widened : 0.0,

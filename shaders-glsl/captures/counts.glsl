@@ -1,5 +1,5 @@
-// How many entries a list has that passes fill for an indirect dispatch over it: rays that the screen lost (lost.glsl), or
-// pixels that get rays of their own (triangles/doubt.glsl).
+// The length of a list that passes fill, and the arguments of an indirect dispatch over the list. The entries are lost
+// rays (lost.glsl), or pixels in doubt, which get rays of their own (triangles/doubt.glsl).
 
 #ifndef CAPTURES_COUNTS_GLSL
 #define CAPTURES_COUNTS_GLSL

@@ -3,7 +3,8 @@
 #ifndef CAPTURES_CUBE_GLSL
 #define CAPTURES_CUBE_GLSL
 
-// A vector of world axes in the view space of a face, in Vulkan's order +x -x +y -y +z -z, and back.
+// Turns a vector of world axes into the view space of a face; FromFace turns it back. Faces have Vulkan's order +x -x
+// +y -y +z -z.
 vec3 ToFace(vec3 v, int face) {
     return face == 0 ? vec3(-v.z, v.y, v.x)
          : face == 1 ? vec3(v.z, v.y, -v.x)

@@ -1,8 +1,8 @@
-// A ray in a capture: over the faces of its cube, one after the other, by the traversal of the screen.
+// Follows a ray in a capture, over the faces of the cube, one after the other, by the traversal of the screen.
 //
-// A face is an image as the screen is one: of a quarter turn, with reversed depth and an exact pyramid (`unified` here is
-// the block of a face). In it the ray is a straight line. It is followed as long as the face sees it, which is until it
-// goes behind the front of a block: there it hits what it comes to from in front, or is lost.
+// A face is an image like the screen, with a field of view of 90 degrees, reversed depth and an exact pyramid
+// (`unified` here is the block of a face). A ray is a straight line in a face, and is followed until it goes behind the
+// front of a block. There the ray hits the block if it comes from in front, and else it is lost.
 
 #ifndef CAPTURES_FACES_GLSL
 #define CAPTURES_FACES_GLSL
@@ -13,7 +13,7 @@ int face_layer; // the face that is walked over: 6 capture + face
 
 #include "unified/traverse.glsl"
 
-// A point of a face, relative to the capture's place: continuous pixel coordinates, and the pixel.
+// Projects a point of a face, in its view space, to continuous pixel coordinates, and finds the pixel.
 vec2 FacePosition(vec3 q, out ivec2 pixel) {
     float side = float(unified.size.x);
     precise vec2 ndc = q.xy / q.z;
@@ -28,7 +28,8 @@ float FaceDepth(float z) {
     return depth;
 }
 
-// Whether a capture sees a point relative to its place: it lies before the back of the block there.
+// Whether a capture sees a point, which is relative to the capture's place: the point lies before the back of the block
+// there.
 bool CaptureSees(int capture, vec3 o) {
     int face = CubeFace(o);
     vec3 q = ToFace(o, face);
@@ -51,7 +52,7 @@ struct CaptureTrace {
     vec3 place; // relative to the capture's place, world axes: where the hit is, or where the ray was lost
 };
 
-// The point of a ray at a place of a face's walk, in the face's view space.
+// The point of a ray at s, in the face's view space.
 vec3 FacePoint(Ray ray, float s) {
     precise float depth = ray.depth + s * ray.rate.z;
     precise vec2 position = ray.start + s * ray.rate.xy;
@@ -60,10 +61,10 @@ vec3 FacePoint(Ray ray, float s) {
     return point;
 }
 
-// Over one face, from a point in it. `side` is the axis in the face's view space of the side by which it is left.
-// `before` is the thickness of the block at the border of the face before, and comes back as that of the block at which
-// this one is left: what stands across a border is a surface's joint, which is as thick as the blocks on both sides.
-// `exhausted` is set by a walk that runs out of steps, which cannot be.
+// Follows a ray over one face, from a point in the face. `side` becomes the axis, in the face's view space, of the side
+// by which the ray leaves. `before` is the thickness of the block at the border of the face before, and becomes that of
+// the block where the ray leaves this face. A surface across a border is as thick as the blocks on both sides together.
+// `exhausted` is set if the walk runs out of steps, which cannot be.
 CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
@@ -71,7 +72,8 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     precise vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
     precise vec2 change = direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
-    // A ray straight towards the capture's place or away from it stays in its pixel: it drifts too slowly to leave it.
+    // A ray straight towards the capture's place, or away from it, stays in its pixel: its drift is too slow to leave
+    // the pixel.
     if (change == vec2(0.0))
         change.x = 1e-20;
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
@@ -79,7 +81,7 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     if (!(depth < 1.0))
         return CaptureTrace(FOLLOW_LOST, q);
     ivec2 ahead = Ahead(ray);
-    // Most rays come to a face in free space.
+    // Most rays come to a face in free space, so that the walk begins at a coarse level.
     Walk walk = Walk(pixel, min(FACE_LEVEL, unified.top_level), 0.0, depth, 0);
     bool passes = false;
     int how = FOLLOW_ON;
@@ -88,8 +90,8 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
         Advance(ray, ahead, passes, walk);
         if (walk.level >= 0)
             break;
-        // Behind the front of a block. A surface that the ray runs away from is the one it leaves, if the ray is
-        // inside the block still; any other is met from in front, or through the joint to the block before.
+        // The ray is behind the front of a block. If it runs away from the surface and is still inside the block, it
+        // leaves this surface. It meets any other surface from in front, or through the joint to the block before.
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
         vec3 normal = NORMAL_AT(walk.pixel);
         float along = Dot(direction, normal);
@@ -122,7 +124,8 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     return CaptureTrace(how, FacePoint(ray, s));
 }
 
-// Through a capture, from a point relative to its place that it sees, along a unit direction.
+// Follows a ray through a capture along a unit direction, from a point that the capture sees, relative to the capture's
+// place.
 CaptureTrace TraceCapture(int capture, vec3 o, vec3 direction, inout bool exhausted) {
     int face = CubeFace(o);
     CaptureTrace result = CaptureTrace(FOLLOW_LOST, o);

@@ -1,5 +1,5 @@
-// Puts what a ray of the list saw where the ray is of: a mirror's pixel is finished, a glossy ray's record gets what it
-// saw, for the pixels around it to gather. Programs with MIRRORS, NARROW or neither include it.
+// Stores what a ray of the list saw. A mirror's pixel is finished, and a glossy ray's record gets what the ray saw, for
+// the pixels around to gather. Programs with MIRRORS, NARROW or neither include this file.
 
 #ifndef CAPTURES_FINISH_GLSL
 #define CAPTURES_FINISH_GLSL
@@ -7,19 +7,19 @@
 #ifdef MIRRORS
 layout(constant_id = 8) const bool COMPOSITE = false;  // the finished image is wanted
 layout(constant_id = 6) const bool REFLECTION = false; // the reflection is wanted as an image of its own
-layout(constant_id = 7) const bool HITS = false;       // so are the hits
+layout(constant_id = 7) const bool HITS = false;       // the hits are wanted as an image of their own
 
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness; of the screen
 layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
-layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
-layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
-layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image of this format without HITS
+layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // without COMPOSITE, any image
+layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // without REFLECTION, any image
+layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // without HITS, any image of this format
 #else
 #include "unified/ends.glsl"
 #ifdef NARROW
-layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
+layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // written by TraceNarrow
 #else
-layout(binding = 6, rgba32f) uniform image2D place_image; // TraceWide
+layout(binding = 6, rgba32f) uniform image2D place_image; // written by TraceWide
 layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 #endif
 #endif
@@ -60,7 +60,7 @@ void StoreRayResult(LostRay ray, RayResult result) {
 #elif defined(NARROW)
     if (result.shows) {
         uvec4 words = imageLoad(seen_image, pixel);
-        words.y &= 0x7fffffffu; // the sign says that it missed
+        words.y &= 0x7fffffffu; // clears the sign, which says that the ray missed
         words.z = packHalf2x16(result.color.rg);
         words.w = packHalf2x16(vec2(result.color.b, 1.0));
         imageStore(seen_image, pixel, words);

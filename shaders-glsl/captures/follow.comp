@@ -2,12 +2,11 @@
 #pragma program(FollowMirrors, MIRRORS)
 #pragma program(FollowNarrow, NARROW)
 #pragma program(FollowWide)
-// Follows the rays that the screen lost through the captures, a thread a ray, and puts what they see where the ray is of:
-// a mirror's pixel is finished, a glossy ray's record gets what it saw, for the pixels around it to gather.
+// Follows lost rays through the captures, a thread a ray, and stores what they see (captures/finish.glsl).
 //
-// A ray goes on in the nearest capture that sees the point where the last image lost it. Where none does, what is behind
-// shows (`--fallback`), or, without anything behind, what hides the point from the nearest capture: the ray most likely
-// hits that. Outside the scene's bounds there is nothing left to hit.
+// A ray goes on in the nearest capture that sees the point where the last image lost it. If no capture does, the
+// fallback shows (`--fallback`). Without a fallback, the colour of what hides the point from the nearest capture shows,
+// since the ray most likely hits that thing. Outside the scene's bounds there is nothing left to hit.
 
 #define LIST_ACCESS readonly
 #define FACES
@@ -19,26 +18,27 @@ layout(constant_id = 9) const bool OVER = false; // another reflection shows whe
 
 layout(binding = 1, rg32f) uniform readonly image2DArray pyramid;             // front and back depths, a layer a face
 layout(binding = 2, rgba8_snorm) uniform readonly image2DArray normal_buffer; // view space of the face
-layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour; 0 where the sky is seen, and in a how much is not sky
+layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour, 0 for sky; a: the part that is not sky
 
 #include "captures/finish.glsl"
 #include "captures/faces.glsl"
 
 // How a ray ended.
 struct CaptureRayEnd {
-    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_UNFINISHED, which cannot be
+    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k, or PATH_UNFINISHED, which cannot be
     vec3 place;     // where it hit or was lost, relative to the eye, world axes
-    int capture;    // that shows what the ray sees there: for an unknown end, what most likely hides it
+    int capture;    // the capture that shows this place; for an unknown end, the one that shows what most likely hides it
     float distance; // from the start to the place
 };
 
-// A bit for each capture.
+// A mask with a bit for each capture.
 uint AllCapturesMask() {
     return (1u << uint(captures.count)) - 1u;
 }
 
-// The nearest capture to a point relative to the eye of those that have a bit in `candidates`; -1 if none has. The loop does not
-// end at a number of a uniform block, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
+// The capture nearest to a point (relative to the eye), of those with a bit in `candidates`; -1 if no bit is set. No
+// number of a uniform block ends the loop, since lavapipe of Mesa 22 would compile the program at each dispatch
+// (docs/devices.md).
 int NearestCapture(vec3 point, uint candidates) {
     int nearest = -1;
     float least = NEVER;
@@ -52,7 +52,7 @@ int NearestCapture(vec3 point, uint candidates) {
     return nearest;
 }
 
-// The nearest one of them that sees the point; -1 if none does.
+// The nearest candidate that sees the point; -1 if none does.
 int NearestSeeingCapture(vec3 point, uint candidates) {
     int capture = NearestCapture(point, candidates);
     while (capture >= 0 && !CaptureSees(capture, point - captures.places[capture].xyz)) {
@@ -72,7 +72,7 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
     vec3 point = ray.start;
     uint candidates = AllCapturesMask();
     bool exhausted = false;
-    // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
+    // In each turn the ray moves on, or the capture in which it does not is left out from then on.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && ray_end.code == PATH_UNKNOWN; ++i) {
         if (IsOutsideScene(point)) {
             ray_end.code = PATH_SKY;
@@ -101,8 +101,8 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
     return ray_end;
 }
 
-// What a ray sees: the capture's lit colour there, as wide as the ray's footprint, with the sky along the ray. One look
-// for every end, since a device may take both ways of a branch.
+// The colour that a ray sees: the capture's lit colour at the end, over the ray's footprint, with the sky along the
+// ray. All ends share one look-up, since a device may execute both sides of a branch.
 vec3 CaptureColor(CaptureRayEnd ray_end, LostRay ray) {
     vec3 o = ray_end.place - captures.places[ray_end.capture].xyz;
     vec3 a = abs(o);

@@ -1,5 +1,5 @@
-// The list of rays that the screen lost: what the passes that trace the screen write, and what captures/follow.comp and
-// triangles/follow.comp read.
+// The list of lost rays. The passes that trace the screen write the list, and captures/follow.comp and
+// triangles/follow.comp read it.
 
 #ifndef CAPTURES_LOST_GLSL
 #define CAPTURES_LOST_GLSL
@@ -10,10 +10,10 @@
 // A ray from where the screen lost it.
 struct LostRay {
     vec3 start;     // relative to the eye, world axes, metres
-    float before;   // metres that its footprint has widened up to the start
+    float before;   // metres over which its footprint widened before the start
     vec3 direction; // unit, world axes
     float spread;   // width of its footprint for each metre
-    uvec4 pixel;    // or cell that it is of: x, y; z: the triangle that it begins on, or NO_TRIANGLE; w unused
+    uvec4 pixel;    // x, y: the pixel or cell that it belongs to; z: the triangle that it begins on, or NO_TRIANGLE; w unused
 };
 
 layout(std430, binding = 19) LIST_ACCESS buffer LostRays {

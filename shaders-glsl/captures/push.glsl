@@ -1,4 +1,4 @@
-// Puts a ray on the list of those that the screen lost.
+// Puts a ray on the list of lost rays.
 
 #ifndef CAPTURES_PUSH_GLSL
 #define CAPTURES_PUSH_GLSL
@@ -6,7 +6,8 @@
 #include "captures/next_place.glsl"
 #include "captures/lost.glsl"
 
-// `start` in view space and metres, `direction` in view space and of any length; the rest as LostRay has it.
+// `start` is in view space and metres, and `direction` is in view space and of any length. The other arguments are
+// fields of LostRay.
 void PushLostRay(uvec2 pixel, vec3 start, vec3 direction, float before, float spread, uint triangle) {
     uint index = ReserveListIndex(uint(LOST_GROUP));
     if (index >= uint(lost.rays.length()))

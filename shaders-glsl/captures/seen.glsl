@@ -1,5 +1,5 @@
-// Hands on rays that the screen has lost, or that begin where no ray walks over the screen, to captures/follow.comp or
-// triangles/follow.comp. Needs unified/traverse.glsl. A file that defines LOSES_NOTHING hands no ray on.
+// Puts rays on the list for captures/follow.comp or triangles/follow.comp: from where the screen lost them, or
+// (CONFIRMED) from their beginning. Needs unified/traverse.glsl. With LOSES_NOTHING, no ray is put on the list.
 
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
@@ -25,8 +25,8 @@ void PushPixelRay(uvec2 pixel, Ray ray, float spread) {
 }
 #endif
 
-// Hands on a ray of a pixel or cell if the screen lost it. `before` says how far the footprint has widened where the ray
-// begins, `spread` by how much it widens with each metre.
+// Puts the ray of a pixel or cell on the list if the screen lost it. `before` says over how many metres the footprint
+// widened before the ray's beginning, and `spread` by how much it widens with each metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
 #ifndef LOSES_NOTHING
     if (!FOLLOWED || hit.code == PATH_HI_Z)

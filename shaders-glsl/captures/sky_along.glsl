@@ -1,4 +1,4 @@
-// The sky that a ray sees, and where the lit colour of the screen shows it.
+// The sky along a ray, and the test whether a texel of the lit colour shows sky.
 
 #ifndef CAPTURES_SKY_ALONG_GLSL
 #define CAPTURES_SKY_ALONG_GLSL

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Bump)
 #pragma in_either_stage
-// Bump mapping after the tracing (thesis 4.4, after the game Thief): each pixel shows the reflection of a pixel beside it,
-// displaced by how far the normal of shading deviates from the one that rays were reflected at.
+// Bump mapping after the tracing (thesis 4.4, after the game Thief). Each pixel shows the reflection of a pixel beside
+// it, displaced by how far the shading normal deviates from the normal that rays were reflected at.
 
 #include "common/either_stage.glsl"
 #include "common/constants.glsl"
@@ -12,8 +12,8 @@ layout(push_constant) uniform BumpBlock {
 } bump;
 
 layout(binding = 0) uniform sampler2D reflection_buffer;
-layout(binding = 1) uniform sampler2D normal_buffer;       // of shading, view space
-layout(binding = 2) uniform sampler2D trace_normal_buffer; // that rays were reflected at
+layout(binding = 1) uniform sampler2D normal_buffer;       // shading normals, view space
+layout(binding = 2) uniform sampler2D trace_normal_buffer; // normals that rays were reflected at
 layout(binding = 3) uniform sampler2D material_buffer;     // reflectivity, roughness
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
@@ -31,7 +31,7 @@ SHADE(out_reflection) {
     vec2 deviation = (texelFetch(normal_buffer, pixel, 0).xyz - traced).xy;
     vec2 shift = deviation * vec2(1.0, -1.0) * bump.strength * float(size.y);
     ivec2 beside = clamp(ivec2(floor(PIXEL_CENTRE + shift)), ivec2(0), size - 1);
-    // What lies on another surface, or does not reflect, has no reflection to lend.
+    // A pixel that lies on another surface, or does not reflect, has no reflection to lend.
     bool fits = texelFetch(material_buffer, beside, 0).r > REFLECTS_ABOVE
              && dot(texelFetch(trace_normal_buffer, beside, 0).xyz, traced) > ONE_SURFACE;
     out_reflection = texelFetch(reflection_buffer, fits ? beside : pixel, 0);

@@ -1,13 +1,13 @@
 #version 460
 #pragma program(ColorCoarse)
-// The seven coarsest levels of the colour's chain in one dispatch, each a linear blit of the one below it. They are small:
-// one workgroup makes them all, so that its barriers take the place of seven commands with a barrier each.
+// Makes the seven coarsest levels of the colour chain in one dispatch, each as a linear blit of the level below. These
+// levels are small: one workgroup makes them all, so that its barriers replace seven commands with a barrier each.
 
 layout(local_size_x = 256) in;
 
 #include "common/linear_blit.glsl"
 
-layout(binding = 0, rgba16f) uniform readonly image2D level_0; // what is there; the side of level 1 is at most 127
+layout(binding = 0, rgba16f) uniform readonly image2D level_0; // the given level; a side of level 1 has at most 127 texels
 layout(binding = 1, rgba16f) uniform coherent image2D level_1;
 layout(binding = 2, rgba16f) uniform coherent image2D level_2;
 layout(binding = 3, rgba16f) uniform coherent image2D level_3;

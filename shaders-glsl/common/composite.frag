@@ -11,7 +11,7 @@ layout(binding = 0) uniform sampler2D color_buffer;
 layout(binding = 1) uniform sampler2D reflection_buffer; // rgb, and the fade in a
 layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughness
 
-// The image stands for the lit colour of another bounce: it is reflected, and keeps in a what is lit.
+// The image becomes the lit colour of another bounce: it is reflected again, and keeps the a of the lit colour.
 layout(constant_id = 0) const bool LIT = false;
 
 OUTPUT(0, rgba16f, vec4, out_color);
@@ -23,7 +23,7 @@ SHADE(out_color) {
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (reflectivity > REFLECTS_ABOVE) {
         vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
-        // The sum of two colours that 16 bits hold may be one that they do not.
+        // The sum of two 16-bit colours may exceed the greatest 16-bit float.
         color = min(color + reflectivity * reflection.a * reflection.rgb, vec3(GREATEST_HALF));
     }
     out_color = LIT ? vec4(Sound(color), lit.a) : vec4(color, 1.0);

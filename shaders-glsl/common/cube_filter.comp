@@ -1,9 +1,9 @@
 #version 460
 #pragma program(CubeFilter)
-// One level of a cube map blurred by roughness: each texel is the mean over the Phong lobe around its
-// direction (docs/definitions.md, "Surfaces"). The lobe's directions are a Hammersley set, the same for every
-// texel; each reads the level of the source whose texel is about as large as the solid angle that the
-// sample stands for (Krivanek and Colbert 2008), so that few samples do.
+// One level of a cube map blurred by roughness: each texel is the mean over the Phong lobe around its direction
+// (docs/definitions.md, "Surfaces"). The lobe's directions are a Hammersley set, the same for every texel. Each
+// direction reads the level of the source whose texel is about as large as the solid angle that the sample stands for
+// (Krivanek and Colbert 2008), so that few samples are enough.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,7 +1,7 @@
-// What makes one source a fragment program over whole targets and a compute program, a thread a texel. A source with
-// `#pragma in_either_stage` is compiled for both, for the second with COMPUTE defined. It declares its outputs by OUTPUT, finds
-// its place by PIXEL_CENTRE, and has its main function below SHADE. No such source takes derivatives or samples with an
-// implicit level of detail, which compute programs do not have.
+// Macros that make one source a fragment program over whole targets and a compute program, a thread a texel. A source
+// with `#pragma in_either_stage` is compiled for both stages, with COMPUTE defined for compute. The source declares its
+// outputs by OUTPUT, finds its place by PIXEL_CENTRE, and has its main function below SHADE. It takes no derivatives
+// and does not sample with an implicit level of detail, which compute programs do not have.
 
 #ifndef COMMON_EITHER_STAGE_GLSL
 #define COMMON_EITHER_STAGE_GLSL
@@ -15,13 +15,14 @@ layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 // The centre of the thread's texel, in pixels: what gl_FragCoord.xy is to a fragment program.
 #define PIXEL_CENTRE (vec2(gl_GlobalInvocationID.xy) + 0.5)
 
-// A source that writes a slice of a volume defines both for itself.
+// A source that writes a slice of a volume defines both macros itself.
 #ifndef OUTPUT_IMAGE
 #define OUTPUT_IMAGE image2D
 #define OUTPUT_TEXEL ivec2(gl_GlobalInvocationID.xy)
 #endif
 
-// An output: its number, the format of its image, its type and its name. No other binding is as high as these.
+// Declares an output: its number, the format of its image, its type and its name. All other bindings have lower
+// numbers.
 #define OUTPUT(number, format, type, name) \
     layout(binding = FIRST_OUTPUT + number, format) uniform writeonly OUTPUT_IMAGE name##_image; \
     type name
@@ -30,7 +31,7 @@ layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
     uint name
 
 bool discarded = false;
-// Leaves the texel as it is.
+// Ends the function and leaves the texel as it is.
 #define DISCARD { discarded = true; return; }
 
 vec4 ToTexel(float value) {
@@ -49,12 +50,12 @@ uvec4 ToTexel(uint value) {
     return uvec4(value);
 }
 
-// What SHADE stores beside its first output.
+// Stores an output of SHADE_ALL beside the first one.
 #define STORE(name) imageStore(name##_image, OUTPUT_TEXEL, ToTexel(name));
 #define STORE_IF(wanted, name) if (wanted) STORE(name)
 
-// The main function of a source with several outputs: the first of them, and what is stored beside it. A thread may stand beyond the
-// border of the image.
+// Begins the main function of a source with several outputs: `first` is the first of them, and `others` stores the
+// rest. A thread beyond the border of the image does nothing.
 #define SHADE_ALL(first, others) \
     void Shade(); \
     void main() { \

@@ -7,7 +7,7 @@
 #include "common/either_stage.glsl"
 
 layout(binding = 0) uniform sampler2D reflection_buffer; // of the method: rgb, and the fade in a
-layout(binding = 1) uniform sampler2D fallback_buffer;   // of the fallback: rgb, and 1 in a, or 0s
+layout(binding = 1) uniform sampler2D fallback_buffer;   // of the fallback: rgb, and 1 in a; all 0 where it shows nothing
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
 
@@ -15,7 +15,7 @@ SHADE(out_reflection) {
     ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
     vec4 behind = texelFetch(fallback_buffer, pixel, 0);
-    // A colour that is faded out wholly counts for nothing, not even if it is no number.
+    // A colour with a fade of 0 does not count, even if it is NaN.
     vec3 local = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
     float rest = (1.0 - reflection.a) * behind.a;
     float covered = reflection.a + rest;

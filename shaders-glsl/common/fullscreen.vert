@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Fullscreen)
-// Half of a viewport, cut from corner to corner, whose upper left quarter is the target; drawn with three
-// vertices and no buffer.
+// A triangle over half of a viewport, cut from corner to corner. The upper left quarter of the viewport is the target.
+// The triangle is drawn with three vertices and no buffer.
 
 void main() {
     vec2 corner = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2);

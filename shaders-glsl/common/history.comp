@@ -1,6 +1,6 @@
 #version 460
 #pragma program(HistoryCompute)
-// The average of reflections over frames, a thread a pixel. The pixels of a block of 2 x 2 are of one workgroup.
+// The average of reflections over frames, a thread a pixel. The pixels of a block of 2 x 2 belong to one workgroup.
 
 // Unrolled, the search would need more registers than a GPU has for enough waves.
 #define SEARCH_LOOP [[dont_unroll]]
@@ -11,7 +11,7 @@ layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba32ui) uniform writeonly uimage2D guide_image;
-layout(binding = 13, rgba16f) uniform writeonly image2D color_image; // any image of this format without COMPOSITE
+layout(binding = 13, rgba16f) uniform writeonly image2D color_image; // without COMPOSITE, any image of this format
 
 shared BlockSums sums[GROUP_SIDE * GROUP_SIDE];
 
@@ -36,7 +36,7 @@ BlockSums SumOverBlock(ivec2 pixel, BlockSums own) {
     return AddNeighbourSums(AddNeighbourSums(own, 1, outward.x), GROUP_SIDE, outward.y);
 }
 
-// The barriers keep a compiler from holding the values in registers after all. Nobody else reads them.
+// The barriers keep a compiler from holding the values in registers after all. No other thread reads these values.
 void SpillValues(BlockSums values) {
     sums[gl_LocalInvocationIndex] = values;
     memoryBarrierShared();

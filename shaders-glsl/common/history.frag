@@ -2,16 +2,18 @@
 #pragma program(History)
 // The average of reflections over frames, drawn over the whole image.
 
-// The stage of CPU drivers, where a loop costs a turn more than it takes (findings/lavapipe-runs-a-loop-once-more.sh).
+// CPU drivers use this stage, and with them a loop costs one turn more than it takes
+// (findings/lavapipe-runs-a-loop-once-more.sh).
 #define SEARCH_LOOP [[unroll]]
 
 #include "common/history.glsl"
 
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out uvec4 out_guide;
-layout(location = 2) out vec4 out_color; // where it is wanted
+layout(location = 2) out vec4 out_color; // the composite, where it is wanted
 
-// The pixels of a block are shaded in step. Nothing is fused, so that history.comp sums to the same bits.
+// Sums by derivatives, since the pixels of a block are shaded in step. No operations are fused, so that history.comp
+// sums to the same bits.
 vec4 SumOverBlock(ivec2 pixel, vec4 v) {
     vec2 outward = DirectionOutOfBlock(pixel);
     precise vec4 both = v + (v - outward.x * dFdxFine(v));

@@ -1,9 +1,10 @@
-// Temporal filtering (thesis 4.2.11): the reflection of earlier frames, taken from where the reflected point was seen then, and
-// averaged with that of this frame, over as many frames as what is reflected agrees (docs/definitions.md, "Histories").
+// Temporal filtering (thesis 4.2.11) averages the reflection of this frame with those of earlier frames, over as many
+// frames as the reflections agree (docs/definitions.md, "Histories"). The earlier reflection is taken from where the
+// reflected point was seen then.
 //
-// What a pixel reflects is known: its rays ended somewhere, on something that may move. The frame before shows the same point
-// where its reflection was then, at another place of the surface. A pixel whose own reflection stays as it is, to the bit,
-// keeps its history as it is. A mirror has no history: its one ray says all.
+// The rays of a pixel tell which point it reflects, on a thing that may move. The frame before showed the reflection of
+// the same point at another place of the surface. A pixel whose own reflection stays the same, to the bit, keeps its
+// history as it is. A mirror needs no history, since its one ray says all.
 
 #ifndef COMMON_HISTORY_GLSL
 #define COMMON_HISTORY_GLSL
@@ -16,15 +17,15 @@
 #include "common/lobe.glsl"
 #include "common/sight.glsl"
 
-// What a pixel of the frame is.
+// The result for a pixel of this frame.
 struct AccumulatedPixel {
     vec4 reflection; // colour, and fade in a
     uvec4 guide;     // Guide, packed
     vec4 color;      // lit colour + reflectivity * fade * reflection, where it is wanted
 };
 
-// The history may lie so many times as far from what the pixels around show where what is reflected is known to agree,
-// and where nothing moves.
+// Factors by which the history may lie farther from what the pixels around show: AGREED where the reflected point is
+// known, and AT_REST where nothing moves.
 #define AGREED 4.0
 #define AT_REST 8.0
 
@@ -34,10 +35,11 @@ struct BlockSums {
     vec4 second;
 };
 
-// The sums over the pixels of a block. The stage has it; every pixel of a block asks for it.
+// The sums over the pixels of a block. Each stage defines this function, and every pixel of a block calls it.
 BlockSums SumOverBlock(ivec2 pixel, BlockSums own);
 
-// Keeps what a pixel needs at the end, while the search for its history needs the registers. The stage has both.
+// Keeps values that a pixel needs at the end, while the search for its history needs the registers. Each stage defines
+// both functions.
 void SpillValues(BlockSums values);
 BlockSums ReloadValues();
 
@@ -49,14 +51,15 @@ vec2 DirectionOutOfBlock(ivec2 pixel) {
 // What the rays around a pixel met.
 struct MeanHit {
     float hit_distance; // from the surface, metres; 0 if nothing is known
-    int mover;          // that most of them met; -1 for what stands still
+    int mover;          // the mover that most of them met; -1 if most met things at rest
 };
 
-// What the ray of a pixel met, for the sums over its block; `eye` is how far the pixel's point is from the eye, negative if it does
-// not reflect. First come inverse distances, by which images move, and how many: to what stands still, and to what moves. Second are
-// the numbers of the movers, how many, and how many pixels reflect.
+// The summands of a pixel, from what its ray met, for the sums over its block. `eye` is the distance of the pixel's
+// point from the eye, negative if the pixel does not reflect. `first` sums inverse distances, by which images move, and
+// counts them: in xy for things at rest, in zw for movers. `second` sums the numbers of the movers, and counts them and
+// the pixels that reflect.
 BlockSums HitSummands(ivec2 pixel, bool is_wide, float eye) {
-    // The ray of a wide lobe is its cell's, so that the pixels of a block ask four cells.
+    // A wide lobe has only the ray of its cell, so that the pixels of a block ask four cells.
     ivec2 asked = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
     uvec2 ray_end = imageLoad(ends_image, min(asked, history.size - 1)).xy;
     float hit_distance = eye >= 0.0 && history.has_ends != 0 ? uintBitsToFloat(ray_end.x) * history.unit : 0.0;
@@ -73,13 +76,14 @@ MeanHit FindMeanHit(BlockSums hit_sums, float eye) {
     return MeanHit(counted.y > 0.5 ? counted.y / counted.x - eye : 0.0, mover);
 }
 
-// Frames that may be averaged, with this one, which does not lag, so that a measure of the lag is at most `most`.
+// The number of frames, with this one, that may be averaged so that a measure of the lag is at most `most`. This frame
+// does not lag.
 float FramesWithinLag(float lag, float most) {
     return lag > most ? min(lag / (lag - most), history.most) : history.most;
 }
 
-// The history of what a pixel shows and reflects in this frame's view space. `known`: the reflected point is, and `mover` the
-// thing that it is on.
+// The history of a pixel, whose surface and reflected point `query` gives in this frame's view space. `known` says
+// whether the reflected point is known, and `mover` which thing this point is on.
 HistorySample SearchHistory(ivec2 pixel, HistoryQuery query, bool known, int mover) {
     vec3 end = query.end;
     int own = FindMover(TriangleAt(pixel));
@@ -92,7 +96,8 @@ HistorySample SearchHistory(ivec2 pixel, HistoryQuery query, bool known, int mov
         query.end = PreviousReflectedPoint(end, query.end);
     float eye = ORTHOGRAPHIC ? 0.0 : length(query.surface);
     query.inverse = known ? 1.0 / (eye + distance(query.surface, query.end)) : 0.0;
-    // On the surface itself, where nothing is known of what it reflects, or the mirror agrees less.
+    // The place on the surface itself counts if the reflected point is not known, or if the place in the mirror agrees
+    // less.
     vec2 place = ProjectToPreviousPixels(query.surface);
     if (known) {
         vec2 in_mirror = CurvedMirrorPosition(place, PlaneMirrorPosition(query.surface, query.normal, query), query);
@@ -101,7 +106,7 @@ HistorySample SearchHistory(ivec2 pixel, HistoryQuery query, bool known, int mov
     return SampleHistory(place, query);
 }
 
-// A pixel, which may stand beyond the border of the image with others of its block.
+// Makes the result of a pixel, which may stand beyond the border of the image with others of its block.
 AccumulatedPixel AccumulatePixel(ivec2 pixel) {
     ivec2 inside = min(pixel, history.size - 1);
     float depth = texelFetch(depth_buffer, inside, 0).r;
@@ -137,17 +142,18 @@ AccumulatedPixel AccumulatePixel(ivec2 pixel) {
     BlockSums shows = SumOverBlock(pixel, BlockSums(own_sum, own_sum * own_sum));
     uint hash = ReflectionHash(unfiltered);
     bool stays = history.repeats != 0 && kept.z != 0u && (kept.w & ~255u) == hash;
-    // What changed by itself is not what it was.
+    // A reflection that changed although nothing moved begins a new history.
     bool is_new = history.begins != 0 || (history.repeats != 0 && !SEARCH);
     float age = is_new ? 0.0 : sampled.age * sampled.agreement;
     vec4 mean = shows.first / count;
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
     vec4 reach = most * sqrt(max(shows.second / count - mean * mean, vec4(0.0)));
-    // What the pixel itself shows is as good as what is around it: so what stays as it is is not blurred.
+    // The bounds also hold what the pixel itself shows, so that a reflection that does not change is not blurred.
     vec4 before = clamp(sampled.color, min(mean - reach, now), max(mean + reach, now));
     float within = min(FramesWithinLag(length(sampled.lag.mean), MOST_LAG), FramesWithinLag(sampled.lag.square, MOST_SQUARE));
     age = min(age + 1.0, within);
-    // What is whole stays so while rays turn again for what a thing uncovered before it came to rest.
+    // A complete average stays as it is while rays turn again for surfaces that a thing uncovered before it came to
+    // rest.
     bool is_whole = !SEARCH && history.rests > 1 && !is_new && sampled.age > history.frames - 0.5;
     float part = is_whole ? 0.0 : 1.0 / age, left = 1.0 - part;
     vec4 mixed = DecodeMean(mix(before, now, part));

@@ -6,19 +6,19 @@
 #include "common/history_inputs.glsl"
 #include "common/octahedral.glsl"
 
-// Bounds of a history's Lag: of the length of its mean, in standard deviations of the lobe, which are 1 / sqrt(alpha + 1) each, and of
-// the mean of its square.
+// Bounds of a history's Lag: of the length of its mean, in standard deviations of the lobe (1 / sqrt(alpha + 1)), and
+// of the mean of its square.
 #define MOST_LAG 0.35
 #define MOST_SQUARE 0.5
 
-// Steps of a guide's ages to a frame, and of the root of a mean square from 0 to MOST_SQUARE.
+// Steps of a packed age to a frame, and steps of the packed root of a mean square from 0 to the root of MOST_SQUARE.
 #define AGE_STEPS 4.0
 #define SQUARE_STEPS 63.0
 
 // How far the frames that were averaged point past what is reflected, in standard deviations of the lobe.
 struct Lag {
     vec3 mean;
-    float square; // its mean
+    float square; // the mean of the squared length
 };
 
 // What is kept of a pixel.
@@ -26,13 +26,13 @@ struct Guide {
     float depth;
     vec3 normal;   // view space, of any length
     float age;     // frames averaged; 0 for no history
-    float inverse; // 1 / the way from the eye over the surface to what is reflected; 0 where that is not known
+    float inverse; // 1 / the distance from the eye over the surface to the reflected point; 0 if this point is not known
     vec2 lag;      // the mean of Lag along the two Tangents of the mirrored direction
-    float square;  // that of Lag
+    float square;  // Lag.square
 };
 
-// A byte of the mean lag replaces the last one of the depth, which is precise enough with 16 bits. The other stands in the last byte of
-// the number that tells reflections apart.
+// One byte of the mean lag replaces the last byte of the depth, which is precise enough with 16 bits. The other byte
+// stands in the last byte of the hash.
 uvec4 PackGuide(Guide g, uint hash) {
     uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
     uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
@@ -47,7 +47,7 @@ Guide UnpackGuide(uvec4 words) {
     return Guide(depth, DecodeOctahedralUnnormalized(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
 }
 
-// A number of 24 bits that tells reflections apart; its last byte is zero.
+// A hash of 24 bits that tells reflections apart; its last byte is zero.
 uint ReflectionHash(vec4 reflection) {
     uint first = packHalf2x16(reflection.rg), second = packHalf2x16(reflection.ba);
     return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;

@@ -1,4 +1,4 @@
-// Where things were that moved since the frame before: meshes of the scene, and what a caller's motion says.
+// Earlier places of things that moved since the frame before: meshes of the scene, and surfaces with a caller's motion.
 
 #ifndef COMMON_HISTORY_MOTION_GLSL
 #define COMMON_HISTORY_MOTION_GLSL
@@ -6,16 +6,16 @@
 #include "common/history_guide.glsl"
 #include "common/sight.glsl"
 
-// What is seen so many pixels from where a thing at rest would be seen stands still, and so much of the way farther, since
-// 16-bit floats round motion by a quarter of that.
+// A surface counts as at rest if it was seen within STILL pixels, and STILL_SHARE of its motion, of where a surface at
+// rest was seen. 16-bit floats round motion by a quarter of that share.
 #define STILL 0.05
 #define STILL_SHARE (1.0 / 512.0)
-// A thing that moves is as far away as it was, within this share.
+// A moving thing is taken to be as far away as it was, within this share.
 #define SAME_DEPTH 0.1
-// The screen shows a reflected point where it shows something at its depth, within this share.
+// The screen shows a reflected point if it shows something at this point's depth, within this share.
 #define SHOWN 0.05
 
-// The mover that a triangle is of; -1 for what stands still.
+// The mover that a triangle belongs to; -1 for a triangle at rest.
 int FindMover(uint triangle) {
     int mover = -1;
     if (!MOVERS)
@@ -27,7 +27,7 @@ int FindMover(uint triangle) {
     return mover;
 }
 
-// Where a point (w = 1) or a direction (w = 0) that goes along with a mover was, in the view space of the frame before.
+// The point (w = 1) or direction (w = 0) of a mover, as it was in the view space of the frame before.
 vec3 ToPreviousView(vec3 v, float w, int mover) {
     vec3 before = (history.view_to_view_before * vec4(v, w)).xyz;
     if (!MOVERS)
@@ -37,9 +37,10 @@ vec3 ToPreviousView(vec3 v, float w, int mover) {
     return before;
 }
 
-// Where a point of the surface that a pixel shows was in the view space of the frame before, by the motion that the caller
-// knows. `seen` is where the point is seen now, `still` where it would have been at rest. The motion says where it was seen,
-// but not how far away: as far as the frame before shows there, if a history of that is kept.
+// The earlier point, in the view space of the frame before, of the surface that a pixel shows, by the motion that the
+// caller knows. `seen` is where the point is seen now, and `still` its earlier point if it were at rest. The motion
+// gives the earlier position on the screen but no distance. The distance is what the frame before shows there, if a
+// history keeps it.
 vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
     vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
     float beside = distance(seen + way, ProjectToPreviousPixels(still));
@@ -51,12 +52,13 @@ vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
     float z = clamp(shown, still.z - reach, still.z + reach);
     vec4 clip = history.view_to_clip_before * vec4(still.xy, z, 1.0);
     vec3 moved = Unproject(history.clip_to_view_before, before, clip.z / clip.w);
-    // False for what is no number.
+    // False if the motion is NaN.
     bool moves = beside > STILL + STILL_SHARE * length(way);
     return moves && still.z > 0.0 ? moved : still;
 }
 
-// Where a reflected point was that may be of a thing that moves. The caller knows the motion of what the screen shows.
+// The earlier place of a reflected point, which may lie on a moving thing. The caller knows the motion only of what the
+// screen shows.
 vec3 PreviousReflectedPoint(vec3 end, vec3 still) {
     vec2 seen = ProjectToPixels(history.view_to_clip, end);
     ivec2 pixel = ivec2(floor(seen));

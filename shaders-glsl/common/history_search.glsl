@@ -1,5 +1,5 @@
-// Where the frame before showed what a pixel reflects, and what it showed there. The stage says by SEARCH_LOOP whether loops over
-// four pixels are unrolled.
+// Finds where the frame before showed the point that a pixel reflects, and the history there. Each stage says by
+// SEARCH_LOOP whether loops over four pixels are unrolled.
 
 #ifndef COMMON_HISTORY_SEARCH_GLSL
 #define COMMON_HISTORY_SEARCH_GLSL
@@ -9,16 +9,17 @@
 #include "common/sight.glsl"
 #include "common/sound.glsl"
 
-// A point of an earlier frame is the same surface if its normal is turned by less than this cosine, and it lies off the
-// plane by less than this share of its depth.
+// A point of an earlier frame is on the same surface if the cosine between the normals is above SAME_NORMAL, and if the
+// point lies off the plane by less than SAME_PLANE of its depth.
 #define SAME_NORMAL 0.9
 #define SAME_PLANE 0.02
 // Least weight that pixels of the same surface must have among the four pixels around a place.
 #define LEAST_SHARE 0.05
-// What is reflected is as far away as it was, within this share.
+// A reflected point is taken to be as far away as it was, within this share.
 #define SAME_DISTANCE 0.2
-// How a mirror is curved is asked of the pixels so far away along each axis. They count if the way at the place between them is, within
-// this share, what they say of it, and if the product of how much of each pixel the way becomes shorter by along both axes is above that.
+// The curvature of a mirror comes from the pixels BESIDE away along each axis. These pixels count if the way that they
+// predict between them is right within the share UNEVEN. The determinant of the way's change from pixel to pixel must
+// also be above LEAST_SHORTENING.
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
@@ -27,8 +28,8 @@ float Luminance(vec3 color) {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// A reflection in a form of which means may be taken: its colour, black for a miss, and in a the luminance that is left
-// of it after its fade.
+// Encodes a reflection so that means of it can be taken: its colour, black for a miss, and in a its luminance times its
+// fade.
 vec4 EncodeForMean(vec4 reflection) {
     vec3 color = Sound(reflection.rgb);
     return vec4(color, Luminance(color) * reflection.a);
@@ -44,8 +45,8 @@ struct HistoryQuery {
     vec3 surface;
     vec3 normal;
     vec3 end;      // the reflected point itself
-    float inverse; // that of Guide which it should have; 0 if it is not known
-    float power;   // of its lobe
+    float inverse; // the Guide.inverse that its history should have; 0 if unknown
+    float power;   // the lobe's power
 };
 
 // Whether a pixel of the frame before, whose point is `there`, showed the surface that is sought.
@@ -57,20 +58,20 @@ bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) 
     return guide.age > 0.0 && same_plane && same_normal && IsOnScreen(pixel);
 }
 
-// How much of what a pixel of the frame before showed is what is sought, and how far its average points past that.
+// The agreement of a pixel of the frame before with what is sought, and the lag of the pixel's average.
 float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
     float agrees = ShowsSameSurface(pixel, guide, there, query) ? 1.0 : 0.0;
     vec3 to = query.end - there;
     vec3 mirrored = MirrorDirection(ViewDirection(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
-    // Nothing is added where nothing moved. If every averaged frame that pointed past by v now points past by v + more, the mean of the
-    // square v * v becomes that of v * v + 2 v * more + more * more.
+    // Where nothing moved, `more` is 0. If each averaged frame pointed past by v, and now points past by v + more, the
+    // mean of v * v becomes that of v * v + 2 v * more + more * more.
     vec3 more = (query.inverse > 0.0 ? sqrt(query.power) : 0.0) * beside;
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));
     float outside = 0.5 * query.power * dot(beside, beside);
-    // How far away what it reflected was.
+    // The agreement also falls if the pixel's reflected point was at another distance.
     float nearer = (guide.inverse / max(query.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
     nearer *= nearer;
     float known = 1.0 / ((1.0 + outside + outside * outside) * (1.0 + nearer * nearer));
@@ -85,20 +86,20 @@ float HistoryAgreementAt(vec2 position, HistoryQuery query) {
 
 // A history that was found.
 struct HistorySample {
-    vec4 color; // of EncodeForMean
+    vec4 color; // encoded by EncodeForMean
     float age;
-    float agreement; // the part of it that agrees; 0 for none
+    float agreement; // the part of the history that agrees; 0 for none
     Lag lag;
 };
 
 const HistorySample NO_HISTORY = HistorySample(vec4(0.0), 0.0, 0.0, Lag(vec3(0.0), 0.0));
 
-// What the frame before showed of what is sought, around a position in pixels.
+// The history of what is sought, around a position in pixels of the frame before.
 HistorySample SampleHistory(vec2 position, HistoryQuery query) {
     position -= 0.5;
     vec2 first = floor(position), part = position - first;
     HistorySample sampled = NO_HISTORY;
-    // Colours are loaded once nothing else is needed of the guides.
+    // Colours are loaded when nothing else of the guides is needed.
     vec4 weights = vec4(0.0);
     SEARCH_LOOP for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
@@ -124,7 +125,8 @@ HistorySample SampleHistory(vec2 position, HistoryQuery query) {
     return whole > LEAST_SHARE ? HistorySample(sampled.color / whole, sampled.age / whole, whole, lag) : NO_HISTORY;
 }
 
-// What a pixel itself showed, where nothing moved. Its lag stays that along its own two Tangents.
+// The history of the pixel itself, for a frame in which nothing moved. The lag stays along the pixel's own two
+// Tangents.
 HistorySample LoadHistoryAtRest(ivec2 pixel, Guide guide, HistoryQuery query) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
     HistorySample sampled = HistorySample(EncodeForMean(imageLoad(color_before, pixel)), guide.age, 1.0,
@@ -132,14 +134,14 @@ HistorySample LoadHistoryAtRest(ivec2 pixel, Guide guide, HistoryQuery query) {
     return ShowsSameSurface(pixel, guide, there, query) ? sampled : NO_HISTORY;
 }
 
-// Where a plane mirror with a point and a normal, of any length, shows what is sought.
+// The position at which a plane mirror, with a point and a normal of any length, showed what is sought.
 vec2 PlaneMirrorPosition(vec3 point, vec3 normal, HistoryQuery query) {
     float before_plane = dot(query.end - point, normal) / max(dot(normal, normal), 1e-30);
     return ProjectToPreviousPixels(query.end - 2.0 * before_plane * normal);
 }
 
-// From a pixel of the frame before to where the plane that touches the surface there would have mirrored what is sought. False where
-// the pixel showed another surface.
+// The way from a pixel of the frame before to where its tangent plane would have mirrored what is sought. False if the
+// pixel showed another surface.
 bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     Guide guide = LoadGuide(pixel);
     vec2 middle = vec2(pixel) + 0.5;
@@ -148,9 +150,10 @@ bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     return ShowsSameSurface(pixel, guide, there, query);
 }
 
-// Where a mirror showed what is sought, curved or not: at the place whose own plane leads back to it. From `on_surface`, the plane
-// there leads to `in_plane`. How this way changes from pixel to pixel says how the mirror is curved, and one step of Newton's method
-// ends where no way is left. Where the pixels around tell of no such change, as where a map turns the normals, it is `in_plane`.
+// The position at which a mirror, curved or not, showed what is sought: where the way of PlaneMirrorOffset is 0. At
+// `on_surface` this way leads to `in_plane`. The change of the way from pixel to pixel tells how the mirror is curved,
+// and one step of Newton's method finds where the way is 0. If the pixels around tell of no even change, for example
+// because a map turns the normals, the result is `in_plane`.
 vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
     vec2 way = in_plane - on_surface;
     ivec2 pixel = ivec2(floor(on_surface));
@@ -167,7 +170,7 @@ vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
         differences += is_behind ? own : -own;
     }
     mat2 change = mat2(differences / float(2 * BESIDE)); // of the way, for each pixel along x and along y
-    // Where the way changes evenly, both pairs say what it is here.
+    // If the way changes evenly, the mean of each pair predicts the way here.
     vec2 more = change * (on_surface - vec2(pixel) - 0.5);
     float off = max(distance(0.5 * sums.xy + more, way), distance(0.5 * sums.zw + more, way));
     float shortens = determinant(change);

@@ -1,11 +1,11 @@
-// The four texels of a level of which a linear blit makes one texel of the next, and their weights.
+// The four texels of a level that a linear blit makes into one texel of the next level, and their weights.
 
 #ifndef COMMON_LINEAR_BLIT_GLSL
 #define COMMON_LINEAR_BLIT_GLSL
 
 struct BilinearTexels {
     ivec2 low, high;
-    vec2 part; // of the way from low to high
+    vec2 part; // position between low and high, 0 to 1
 };
 
 // `size` and `below` are the sizes of the next level and of the level that is blitted.
@@ -15,7 +15,7 @@ BilinearTexels FindBilinearTexels(ivec2 texel, ivec2 size, ivec2 below) {
     return BilinearTexels(low, min(low + 1, below - 1), place - vec2(low));
 }
 
-// The mean of what stands at low, right of it, below it, and at high.
+// The weighted mean of the values at low, right of low, below low, and at high.
 vec4 MixBilinear(BilinearTexels corners, vec4 a, vec4 b, vec4 c, vec4 d) {
     return mix(mix(a, b, corners.part.x), mix(c, d, corners.part.x), corners.part.y);
 }

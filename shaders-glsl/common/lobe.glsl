@@ -14,12 +14,12 @@ float LobePower(float roughness) {
     return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
 }
 
-// ln cos of an angle, of 1 - cos.
+// ln cos of an angle, from x = 1 - cos of the angle.
 float LogCos(float x) {
     return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
 }
 
-// Two unit vectors across a unit vector and across each other, without a division by zero (Duff et al. 2017).
+// Two unit vectors perpendicular to a unit vector and to each other, without a division by zero (Duff et al. 2017).
 mat2x3 Tangents(vec3 axis) {
     float s = axis.z >= 0.0 ? 1.0 : -1.0;
     float a = -1.0 / (s + axis.z);
@@ -38,14 +38,14 @@ vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
     return axis * cos_theta + sin_theta * (tangents[0] * turn.x + tangents[1] * turn.y);
 }
 
-// The unit direction into which a normal of any length turns the one in which a point is seen.
+// The direction in which a point is seen, mirrored at a normal of any length. The result has unit length.
 vec3 MirrorDirection(vec3 point, vec3 normal) {
     vec3 seen = point * inversesqrt(dot(point, point));
     return seen - (2.0 * dot(seen, normal) / dot(normal, normal)) * normal;
 }
 
-// The logarithm to base 2 of the density (alpha + 1) cos^alpha, without the 2 pi that all have, plus the bias,
-// of a direction with a cos^(alpha + 1) whose logarithm is given.
+// The logarithm to base 2 of the density (alpha + 1) cos^alpha of a direction, plus the bias. The factor with 2 pi that
+// all densities have is left out. `log_rest` is the logarithm to base 2 of the direction's cos^(alpha + 1).
 float LogDensity(float power, float log_rest) {
     return LOG_DENSITY_BIAS + log2(power) + (power - 1.0) / power * log_rest;
 }

@@ -1,4 +1,5 @@
-// A reflecting pixel in world axes, for methods that look something up by it. Needs camera.glsl.
+// A reflecting pixel in world axes, for methods that look up its reflection by position and direction. Needs
+// camera.glsl.
 
 #include "common/constants.glsl"
 #include "common/sight.glsl"
@@ -8,7 +9,7 @@ layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 
 struct ReflectingPixel {
-    bool reflects;    // else the rest is not set
+    bool reflects;    // if false, the other fields are not set
     vec3 position;    // world, metres
     vec3 reflection;  // world, unit
     float roughness;

@@ -1,6 +1,5 @@
-// What a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits: NaN and what is negative
-// are no light, infinity is the greatest number. A comparison with NaN is false, which no compiler may assume away as it
-// may with isnan.
+// Makes colours of any G-buffer fit to be summed and stored in 16 bits: NaN and negative values become 0, and infinity
+// the greatest number. A comparison with NaN is false, and a compiler may not remove it, as it may remove isnan.
 
 #ifndef COMMON_SOUND_GLSL
 #define COMMON_SOUND_GLSL
@@ -15,7 +14,7 @@ vec3 Sound(vec3 color) {
     return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
 }
 
-// Keeps what is negative, which is no light either, but which 16 bits hold.
+// Keeps negative values, which are no light either but fit into 16 bits.
 float Finite(float v) {
     return abs(v) <= GREATEST_HALF ? v : v > 0.0 ? GREATEST_HALF : v < 0.0 ? -GREATEST_HALF : 0.0;
 }

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(TraceNormals)
 #pragma in_either_stage
-// The normals that rays are reflected at, in place of those of shading (thesis 4.4, after the game Thief): of the
-// geometry, from depth, or one vector for all pixels.
+// The normals that rays are reflected at, in place of the shading normals (thesis 4.4, after the game Thief): normals
+// of the geometry, from depth, or one vector for all pixels.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Upsample)
 #pragma in_either_stage
-// A smaller reflection brought to full size: bilinear between the four blocks around a pixel, but
-// only as far as they lie in its plane and face its way (joint bilateral upsampling; Kopf et al. 2007).
+// Brings a smaller reflection to full size: bilinear between the four blocks around a pixel, weighted by how well each
+// lies in the pixel's plane and faces its way (joint bilateral upsampling; Kopf et al. 2007).
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -20,7 +20,7 @@ layout(binding = 4) uniform sampler2D small_reflection;
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
 
-// Power of the agreement of two normals; cos 20 deg to this power is 0.14.
+// Power of the cosine between two normals; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
 
 vec3 Position(ivec2 pixel) {
@@ -47,7 +47,7 @@ SHADE(out_reflection) {
 
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    vec4 alike = vec4(0.0);   // of the texel most alike, for when none is alike enough
+    vec4 alike = vec4(0.0);   // of the most similar texel, for when none is similar enough
     float likeness = -1.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 step = ivec2(i & 1, i >> 1);
@@ -56,7 +56,7 @@ SHADE(out_reflection) {
         float share = (step.x == 1 ? f.x : 1.0 - f.x) * (step.y == 1 ? f.y : 1.0 - f.y);
         if (share <= 0.0 || !Reflects(stands_at))
             continue;
-        // Off its plane by that share of its depth, a texel has lost most of its weight.
+        // A texel that lies off the pixel's plane by VISIBLE_WITHIN of the reach has lost most of its weight.
         float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * reach);
         float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
         float weight = exp(-off * off) * pow(facing, NORMAL_POWER);

@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Convert)
-// What the G-buffer holds, in the form that a user's shader asks for (docs/custom-methods.md).
+// Converts the G-buffer to the form that a user's shader asks for (docs/custom-methods.md).
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -10,7 +10,7 @@ layout(binding = 1) uniform sampler2D depth_buffer;   // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;  // view space
 
 layout(std140, binding = 3) uniform ConvertBlock {
-    mat4 clip_to_clip_before; // with reversed depth, from this frame's to the frame's before
+    mat4 clip_to_clip_before; // from this frame's clip space to that of the frame before, reversed depth
     mat4 axes;                // from this program's axes to those of the shader
     int what;                 // CONVERT_*
 } convert;

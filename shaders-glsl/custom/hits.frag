@@ -1,6 +1,7 @@
 #version 460
 #pragma program(CustomHits)
-// Where a user's rays ended, as this project's methods say it: texture coordinates, standard depth and PATH_*.
+// Converts the ends of a user's rays to the form of this project's methods: texture coordinates, standard depth and
+// PATH_*.
 
 #include "common/constants.glsl"
 
@@ -9,7 +10,7 @@ layout(binding = 1) uniform sampler2D material_buffer;
 layout(binding = 2) uniform sampler2D depth_buffer;     // standard
 
 layout(std140, binding = 3) uniform CustomHitsBlock {
-    mat4 view_to_clip;   // of the user's view space, to standard depth
+    mat4 view_to_clip;   // from the user's view space to clip space with standard depth
     vec2 resolution;
     int encoding;        // HITS_*
 } given;

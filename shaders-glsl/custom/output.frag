@@ -1,7 +1,7 @@
 #version 460
 #pragma program(CustomReflection)
-// A user's reflection as this project's methods make it: colour before fade and reflectivity, and the fade in a; black
-// where nothing reflects. Scaled to the whole image by the sampler.
+// Converts a user's reflection to the form of this project's methods: colour before fade and reflectivity, and the fade
+// in a; black where nothing reflects. The sampler scales it to the whole image.
 
 #include "common/constants.glsl"
 

@@ -1,8 +1,9 @@
 #version 460
 #pragma program(Reduce)
 // One level of a chain of minima or maxima of depth, for a user's shader. A texel covers the texels of the level below
-// that lie on it: two by two, and where a side has one too many for that, three (sizes are rounded down); or two by two
-// where sizes were rounded up to powers of two, beyond the borders the last ones again.
+// that lie on it. Where sizes are rounded down, these are two by two, and the last texel covers three along an odd
+// side. Where sizes were rounded up to powers of two, they are two by two, and beyond the border the last texels count
+// again.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Import)
-// Takes over the G-buffer of another renderer: whatever its conventions, what is written is what every method reads
+// Converts the G-buffer of another renderer, whatever its conventions, to the G-buffer that every method reads
 // (passes::GBuffer).
 
 #include "common/camera.glsl"
@@ -10,8 +10,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// NORMAL_*. A constant, since lavapipe compiles a shader anew, in every frame, for the numbers of uniform blocks that
-// its branches depend on. For the same reason no branch below depends on such a number alone.
+// NORMAL_*. This is a specialization constant, since lavapipe compiles a shader anew in every frame if its branches
+// depend on numbers of a uniform block. For the same reason no branch below depends on such a number alone.
 layout(constant_id = 0) const int NORMAL_KIND = NORMAL_FLOAT;
 
 // Filled in by src/passes/import.rs.
@@ -19,7 +19,7 @@ layout(std140, binding = 10) uniform ImportBlock {
     mat4 normal_to_view;    // turns a decoded normal into our view space; a rotation, with or without a reflection
     vec2 depth_to_reversed; // reversed depth is x * depth + y
     vec2 constants;         // reflectivity and roughness where no image has them
-    ivec2 channels;         // the channels that have them; -1 for the constants
+    ivec2 channels;         // channels of the images that have reflectivity and roughness; -1 for the constants
     int leaves_sky_out;     // 1: where nothing stands the colour is black
 } import_block;
 
@@ -34,7 +34,7 @@ layout(binding = 7, rgba16f) uniform writeonly image2D normal_image;
 layout(binding = 8, rg16f) uniform writeonly image2D material_image;
 layout(binding = 9, rgba16f) uniform writeonly image2D color_image;
 
-// Reversed depth: 0 where nothing stands. What is no number is taken for nothing.
+// Reversed depth: 0 where nothing stands. NaN counts as nothing.
 float Depth(ivec2 pixel) {
     precise float depth = import_block.depth_to_reversed.x * texelFetch(depth_source, pixel, 0).r
                         + import_block.depth_to_reversed.y;
@@ -69,8 +69,8 @@ void main() {
     vec2 stored = vec2(texelFetch(reflectivity_source, pixel, 0)[max(channels.x, 0)],
                        texelFetch(roughness_source, pixel, 0)[max(channels.y, 0)]);
     vec2 material = mix(stored, import_block.constants, lessThan(channels, ivec2(0)));
-    // Images of 32-bit floats may hold what those of 16 bits do not, and any of them what is no number: a blurred chain would
-    // spread it over the image.
+    // Images of 32-bit floats may hold numbers that do not fit into 16 bits, and any image of floats may hold NaN,
+    // which a blurred chain would spread over the image.
     vec3 color = Finite(texelFetch(color_source, pixel, 0).rgb);
     bool is_sky = depth == 0.0;
     imageStore(depth_image, pixel, vec4(depth));

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(PlanarCopy)
 #pragma in_either_stage
-// What the mirrored scene left inside the stencil pattern (thesis 3.1.2, first method, step 4): outside it
-// nothing was drawn.
+// Copies what was drawn of the mirrored scene inside the stencil pattern (thesis 3.1.2, first method, step 4). Outside
+// of the pattern nothing was drawn.
 
 #include "common/either_stage.glsl"
 

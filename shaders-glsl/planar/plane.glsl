@@ -1,5 +1,5 @@
-// Which pixels belong to the plane of a mirror: those that reflect and whose position lies in it. So the
-// mark needs no geometry of its own, and covers whatever reflects there.
+// Tests whether a pixel belongs to the plane of a mirror: it reflects, and its position lies in the plane. So the mark
+// needs no geometry of its own, and covers whatever reflects there.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -11,7 +11,7 @@ layout(push_constant) uniform PlaneBlock {
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D material_buffer; // reflectivity, roughness
 
-// Off the plane by this much a position is of another surface. Groups of triangles are found to
+// A position that lies off the plane by more than this is on another surface. Groups of triangles are found to
 // TOLERANCE_M of scene/planes.rs, and a reversed 32-bit depth gives a position to about 1e-6 of its depth.
 #define ON_PLANE_M 2e-3
 #define ON_PLANE_SHARE 5e-5

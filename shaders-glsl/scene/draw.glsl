@@ -1,4 +1,4 @@
-// What one draw of the G-buffer pass has of its own.
+// The parameters of one draw of the G-buffer pass.
 
 layout(push_constant) uniform DrawBlock {
     mat4 world_to_clip;       // reversed depth, multiplied in f64 on the host

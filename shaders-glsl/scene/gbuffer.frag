@@ -28,14 +28,14 @@ layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_tangent;
 layout(location = 3) flat in uint in_first_triangle; // the number of the mesh's first triangle among the scene's
 
-layout(location = 0) out vec4 out_albedo;    // a: 0 shows the sky, 1 lit, less by what is emitted (EMISSION)
+layout(location = 0) out vec4 out_albedo;    // a: 0 for a surface that shows the sky; 1 for a lit one, less its emission (EMISSION)
 layout(location = 1) out vec4 out_normal;    // view space, unit
 layout(location = 2) out vec2 out_material;  // reflectivity, roughness
 #ifdef NUMBERED
-layout(location = 3) out uint out_triangle;  // its number among the scene's triangles
+layout(location = 3) out uint out_triangle;  // the triangle's number in the scene
 #endif
 
-// Repeats of a map in a pixel from which on it is seen as its mean.
+// Repeats of a map in a pixel above which the map is seen as its mean.
 #define MOST_REPEATS 16.0
 
 #ifdef PEELED
@@ -52,15 +52,15 @@ bool IsPeeled() {
 }
 #endif
 
-// Distance of neighbouring pixels whose coordinates are one point, over the coordinates: at most a 256th of a texel of
-// a map of 4096 texels, which is what filters resolve.
+// Distance that is put between the coordinates of neighbouring pixels with one point, over the coordinates: at most a
+// 256th of a texel of a map of 4096 texels, which is what filters resolve.
 #define POINT_WIDTH (1.0 / 1048576.0)
 
-// Where a quad samples. What is seen from a hand's breadth or with coordinates that rounding tears apart has
-// thousands of repeats in a pixel: the last level already, but lavapipe's anisotropic filter goes over them one by
-// one, for seconds. One repeat a pixel is the last level as well.
-// A surface without coordinates has one point in every pixel. The anisotropic filter of lavapipe since Mesa 24 divides
-// zero by zero there and gives 0 (Vulkan: the ratio of anisotropy is 1), so that neighbours are set apart.
+// The texture coordinates at which a pixel samples. A surface that is seen from a hand's breadth, or whose coordinates
+// rounding tears apart, has thousands of repeats in a pixel. That is the last level already, but lavapipe's anisotropic
+// filter goes over the repeats one by one, for seconds. One repeat a pixel is the last level as well. A surface without
+// coordinates has one point in every pixel. There the anisotropic filter of lavapipe since Mesa 24 divides zero by zero
+// and gives 0 (by Vulkan, the ratio of anisotropy is 1). Neighbours therefore get different coordinates.
 vec2 SamplingUv() {
     vec2 repeats = fwidthCoarse(in_uv);
     if (repeats == vec2(0.0)) {

@@ -1,6 +1,6 @@
 #version 460
 #pragma program(GBufferVertex)
-// Vertices of the scene into the G-buffer (docs/definitions.md, "Spaces" and "Surfaces").
+// Transforms the scene's vertices for the G-buffer (docs/definitions.md, "Spaces" and "Surfaces").
 
 #include "common/camera.glsl"
 #include "scene/draw.glsl"
@@ -15,7 +15,7 @@ layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_tangent;  // view space; w is the bitangent's sign
 layout(location = 3) flat out uint out_first_triangle; // the number of the mesh's first triangle among the scene's
 
-// A direction turned by the mesh's quaternion; the same to the bit if that is (0, 0, 0, 1).
+// Turns a direction by the mesh's quaternion; the quaternion (0, 0, 0, 1) changes no bit.
 vec3 RotateToWorld(vec3 v) {
     return v + 2.0 * cross(draw.turn.xyz, cross(draw.turn.xyz, v) + draw.turn.w * v);
 }
@@ -24,7 +24,7 @@ void main() {
     gl_Position = draw.world_to_clip * vec4(position, 1.0);
     out_normal = mat3(camera.world_to_view) * RotateToWorld(normal);
     out_uv = uv;
-    // The one instance of a mesh has this number.
+    // A mesh is drawn as one instance, with this number.
     out_first_triangle = uint(gl_InstanceIndex);
     // A mirrored view turns the handedness of a tangent space round.
     mat3 turn = mat3(camera.world_to_view);

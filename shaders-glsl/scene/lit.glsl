@@ -1,5 +1,5 @@
-// The lit colour of a surface: albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows, and as under full light for
-// the share of it that is emitted (docs/definitions.md, "Surfaces"). The lighting pass and the colours of hits on
+// The lit colour of a surface: albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows. The emitted share of the
+// albedo is lit as by full light (docs/definitions.md, "Surfaces"). The lighting pass and the colours of hits on
 // triangles share it.
 
 #ifndef SCENE_LIT_GLSL
@@ -16,14 +16,14 @@ struct LightData {
     vec4 energy;     // x: energy
 };
 
-// Positions and directions are of the space in which surfaces are lit: the view's, or the tree's.
+// Positions and directions are in the space in which surfaces are lit: view space, or the tree's space.
 layout(std140, binding = LIGHT_BINDING) uniform LightBlock {
     LightData lights[MAX_LIGHTS];
     uint count;
 } scene;
 
 #ifdef CONSTANT_LIGHTS
-layout(constant_id = 22) const uint LIGHTS = 16u; // at least as many as there are; those beyond have no energy
+layout(constant_id = 22) const uint LIGHTS = 16u; // at least the number of lights; lights beyond it have no energy
 #else
 #define LIGHTS scene.count
 #endif
@@ -33,7 +33,8 @@ vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
     for (uint i = 0u; i < LIGHTS; ++i) {
         LightData light = scene.lights[i];
         float energy = light.energy.x;
-        // A directional light's place is the direction to it. Both kinds take the same way: a device may take both of a branch.
+        // A directional light's place is the direction to it. Both kinds share one formula, since a device may execute
+        // both sides of a branch.
         vec3 to_light = light.place.xyz - position * light.place.w;
         float squared = dot(to_light, to_light);
         float inverse = inversesqrt(max(squared, 1e-12));

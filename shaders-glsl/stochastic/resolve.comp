@@ -1,8 +1,9 @@
 #version 460
 #pragma program(StochasticResolve)
-// Each pixel gathers the rays around it as samples of its own lobe: a ray weighs the lobe from here towards what it hit
-// over the density that it was drawn with there, and the weighted mean is divided by the sum of the weights (the ratio
-// estimator of Stachowiak 2015, and of Heitz et al. 2018). Rays of one turn are added to those of the turns before.
+// Each pixel gathers the rays around it as samples of its own lobe. The weight of a ray is the lobe from here towards
+// what the ray hit, over the density that the ray was drawn with there. The weighted sum is divided by the sum of the
+// weights (the ratio estimator of Stachowiak 2015, and of Heitz et al. 2018). Rays of one turn are added to those of
+// the turns before.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -11,16 +12,16 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
-layout(binding = 4) uniform sampler2D place_buffer;    // StochasticExact or StochasticThesis
+layout(binding = 4) uniform sampler2D place_buffer;    // written by StochasticExact or StochasticThesis
 layout(binding = 5) uniform sampler2D seen_buffer;
 layout(binding = 6, rgba32f) uniform image2D sum_image;                  // of all turns so far: colours, and fades
 layout(binding = 7, rgba32f) uniform image2D weight_image;               // weights of rays, of hits, and hits times distance
 layout(binding = 8, rgba16f) uniform writeonly image2D reflection_image; // colour, and fade in a
-layout(binding = 9, rg32ui) uniform writeonly uimage2D ends_image;       // how far away what is reflected is (unified/ends.glsl)
+layout(binding = 9, rg32ui) uniform writeonly uimage2D ends_image;       // distance to the reflected point (unified/ends.glsl)
 
 layout(constant_id = 0) const bool OVER = false; // another reflection shows where this one misses
 
-// The greatest ratio of lobe to density that a ray weighs, as a logarithm to base 2.
+// The greatest weight of a ray, which is lobe over density, as a logarithm to base 2.
 #define GREATEST_WEIGHT 4.0
 
 // The place from which the pixel gathers its n-th ray; the first is its own.
@@ -66,7 +67,7 @@ void main() {
             float log_rest = from_mirror < 1.0 ? power * LOG2_E * LogCos(from_mirror) : -1e4;
             float log_weight = LogDensity(power, log_rest) - abs(place.w);
             float weight = n == 0 ? 1.0 : place.w != 0.0 ? exp2(min(log_weight, GREATEST_WEIGHT)) : 0.0;
-            // Below the surface there is nothing to see from here, and it counts.
+            // A direction below the surface shows nothing, but counts.
             bool is_seen = is_hit && dot(direction, normal) > 0.0;
             sum += is_seen ? weight * seen : vec4(0.0);
             weights += weight * (is_seen ? vec3(1.0, 1.0, sqrt(squared)) : vec3(1.0, 0.0, 0.0));
@@ -77,12 +78,12 @@ void main() {
         imageStore(weight_image, pixel, vec4(weights, 0.0));
         return;
     }
-    // A miss is black, and counts; over another reflection it is not there.
+    // A miss counts as black; over another reflection it lowers the fade instead.
     vec4 reflection = vec4(0.0);
     if (weights.y > 0.0)
         reflection = vec4(sum.rgb / weights.x, sum.a / weights.y);
     if (OVER && weights.y > 0.0) {
-        // Rounded as it is stored, so that colour times fade is what it is without another reflection.
+        // The fade is rounded as it is stored, so that colour times fade is the same as without another reflection.
         float fade = unpackHalf2x16(packHalf2x16(vec2(sum.a / weights.x, 0.0))).x;
         reflection = fade > 0.0 ? vec4(reflection.rgb * (reflection.a / fade), fade) : vec4(0.0);
     }

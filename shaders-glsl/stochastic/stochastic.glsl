@@ -1,4 +1,4 @@
-// What the passes of `stochastic` share: its parameters, the numbers that stand for chance, and the record of a ray.
+// Shared by the passes of `stochastic`: its parameters, and the numbers that stand for chance.
 
 #ifndef STOCHASTIC_STOCHASTIC_GLSL
 #define STOCHASTIC_STOCHASTIC_GLSL
@@ -9,8 +9,8 @@
 
 // Filled in by src/methods/stochastic.rs, for each ray of a pixel anew.
 layout(push_constant) uniform StochasticBlock {
-    int turn;     // which ray of the sequence of a pixel: it goes on from frame to frame
-    float part;   // of the lobe's distribution that directions are drawn from: 1 is all of it
+    int turn;     // number of the ray in the pixel's sequence, which goes on from frame to frame
+    float part;   // part of the lobe's distribution that directions are drawn from; 1 is all of it
     float radius; // pixels within which neighbours are gathered
     int gathered; // rays that a pixel gathers of those traced in this turn, its own among them
     int first;    // 1: the first ray of this frame

@@ -2,8 +2,9 @@
 #pragma program(StochasticExact, EXACT)
 #pragma program(StochasticThesis)
 #pragma in_either_stage
-// One ray for each pixel that reflects, in a direction drawn from its lobe (Stachowiak 2015), and what it saw. It is
-// walked over the pyramid of `unified`, or as `ssct` walks: over the Hi-Z buffer, by a march towards the camera.
+// Traces one ray for each pixel that reflects, in a direction drawn from the lobe (Stachowiak 2015). With EXACT the ray
+// walks over the pyramid of `unified`. Otherwise it goes as in `ssct`: over the Hi-Z buffer, or by a march if it runs
+// towards the camera.
 
 #include "common/either_stage.glsl"
 
@@ -35,16 +36,16 @@ OUTPUT(2, rgba32f, vec4, out_hit);   // of a mirror: texture coordinates, standa
 struct RayEnd {
     int code;      // PATH_*
     bool hits;
-    bool shows;    // what it hits, or the sky that it goes to, is seen from the pixel: not from behind the pixel's normal
+    bool shows;    // the pixel shows what the ray hits, or the sky; false for a pixel that is seen from behind its normal
     vec2 position; // continuous pixel coordinates
     float depth;   // reversed
     vec3 color;    // of what it hits
 };
 
 #ifndef EXACT
-// The lit colour of the screen at a place in full resolution, whatever surfaces are around it. Each of the four pixels around the place
-// is sky or not. Those that are can be left out, so that the sky is looked up once: a device that takes both ways of a branch pays
-// for every look.
+// The lit colour of the screen at a position in full resolution, between the four pixels around it, whatever surfaces
+// they show. Pixels of sky are left out of the sum and replaced by `along`, so that the sky is looked up once: a device
+// that executes both sides of a branch pays for every look-up.
 vec3 SampleScreenBilinear(vec2 position, vec3 along) {
     vec2 corner = position - 0.5;
     vec2 first = floor(corner);
@@ -61,7 +62,7 @@ vec3 SampleScreenBilinear(vec2 position, vec3 along) {
 }
 #endif
 
-// From a pixel along a direction in view space, of unit length.
+// Traces a ray from a pixel along a unit direction in view space.
 RayEnd TraceDirection(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
 #ifdef EXACT
     bool faces = true;
@@ -113,8 +114,8 @@ SHADE_ALL(out_place, STORE(out_color) STORE_IF(HITS, out_hit)) {
     float angle = TAU * u.y;
     vec3 direction = is_mirror ? mirror : LobeDirection(mirror, power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     out_place = vec4(direction, -density);
-    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces"); where a mirror's ray ends
-    // is told nevertheless.
+    // A direction below the surface shows nothing, but counts (docs/definitions.md, "Surfaces"). The end of a mirror's
+    // ray is written nevertheless.
     bool above = dot(direction, normal) > 0.0;
     if (!above && !(HITS && is_mirror))
         return;

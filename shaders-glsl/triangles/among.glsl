@@ -1,5 +1,5 @@
-// What the ray of a pixel sees among the scene's triangles: one function for the rays of the list, and for those that no
-// pass puts on it.
+// What the ray of a pixel sees among the scene's triangles: for the rays of the list, and for rays that no pass puts on
+// the list.
 
 #ifndef TRIANGLES_AMONG_GLSL
 #define TRIANGLES_AMONG_GLSL
@@ -14,7 +14,7 @@ struct TriangleRayResult {
     uint triangle; // number of the triangle; NO_TRIANGLE for the sky
 };
 
-// What a ray sees that meets a triangle or nothing; `width` measures its footprint there.
+// The result of a ray that meets a triangle or nothing; `width` is the width of its footprint there.
 TriangleRayResult ShadeHit(TreeRay ray, TriangleHit hit, bool is_outward, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     vec3 color = HitColor(ray, hit, width);
@@ -23,15 +23,16 @@ TriangleRayResult ShadeHit(TreeRay ray, TriangleHit hit, bool is_outward, float 
     return TriangleRayResult(is_outward ? color : vec3(0.0), place, is_hit ? PATH_TRIANGLE : PATH_SKY, number);
 }
 
-// The width of a ray's footprint that measures `spread` for each metre from where the ray begins: as in the references, all
-// rays of a pixel leave from its one point. Where rays of sight are parallel, a pixel's rays stay as wide as the pixel.
+// The width of a ray's footprint, which widens by `spread` with each metre from the ray's beginning. As in the
+// references, all rays of a pixel leave from one point. If rays of sight are parallel, the footprint also has the width
+// of the pixel.
 float FootprintWidth(float spread, float metres) {
     return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y + spread * metres : spread * metres;
 }
 
 #ifndef CONFIRMED
 
-// What a ray sees that begins on a pixel's triangle; `is_outward` is that of SpawnRay.
+// Traces a ray that begins on a pixel's triangle; `is_outward` comes from SpawnRay.
 TriangleRayResult TraceTriangles(TreeRay ray, bool is_outward, float spread) {
     TriangleHit hit = ClosestHit(ray);
     return ShadeHit(ray, hit, is_outward, FootprintWidth(spread, hit.t));

@@ -1,12 +1,13 @@
-// Where a reflected ray begins: on the triangle that its pixel shows, off its plane by no more than rounding makes
-// necessary, so that the ray neither meets that plane again nor begins behind what stands close before it.
+// The beginning of a reflected ray: on the triangle that its pixel shows, off the triangle's plane by no more than
+// rounding makes necessary. So the ray neither meets that plane again nor begins behind a thing that stands close
+// before the plane.
 
 #ifndef TRIANGLES_BEGIN_GLSL
 #define TRIANGLES_BEGIN_GLSL
 
 #include "triangles/color.glsl"
 
-// Whether a number is that of a triangle with an area, and the slot of its corners; else slot 0.
+// Finds the slot of a triangle's corners. False, with slot 0, if the number is not that of a triangle with an area.
 bool FindTriangleSlot(uint triangle, out uint slot) {
     bool is_known = triangle < uint(triangles.count);
     slot = Attribute(is_known ? triangle : 0u, 2).w;
@@ -15,11 +16,11 @@ bool FindTriangleSlot(uint triangle, out uint slot) {
     return is_known;
 }
 
-// The point of a triangle, by its slot, that a ray of sight meets, from a place relative to the eye in the direction
-// `towards`: a + u (b - a) + v (c - a).
-// Rounding moves it along each axis by no more than `error`: the last addition by half a unit in the last place of the point,
-// and the differences, products and the other addition by 5 half units of each edge's part (Higham, "Accuracy and Stability of
-// Numerical Algorithms", 2002, section 3.1).
+// The point a + u (b - a) + v (c - a) of a triangle, by its slot, that a ray of sight in the direction `towards` meets.
+// The ray begins at the eye, or if rays of sight are parallel, at `from` relative to the eye. Rounding moves the point
+// along each axis by no more than `error`. The last addition moves it by half a unit in the last place of the point.
+// The differences, products and the other addition move it by 5 half units of each edge's part (Higham, "Accuracy and
+// Stability of Numerical Algorithms", 2002, section 3.1).
 vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, out vec3 error) {
     int corner = triangles.corners + 3 * int(slot);
     vec3 a = uintBitsToFloat(Geometry(corner).xyz);
@@ -46,21 +47,21 @@ TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward)
     vec3 flat_normal, error;
     uint slot;
     bool is_known = FindTriangleSlot(triangle, slot);
-    // Parallel rays of sight begin anywhere along themselves, and best near the triangle.
+    // A parallel ray of sight may begin anywhere along its line, and does so best near the triangle.
     vec3 sight = ORTHOGRAPHIC ? captures.view_to_world[2].xyz : start;
     vec3 point = PointOfTriangle(slot, start, sight, flat_normal, error);
     float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
     is_outward = !is_known || side * dot(flat_normal, sight) < 0.0;
-    // Once for the point, and once for the corners of what lies beside it in the same plane.
+    // The error counts twice: for the point, and for the corners of triangles beside it in the same plane.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
-    // A rasteriser interpolates depth between corners that may lie at the near plane, where it is 1. So depth errs by a few
-    // half units in the last place of 1; and since depth is unit / z, each of these is z z / unit of one in metres. Where depth
-    // is linear in z, each is the distance between the planes.
+    // A rasteriser interpolates depth between corners that may lie at the near plane, where depth is 1. So depth errs
+    // by a few half units in the last place of 1. Depth is unit / z, so that an error of depth, times z z / unit, is
+    // one in metres. If depth is linear in z, the factor is the distance between the planes.
     float depth_error = ORTHOGRAPHIC ? 4.0 * ROUNDING / unified.depth_offset
                                      : 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
-    // A rasteriser also rounds where corners lie on the screen, and a pixel that stands for a block has the depth of the block's
-    // first. Either places the point beside the surface.
+    // A rasteriser also rounds the corners' places on the screen, and a pixel that stands for a block has the depth of
+    // the block's first pixel. Both place the point beside the surface.
     depth_error += triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : length(start));
     return MakeTreeRay(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
                        is_known ? 0.0 : depth_error);

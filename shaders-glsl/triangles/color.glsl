@@ -1,6 +1,7 @@
-// What a ray sees where it meets a triangle: the lit colour of the surface there, made of the triangle's attributes, the
-// images of its material and the scene's lights, as the G-buffer and the lighting pass make it of a pixel, with the images'
-// level by the ray's footprint; or, with SCREEN_COLORS, what the screen shows of it. Needs captures/captures.glsl for the sky.
+// The lit colour that a ray sees where it meets a triangle. It is made from the triangle's attributes, the images of
+// its material and the scene's lights, as the G-buffer and the lighting pass do for a pixel. The ray's footprint
+// chooses the level of the images. With SCREEN_COLORS, the colour is what the screen shows of the surface. Needs
+// captures/captures.glsl for the sky.
 
 #ifndef TRIANGLES_COLOR_GLSL
 #define TRIANGLES_COLOR_GLSL
@@ -18,7 +19,7 @@ vec3 InterpolateCorners(vec3 weights, vec3 a, vec3 b, vec3 c) {
     return weights.x * a + weights.y * b + weights.z * c;
 }
 
-// A unit vector of three numbers of ten bits each.
+// Unpacks a unit vector from three numbers of ten bits each.
 vec3 UnpackUnitVector(uint word) {
     ivec3 parts = ivec3(int(word << 22), int(word << 12), int(word << 2)) >> 22;
     return vec3(parts) * (1.0 / 511.0);
@@ -33,8 +34,8 @@ vec3 BarycentricWeights(TriangleHit hit) {
     return vec3(1.0 - hit.weight.x - hit.weight.y, hit.weight);
 }
 
-// Whether a surface whose material decides that at each hit stops the ray: it has no hole there, and is seen from in front
-// if it has but one side.
+// Whether a surface stops the ray, if its material decides this at each hit: the surface must have no hole there, and
+// if it is single-sided, it must be seen from in front.
 bool StopsRay(TriangleHit hit) {
     uint id = hit.id & ~ASKS_MATERIAL;
     uint word = Attribute(id, 0).w;
@@ -48,7 +49,8 @@ bool StopsRay(TriangleHit hit) {
 #include "triangles/query.glsl"
 #elif !defined(CONFIRMED)
 
-// The nearest triangle that stops the ray. One after the other, those that let it through are left behind.
+// The nearest triangle that stops the ray. After each triangle that lets the ray through, the walk begins again behind
+// that triangle.
 TriangleHit ClosestHit(TreeRay ray) {
     if (!ASKS)
         return TraverseTree(ray);
@@ -64,7 +66,7 @@ TriangleHit ClosestHit(TreeRay ray) {
 
 #endif
 
-// The colour that a ray sees, over a footprint that measures `width` metres across it where it ends.
+// The colour that a ray sees, over a footprint that measures `width` metres across the ray at its end.
 vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;

@@ -1,5 +1,5 @@
-// A hit on the screen proposes the triangle that its pixel shows, and one exact intersection says whether the ray meets it.
-// What does not confirm goes on the list, as rays do that the screen lost.
+// A hit on the screen proposes the triangle that its pixel shows, and one exact intersection says whether the ray meets
+// it. A ray without a confirmed hit goes on the list, like rays that the screen lost.
 
 #ifndef TRIANGLES_CONFIRM_GLSL
 #define TRIANGLES_CONFIRM_GLSL
@@ -8,14 +8,14 @@
 #include "triangles/among.glsl"
 #include "triangles/pixel.glsl"
 
-// A ray that hits a pixel, and what it meets of the pixel's triangle.
+// A ray that hits a pixel, and its hit on the pixel's triangle.
 struct ConfirmedHit {
     TreeRay ray;
     TriangleHit hit;
     bool is_outward; // see SpawnRay
 };
 
-// Whether a ray that hits a pixel meets its triangle.
+// Whether a ray that hits a pixel meets the pixel's triangle. True also for a ray that leads below its own triangle.
 bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
     confirmed.ray = TreeRayFromPixel(ray, confirmed.is_outward);
     uint slot;
@@ -29,8 +29,8 @@ bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
     return is_hit || !confirmed.is_outward;
 }
 
-// What a ray sees that was confirmed. A shader asks for it where nothing else of the ray is needed any more: colours take most
-// of the registers.
+// The result of a ray whose hit was confirmed. A shader calls this function when it needs nothing else of the ray,
+// because colours take most of the registers.
 TriangleRayResult ShadeConfirmedHit(ConfirmedHit confirmed, float spread) {
     return ShadeHit(confirmed.ray, confirmed.hit, confirmed.is_outward, FootprintWidth(spread, confirmed.hit.t));
 }

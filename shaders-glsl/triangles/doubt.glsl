@@ -1,6 +1,6 @@
-// The list of pixels whose neighbours' rays say little of their own reflection: the passes that gather write it, and
-// triangles/own.comp reads it. It is filled again for each of these passes, in the buffers of the rays that the screen lost
-// (captures/lost.glsl), which have been followed by then.
+// The list of pixels in doubt: the rays of their neighbours say too little of their reflection. The passes that gather
+// write the list, and triangles/own.comp reads it. Each of these passes fills the list anew, in the buffers of the lost
+// rays (captures/lost.glsl), which have been followed by then.
 
 #ifndef TRIANGLES_DOUBT_GLSL
 #define TRIANGLES_DOUBT_GLSL
@@ -17,10 +17,10 @@ layout(std430, binding = 19) LIST_ACCESS buffer Doubts {
 struct Doubt {
     ivec2 pixel;
     vec4 color; // of the reflection, and its fade in a
-    float rays; // so many rays of its own would say as much
+    float rays; // number of own rays that would say as much
 };
 
-// Pixels to a workgroup that follows their rays.
+// Number of pixels whose own rays one workgroup follows.
 uint PixelsPerGroup() {
     return uint(OWN_GROUP / max(OWN_RAYS, 1));
 }

@@ -5,8 +5,8 @@
 #pragma program(TriangleMirrorsQueried, MIRRORS, RAY_QUERY)
 #pragma program(TriangleNarrowQueried, NARROW, RAY_QUERY)
 #pragma program(TriangleWideQueried, RAY_QUERY)
-// Follows the rays of the list through the scene's triangles, a thread a ray, each from its own pixel's point, and puts
-// what they see where the ray is of.
+// Follows the rays of the list through the scene's triangles, a thread a ray, each from its own pixel's point, and
+// stores what they see (captures/finish.glsl).
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require

@@ -1,12 +1,12 @@
-// Looks into the images of a scene's materials, with their levels, which stand in one buffer of texels, since a device need
-// not let the threads of a workgroup look into different images.
+// Samples the images of a scene's materials. All images with their levels stand in one buffer of texels, since a device
+// need not let the threads of a workgroup sample different images.
 
 #ifndef TRIANGLES_IMAGE_GLSL
 #define TRIANGLES_IMAGE_GLSL
 
 #include "triangles/scene.glsl"
 
-// From sRGB, within 0.002 of the exact curve (a cubic fit with f(0) = 0 and f(1) = 1).
+// Converts sRGB to linear, within 0.002 of the exact curve (a cubic fit with f(0) = 0 and f(1) = 1).
 vec3 LinearFromSrgb(vec3 c) {
     return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878);
 }
@@ -15,9 +15,10 @@ vec4 LoadImageTexel(int base, ivec2 size, ivec2 texel) {
     return unpackUnorm4x8(ImageWord(base + texel.y * size.x + texel.x));
 }
 
-// A map at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of it along a side: bilinear in
-// the level whose texels are nearest to that in size. `map` is its place and size, as a material has them; the words at its
-// place say where each level begins. `described` is MAP_LEVELS bits of how many levels there are, and whether it is sRGB.
+// Samples a map at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of the map along a
+// side. The sample is bilinear, in the level whose texels are nearest to the footprint in size. `map` is the map's
+// place and size, as Material has them; the words at its place say where each level begins. `described` has the number
+// of levels in the bits MAP_LEVELS, and says whether the map is sRGB.
 vec4 SampleImage(uvec2 map, uint described, vec2 uv, float repeats) {
     uvec2 whole = uvec2(map.y & 0xffffu, map.y >> 16);
     float levels = float(described & MAP_LEVELS);
@@ -27,7 +28,7 @@ vec4 SampleImage(uvec2 map, uint described, vec2 uv, float repeats) {
     ivec2 size = max(ivec2(whole >> uint(level)), ivec2(1));
     vec2 place = (uv - floor(uv)) * vec2(size) - 0.5;
     vec2 corner = floor(place), part = place - corner;
-    // The part of a repeat is at most 1, so that one step brings each neighbour back into the image.
+    // The coordinates lie within one repeat, so that one step by the size brings each neighbour back into the image.
     ivec2 low = ivec2(corner), high = low + 1;
     low += ivec2(lessThan(low, ivec2(0))) * size;
     high -= ivec2(greaterThanEqual(high, size)) * size;

@@ -2,8 +2,8 @@
 #pragma program(OwnRaysOnScreen, NARROW, ON_SCREEN)
 #pragma program(OwnRays, NARROW, AMONG_TRIANGLES)
 #pragma program(OwnRaysQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
-// Gives rays of their own to the pixels whose neighbours' rays say little of their reflection, a thread a ray, and shows
-// the mean of what these see and of what the neighbours' rays saw, by numbers of rays.
+// Traces own rays for the pixels in doubt, a thread a ray. Such a pixel shows the mean of what its own rays and its
+// neighbours' rays saw, weighted by their numbers.
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require
@@ -18,7 +18,7 @@ layout(local_size_x = OWN_GROUP) in;
 #ifdef ON_SCREEN
 layout(constant_id = 2) const bool OVER = false; // another reflection shows where this one misses
 #endif
-layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflection is shown
 
 #include "unified/gloss_trace.glsl"
 #include "unified/lit_color.glsl"
@@ -26,8 +26,8 @@ layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflectio
 
 shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for a miss
 
-// A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the lobe;
-// around the middle, one ray lies a golden angle behind the other. Each pixel has the pattern at another place.
+// A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the
+// lobe; around the middle, each ray is turned by the golden angle from the one before. Each pixel shifts the pattern.
 vec2 OwnRaySample(ivec2 pixel, int ray) {
     vec2 shift = SequencePoint(pixel.x + 3331 * pixel.y) + SequencePoint(unified.turn);
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
@@ -42,11 +42,11 @@ vec4 TraceOwnRay(ivec2 pixel, int ray) {
     return vec4(lobe_sample.color.rgb, lobe_sample.is_hit ? lobe_sample.color.a : -1.0);
 }
 
-// The mean of what a pixel's rays saw, whose colours begin at `first`, and of what its neighbours' rays did.
+// The mean of what a pixel's own rays saw, whose colours begin at `first`, and of what its neighbours' rays saw.
 #ifdef ON_SCREEN
 
-// A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/gathered.glsl). Over another reflection a miss is
-// nothing, so that colours count by their fade.
+// A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/gathered.glsl). Over another
+// reflection a miss is not black but adds nothing, so that colours count by their fade.
 vec4 MeanWithNeighbours(Doubt doubt, uint first) {
     vec4 own = vec4(0.0);
     float hits = 0.0;

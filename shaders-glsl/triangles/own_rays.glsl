@@ -1,4 +1,4 @@
-// How many rays of its own a pixel gets whose neighbours' rays say little of its reflection.
+// The number of own rays that a pixel in doubt gets.
 
 #ifndef TRIANGLES_OWN_RAYS_GLSL
 #define TRIANGLES_OWN_RAYS_GLSL

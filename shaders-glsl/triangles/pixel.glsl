@@ -6,13 +6,13 @@
 #include "unified/ray.glsl"
 #include "triangles/begin.glsl"
 
-layout(binding = 29, r32ui) uniform readonly uimage2D triangle_buffer; // of each pixel; one texel where none is known
+layout(binding = 29, r32ui) uniform readonly uimage2D triangle_buffer; // the triangle of each pixel; one texel if none is known
 
 uint TriangleAt(ivec2 pixel) {
     return imageLoad(triangle_buffer, min(pixel, imageSize(triangle_buffer) - 1)).x;
 }
 
-// `is_outward` is that of SpawnRay.
+// The ray of a pixel among the triangles; `is_outward` comes from SpawnRay.
 TreeRay TreeRayFromPixel(Ray ray, out bool is_outward) {
     vec3 start = ToWorld(ViewPoint(ray.start, ray.depth) * captures.view_unit);
     vec3 along = ToWorld(ray.direction);

@@ -1,4 +1,4 @@
-// Puts a pixel on the list of those that get rays of their own.
+// Puts a pixel on the list of pixels in doubt.
 
 #ifndef TRIANGLES_PUSH_DOUBT_GLSL
 #define TRIANGLES_PUSH_DOUBT_GLSL

@@ -1,16 +1,16 @@
-// The triangle that stops a ray, found by a ray query of the device instead of a walk through the tree. The device proposes
-// triangles; whether the ray meets one and is stopped by it is decided as in the walk, so that both end rays alike but
-// where two triangles are equally near within rounding.
+// The triangle that stops a ray, found by a ray query of the device instead of a walk through the tree. The device
+// proposes triangles; the shader decides, as in the walk, whether the ray meets a triangle and is stopped by it. So
+// query and walk end rays alike, except where two triangles are equally near within rounding.
 
 #ifndef TRIANGLES_QUERY_GLSL
 #define TRIANGLES_QUERY_GLSL
 
-layout(binding = 31) uniform accelerationStructureEXT ray_structure; // of the corners in geometry, in their order
+layout(binding = 31) uniform accelerationStructureEXT ray_structure; // built over the corners in geometry, in their order
 
 // The nearest triangle that stops the ray.
 TriangleHit ClosestHit(TreeRay ray) {
     TriangleHit best = NO_HIT;
-    // A query's ray must be finite; a walk meets no box with any other.
+    // The ray of a query must be finite. In a walk, a ray that is not finite meets no box either.
     float size = dot(abs(ray.origin), vec3(1.0)) + dot(abs(ray.direction), vec3(1.0));
     if (!(size < NEVER))
         return best;

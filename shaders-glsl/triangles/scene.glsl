@@ -1,9 +1,9 @@
-// The triangles of a scene as shaders read them: nodes of the tree, corners and attributes of triangles in one buffer,
-// materials and tables of images in another, and the texels of all images in a third. Filled in by
+// The triangles of a scene as shaders read them. One buffer has the nodes of the tree, and the corners and attributes
+// of triangles. A second one has materials and tables of images, and a third one the texels of all images. Filled in by
 // src/passes/triangle_scene.rs, from the records of src/scene/tree.rs.
 //
-// Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how they are read: as
-// texels wherever the device can tell so many apart, since some devices read them faster.
+// Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how they are read:
+// as texels wherever the device can address so many, since some devices read texels faster.
 
 #ifndef TRIANGLES_SCENE_GLSL
 #define TRIANGLES_SCENE_GLSL
@@ -11,7 +11,7 @@
 #include "common/constants.glsl"
 
 layout(constant_id = 20) const bool GEOMETRY_TEXELS = true; // geometry is read as texels
-layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // so are images
+layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // images are read as texels
 layout(constant_id = 23) const bool ASKS = true; // some material decides at each hit whether its surface is there
 layout(constant_id = 26) const int WALK_ROOM = TREE_DEPTH; // groups of nodes that a walk has room for: as many as trees have levels
 
@@ -30,15 +30,16 @@ layout(std430, binding = 25) readonly buffer ImageWords {
     uint words[];
 } images;
 
-// Where the triangles are, and the camera among them. Coordinates of triangles are measured from the tree's origin.
+// The places of the triangles' parts, and of the camera among the triangles. Coordinates of triangles are measured from
+// the tree's origin.
 layout(std140, binding = 26) uniform TriangleBlock {
     vec3 eye;            // the camera's eye from the tree's origin, metres
     float extent;        // the greatest coordinate of a corner, metres
     int corners;         // where the corners begin among the vectors of geometry; nodes begin at 0
     int attributes;      // where the attributes begin
-    int count;           // triangles
-    int nodes;           // of the tree; 0 for an empty one
-    int moving;          // the root of the tree of what moves; 0 for none
+    int count;           // number of triangles
+    int nodes;           // nodes of the tree; 0 for an empty tree
+    int moving;          // the root of the tree of moving things; 0 for none
     float beside;        // how far a pixel's point may lie beside its surface: in metres for each metre from the eye, or in view
                          // units where rays of sight are parallel
 } triangles;
@@ -55,16 +56,16 @@ uint ImageWord(int i) {
     return IMAGE_TEXELS ? imageLoad(image_texels, i).x : images.words[i];
 }
 
-// Attributes of a triangle: vector 0 has the normals of its corners (UnpackUnitVector) and its material, with the bitangent's
-// sign in the highest bit; 1 and 2 have their texture coordinates, then repeats of a map to a metre along the
-// surface, and the slot of its corners; 3 has the tangents.
+// Attributes of a triangle. Vector 0 has the normals of its corners (UnpackUnitVector) and its material, with the
+// bitangent's sign in the highest bit. Vectors 1 and 2 have the corners' texture coordinates, then repeats of a map to
+// a metre along the surface, and the slot of the corners. Vector 3 has the tangents.
 uvec4 Attribute(uint triangle, int vector) {
     return Geometry(triangles.attributes + 4 * int(triangle) + vector);
 }
 
 // Materials: three vectors each. 0: albedo and emission. 1: albedo map and normal map. 2: MATERIAL_ bits and levels of all
 // maps, the normal deviation, and the alpha mask. A map is the place of its first word among the words of images, and its
-// width and height in 16 bits each; a map that there is none of is white.
+// width and height in 16 bits each; a map that is missing is white.
 uvec4 Material(uint attribute_word, int vector) {
     return Table(3 * int(attribute_word & 0x7fffffffu) + vector);
 }

@@ -8,7 +8,7 @@
 #include "captures/captures.glsl"
 #include "triangles/walk.glsl"
 
-layout(constant_id = 25) const bool SCREEN_COLORS = false; // colours come from the screen where it shows what is met
+layout(constant_id = 25) const bool SCREEN_COLORS = false; // colours come from the screen where it shows the hit
 
 layout(binding = 14) uniform sampler2D screen_color; // lit colour, linear, with its coarser levels; alpha is 0 where sky is
 layout(binding = 15) uniform sampler2D screen_depth; // reversed; 0 is sky
@@ -23,10 +23,10 @@ vec2 ProjectToScreen(vec3 view) {
     return 0.5 * doubled;
 }
 
-// Looks up what a ray meets over a footprint that measures `width` metres across the ray there: between the four texels around
-// its place, in the level of the colours whose texels are nearest to the footprint in size. A texel counts if the pixel in its
-// middle lies in the plane of the triangle, and if no sky is part of it. False if no texel counts, or if the screen shows the
-// other side of the triangle.
+// Looks up the screen's colour at a hit, over a footprint that measures `width` metres across the ray there. The colour
+// lies between the four texels around the place, in the level whose texels are nearest to the footprint in size. A
+// texel counts if the pixel in its middle lies in the plane of the triangle, and if no sky is part of the texel. False
+// if no texel counts, or if the screen shows the other side of the triangle.
 bool SampleScreenColor(TreeRay ray, TriangleHit hit, float width, out vec3 color) {
     color = vec3(0.0);
     int corner = triangles.corners + 3 * int(Attribute(hit.id & ~ASKS_MATERIAL, 2).w);
@@ -44,7 +44,8 @@ bool SampleScreenColor(TreeRay ray, TriangleHit hit, float width, out vec3 color
     if (!inside || facing * DotInOrder(flat_normal, ray.direction) <= 0.0)
         return false;
 
-    // A footprint that stretches along the surface as the ray slants shrinks on the screen as the sight does.
+    // The footprint stretches along the surface by the slant of the ray, and shrinks on the screen by the slant of the
+    // line of sight.
     float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : view.z);
     float stretch = max(abs(facing), LEAST_FACING) / max(abs(hit.side), LEAST_FACING);
     float pixels = max(width / pixel * sqrt(stretch), 1.0);
@@ -65,7 +66,7 @@ bool SampleScreenColor(TreeRay ray, TriangleHit hit, float width, out vec3 color
         ivec2 middle_pixel = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
         float depth = texelFetch(screen_depth, middle_pixel, 0).r;
         vec2 middle = vec2(middle_pixel) + 0.5;
-        // Along the pixel's own ray, from the plane of the triangle to the surface that the pixel shows.
+        // The distance along the pixel's own ray, from the plane of the triangle to the surface that the pixel shows.
         vec3 seen = ViewPoint(middle, depth) * captures.view_unit;
         vec3 along = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : ViewRay(middle);
         precise vec3 apart = seen - view;

@@ -2,32 +2,32 @@
 // reference::triangles.
 //
 // The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
-// walk pushes at most one group of nodes for each level below the root, and the host takes no tree with more levels than the
-// stack has room for, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
-// not even one with NaN in it, which meets no box.
+// walk pushes at most one group of nodes for each level below the root. The host takes no tree with more levels than
+// the stack has room for, so that the stack cannot overflow. Each turn of the walk's loops takes a bit off a mask, so
+// that no ray runs for ever, not even a ray with NaN, which meets no box.
 //
-// What moves has a small tree of its own in the same buffer, whose root waits at the bottom of the stack.
+// Moving things have a small tree of their own in the same buffer. Its root waits at the bottom of the stack.
 
 #ifndef TRIANGLES_WALK_GLSL
 #define TRIANGLES_WALK_GLSL
 
 #include "triangles/scene.glsl"
 
-// What a ray meets.
+// The hit of a ray on a triangle.
 struct TriangleHit {
     float t;     // metres along a unit direction
     uint id;     // number of the triangle, with ASKS_MATERIAL; NO_TRIANGLE for none
-    vec2 weight; // of its second and third corner
+    vec2 weight; // weights of the second and third corner
     float side;  // cosine between the ray and the triangle's normal; above 0 for a ray that comes from in front
 };
 
-// A ray in the coordinates of the tree. What it meets lies beyond the plane that it begins on, and comes after `after`:
-// farther away, or as far and of a greater number.
+// A ray in the coordinates of the tree. The ray meets only triangles beyond the plane that it begins on, which come
+// after the hit `after`: farther away, or as far with a greater number.
 struct TreeRay {
     vec3 origin;
     vec3 direction; // unit
     uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
-    float off;      // metres by which a plane must lie off its start to be met
+    float off;      // metres by which a triangle's plane must lie off the start to be met
     TriangleHit after;
 };
 
@@ -39,13 +39,13 @@ TreeRay MakeTreeRay(vec3 origin, vec3 direction, uint own, float error) {
     return TreeRay(origin, direction, own, error + 12.0 * ROUNDING * triangles.extent, before_all);
 }
 
-// In this order (the twin's).
+// The sum in the order of the CPU twin.
 float DotInOrder(vec3 a, vec3 b) {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
 }
 
-// Turned round by swapping a and b, to the bit.
+// Swapping a and b negates the product, to the bit.
 vec3 CrossInOrder(vec3 a, vec3 b) {
     precise vec3 cross = a.yzx * b.zxy - a.zxy * b.yzx;
     return cross;
@@ -56,12 +56,12 @@ bool IsFarther(float t, uint id, TriangleHit than) {
 }
 
 // Whether a ray meets the triangle of a slot, from either side, and where. The sign of each edge function depends on
-// nothing but the edge's corners and the ray, and swapping the corners turns it round to the bit, so that a ray between two
-// triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013).
-// What has no area in the ray's direction is not met, nor a triangle so near to where the ray begins that rounding cannot
-// tell its plane from the ray's own: one beside the triangle that the ray begins on, or over it. The distance to a plane is
-// the mean of three products of four roundings each, of lengths up to the scene's extent, so that it errs by up to a dozen
-// half units of that.
+// nothing but the edge's corners and the ray, and swapping the corners negates the function, to the bit. So a ray
+// between two triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle
+// Intersection", JCGT 2013). A triangle without area in the ray's direction is not met. Nor is a triangle whose plane
+// rounding cannot tell from the plane that the ray begins on: it lies beside the triangle that the ray begins on, or
+// over it. The distance to a plane is the mean of three products of four roundings each, of lengths up to the scene's
+// extent. The distance errs by up to a dozen half units of this extent.
 bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     int corner = triangles.corners + 3 * slot;
     uvec4 first = Geometry(corner);
@@ -87,12 +87,12 @@ bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     return inside && (!ASKS || IsFarther(t, first.w, ray.after));
 }
 
-// Whether what is met comes before something else: nearer, or as near and of a smaller number.
+// Whether a hit comes before another one: nearer, or as near with a smaller number.
 bool IsNearer(TriangleHit hit, float t, uint id) {
     return hit.t < t || (hit.t == t && hit.id < id);
 }
 
-// Takes the hit on a triangle for the best one if it comes before that.
+// Makes the hit on a triangle the best one if the ray meets the triangle and this hit comes before the best one so far.
 void UpdateNearestHit(TreeRay ray, int slot, inout TriangleHit best) {
     TriangleHit hit;
     if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, best.t, best.id))
@@ -105,8 +105,8 @@ uint Byte(uint word, int i) {
     return word >> (8 * i) & 0xffu;
 }
 
-// Four children of a node: the bits of those that the ray meets before `nearest`, in the order in which it should look at
-// them.
+// Tests four children of a node. The result has bits for the children that the ray meets before `nearest`, in the order
+// in which the walk should look at them.
 uint IntersectChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint octant, float nearest) {
     uint inner = ((meta & meta << 1 & 0x10101010u) >> 4) * 0xffu;
     uint places = (meta ^ octant & inner) & 0x1f1f1f1fu;
@@ -122,21 +122,22 @@ uint IntersectChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, u
     return hits;
 }
 
-// The stacks of all threads, the same place of each beside the others. In registers, as an array of a thread's own is held, they
-// would leave room for few threads at a time.
+// The stacks of all threads, with the same entry of all stacks side by side. Arrays of each thread's own would be held
+// in registers, and leave room for few threads at a time.
 const int WALKERS = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 shared uvec2 stacks[WALK_ROOM * WALKERS];
 
-// The nearest triangle that the ray meets after `after`.
+// The nearest triangle that the ray meets after the hit `ray.after`.
 TriangleHit TraverseTree(TreeRay ray) {
-    // What was met so far. Where on its triangle that is will be found again at the end, so that the walk need not hold it.
+    // The nearest hit so far. Its place on the triangle is computed again at the end, so that the walk need not hold
+    // it.
     float nearest = NEVER;
     uint nearest_id = NO_TRIANGLE;
     int nearest_slot = 0;
     // No branch depends on a uniform block alone, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
     int bottom = int(gl_LocalInvocationIndex), top = bottom + (triangles.moving > 0 ? WALKERS : 0);
     stacks[bottom] = uvec2(uint(triangles.moving), 0x80000000u);
-    // A direction along a plane of an axis is tested as if it were a little beside it, which no box notices.
+    // Components of the direction that are nearly 0 get a tiny value instead, which changes the test of no box.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     vec3 inverse = 1.0 / direction;
     bvec3 back = lessThan(direction, vec3(0.0));

@@ -1,5 +1,5 @@
-// The reversed depth of a pixel: from the pyramid, whose finest level has it in its fronts, or, where no ray walks over the
-// screen, from the G-buffer. Needs the image `pyramid`, but for programs with AMONG_TRIANGLES.
+// The reversed depth of a pixel: from the fronts of the pyramid's finest level, or from the G-buffer if no ray walks
+// over the screen. Programs without AMONG_TRIANGLES need the image `pyramid`.
 
 #ifndef UNIFIED_DEPTH_GLSL
 #define UNIFIED_DEPTH_GLSL

@@ -1,5 +1,5 @@
-// Which cells have been drawn: those of tiles on the list of wide lobes. Elsewhere their images hold anything. With
-// WHOLE every cell has been.
+// Tests which cells have been drawn: the cells of tiles on the list of wide lobes. Elsewhere the images of cells are
+// undefined. With WHOLE every cell has been drawn.
 
 #ifndef UNIFIED_DRAWN_CELLS_GLSL
 #define UNIFIED_DRAWN_CELLS_GLSL
@@ -10,7 +10,7 @@ layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each t
 
 #define CELLS_TO_A_TILE (TILE_SIDE / 2) // along a side
 
-// The tile of a cell with a wide lobe, which is drawn, and whether those beside it are.
+// The tile of a cell with a wide lobe, which is drawn, and whether the tiles beside it are drawn.
 struct NeighbourTiles {
     ivec2 home;
     bool across, along, corner;
@@ -21,7 +21,7 @@ bool IsWideTile(ivec2 tile) {
     return (imageLoad(listed_image, clamped_tile).r >> WIDE_LIST & 1u) != 0u;
 }
 
-// Before IsDrawn: around a cell, the tiles to a side, 1 or -1 along each axis.
+// Loads the tiles around a cell towards a side, which is 1 or -1 along each axis. Must be called before IsDrawn.
 void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     if (WHOLE)
         return;
@@ -29,7 +29,7 @@ void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     drawn = NeighbourTiles(home, IsWideTile(home + ivec2(side.x, 0)), IsWideTile(home + ivec2(0, side.y)), IsWideTile(home + side));
 }
 
-// A cell of the home tile or of one to that side.
+// Whether a cell of the home tile, or of a tile towards that side, is drawn.
 bool IsDrawn(ivec2 cell) {
     if (WHOLE)
         return true;

@@ -1,6 +1,6 @@
-// Where glossy rays ended, as a history asks for it: of each pixel with a narrow lobe, and at the first pixel of each cell of
-// 2 x 2 pixels with a wide one. The passes that trace rays write it, and those that follow what the screen lost
-// (captures/finish.glsl); common/history.glsl reads it.
+// The image of where glossy rays ended, for a history. Each pixel with a narrow lobe has an end, and so has the first
+// pixel of each cell of 2 x 2 pixels with a wide lobe. The passes that trace or follow rays (captures/finish.glsl)
+// write the image, and common/history.glsl reads it.
 
 #ifndef UNIFIED_ENDS_GLSL
 #define UNIFIED_ENDS_GLSL
@@ -8,7 +8,7 @@
 layout(constant_id = 13) const bool TELLS = false; // the ends are wanted
 
 // The distance from where the ray began, in units of ViewPoint, as bits; and what it met (PackRayEnd). 0 for a ray that missed.
-layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // any image of this format without TELLS
+layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // without TELLS, any image of this format is bound
 
 void StoreRayEnd(ivec2 pixel, uvec2 ray_end) {
     if (TELLS)

@@ -10,14 +10,14 @@ layout(constant_id = 2) const bool OVER = false;  // another reflection shows wh
 
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 
-// What the pixels of a block of 2 x 2 hand each other. A device shades the pixels of a fragment program together, in
-// step, so that v +- dFdx(v) is what v is in the pixel beside: an exchange costs a subtraction and an addition, and what
-// the four have all loaded for themselves is loaded once. The result is good to the last bits of the greater of the two
+// The pixels of a block of 2 x 2 hand each other values. A device shades the pixels of a fragment program together, in
+// step, so that v +- dFdx(v) is the value of v in the pixel beside. An exchange costs a subtraction and an addition,
+// and a value that all four would load is loaded once. The result is good to the last bits of the greater of the two
 // values. The threads of a compute program share memory instead, and round their values in the same way.
 
 // A ray as it is gathered. All is 0 for no ray.
 struct NeighbourRay {
-    vec4 key;   // what its weight goes by; 0 in w for no ray, negative for a miss
+    vec4 key;   // what its weight depends on; w is 0 for no ray, and negative for a miss
     vec4 color; // of the hit, and its fade in a
 };
 
@@ -39,8 +39,9 @@ void AddRay(inout RaySum sum, float weight, bool hit, vec4 color) {
     sum.squares += weight * weight;
 }
 
-// Reflection colour, and its fade in a. What rays missed is black. Over another reflection it is not: what the
-// rays hit has its own colour, and fades by how many miss. The product is the same, by the fade that 16 bits hold.
+// Reflection colour, and its fade in a. A miss counts as black. Over another reflection it does not: the hits keep
+// their colour, and the fade falls with the share of misses. Colour times fade is the same, with the fade rounded to 16
+// bits.
 vec4 ReflectionFromSum(RaySum sum) {
     if (!(sum.hits > 0.0))
         return vec4(0.0);

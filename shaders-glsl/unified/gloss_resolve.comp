@@ -2,8 +2,8 @@
 #pragma program(ResolveNarrowCompute, NARROW)
 #pragma program(CellsCompute, CELLS)
 #pragma program(ResolveWideCompute)
-// What gloss_resolve.frag makes, a thread a pixel or cell, over tiles or over the whole image. A workgroup loads the rays of
-// its texels and of those around them once, into memory that its threads share.
+// Makes what gloss_resolve.frag draws, with a thread for each pixel or cell, over tiles or over the whole image. A
+// workgroup loads the rays of its texels and of those around them once, into memory that its threads share.
 
 #include "unified/groups.glsl"
 
@@ -22,7 +22,7 @@
 #else
 #define REACH 2
 #endif
-#define ROOM (GROUP_SIDE + 2 * REACH) // texels along a side of what a workgroup loads
+#define ROOM (GROUP_SIDE + 2 * REACH) // texels along a side of the square that a workgroup loads
 
 shared NeighbourRay loaded[ROOM * ROOM];
 
@@ -49,8 +49,8 @@ void LoadSharedRays(ivec2 texel) {
     barrier();
 }
 
-// What another texel of the block has, rounded as fragment programs hand it on (gloss_resolve.frag): a texel adds the
-// difference of the two to its own value, and that difference has been rounded.
+// The value of another texel of the block, rounded as in fragment programs (gloss_resolve.frag): a texel adds the
+// rounded difference of the two values to its own value.
 vec4 ValueFromNeighbour(vec4 own, vec4 other, int outward) {
     precise vec4 difference = outward > 0 ? own - other : other - own;
     precise vec4 handed = own - float(outward) * difference;
@@ -68,8 +68,8 @@ NeighbourRay RayFromNeighbour(NeighbourRay own, NeighbourRay other, int outward)
 layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba16f) uniform writeonly image2D surface_image;
 
-// The ray of a column, 0 to 4 from the inside of a block outwards, around a cell at x, of the cells that lie at y. The other cell
-// of the block along x hands on those of columns 1 and 3.
+// The ray of a column, 0 to 4 from the inside of a block outwards, in the row y around a cell at x. The other cell of
+// the block along x hands on the rays of columns 1 and 3.
 NeighbourRay RayInRow(int x, int y, int outward, int column) {
     int steps = column == 0 || column == 3 ? -2 : column == 4 ? 2 : 0;
     NeighbourRay ray = SharedRay(ivec2(x + steps * outward, y));
@@ -78,7 +78,7 @@ NeighbourRay RayInRow(int x, int y, int outward, int column) {
     return RayFromNeighbour(ray, SharedRay(ivec2(x + (column - 2) * outward, y)), outward);
 }
 
-// Each ray is made by itself: a loop holds no other.
+// Each ray is made by itself, so that the loop holds no other ray.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     for (int y = -1; y <= 1; ++y)
         for (int column = 0; column < 5; ++column) {
@@ -125,7 +125,7 @@ NeighbourRay LoadBlockRay(ivec2 pixel, bool in_block) {
     return SharedRay(pixel);
 }
 
-// Each ray is made by itself: a loop holds no other.
+// Each ray is made by itself, so that the loop holds no other ray.
 void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
     ivec2 outward = DirectionOutOfBlock(pixel);
     ivec2 x = ivec2(outward.x, 0), y = ivec2(0, outward.y);

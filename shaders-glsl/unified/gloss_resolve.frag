@@ -2,9 +2,9 @@
 #pragma program(ResolveNarrow, NARROW)
 #pragma program(Cells, CELLS)
 #pragma program(ResolveWide)
-// From the rays of gloss_trace.glsl to the image: the reflection of each pixel with a narrow lobe (NARROW), of each cell
-// with a wide lobe (CELLS), and of each pixel with a wide lobe between such cells, drawn over tiles as points or over the
-// whole image. Pixels of a block of 2 x 2 hand each other the rays that they loaded.
+// Makes reflections from the rays of gloss_trace.glsl: of each pixel with a narrow lobe (NARROW), of each cell with a
+// wide lobe (CELLS), and of each pixel with a wide lobe, between such cells. The programs are drawn over tiles as
+// points or over the whole image. Pixels of a block of 2 x 2 hand each other the rays that they loaded.
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
@@ -18,7 +18,8 @@ layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not o
 
 #if defined(NARROW) || defined(CELLS)
 
-// What the other pixel along an axis has. `outward` is that of the pixel that asks, along this axis.
+// The ray of the block's other pixel along an axis. `outward` is the asking pixel's direction out of the block along
+// this axis.
 NeighbourRay RayFromNeighbourX(NeighbourRay r, int outward) {
     return NeighbourRay(r.key - float(outward) * dFdxFine(r.key), r.color - float(outward) * dFdxFine(r.color));
 }
@@ -39,7 +40,7 @@ NeighbourRay LoadCellRay(ivec2 cell) {
     return LoadCellRay(clamped_cell, IsDrawn(clamped_cell));
 }
 
-// Gathers a ray, and the one that the other cell of the block along y has in its place.
+// Gathers a ray, and the ray that the other cell of the block along y has in its place.
 void GatherWithNeighbour(inout CellSum sum, GatherPoint centre, NeighbourRay ray, int outward) {
     GatherRay(sum, centre, ray);
     GatherRay(sum, centre, RayFromNeighbourY(ray, outward));
@@ -57,7 +58,8 @@ void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outw
     GatherWithNeighbour(sum, centre, LoadCellRay(cell + ivec2(2 * outward.x, 0)), outward.y);
 }
 
-// Row by row and not in a loop, which SwiftShader of Chromium 156 compiles for minutes in gigabytes.
+// The rows are gathered one by one without a loop, which SwiftShader of Chromium 156 would compile for minutes in
+// gigabytes.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     ivec2 y = ivec2(0, 2 * outward.y);
     GatherTwoRows(sum, centre, cell - y, outward);
@@ -73,7 +75,7 @@ void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 o
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
-    // A reach of two cells can touch only these of the tiles beside this one.
+    // A reach of two cells can touch only the tiles on this side.
     LoadNeighbourTiles(cell, 1 - 2 * ivec2(lessThan(cell & (CELLS_TO_A_TILE - 1), ivec2(2))));
     ResolvedCell resolved = ResolveCell(cell);
     out_reflection = resolved.reflection;
@@ -83,7 +85,7 @@ void main() {
 #else
 
 layout(location = 0) out vec4 out_color;
-layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
+layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite
 
 #ifdef NARROW
 

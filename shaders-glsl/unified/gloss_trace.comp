@@ -7,7 +7,7 @@
 #pragma program(TraceWideConfirmedCompute, CONFIRMED)
 #pragma program(TraceWideAmongTriangles, AMONG_TRIANGLES)
 #pragma program(TraceWideQueried, AMONG_TRIANGLES, RAY_QUERY)
-// The rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
+// Traces the rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require

@@ -3,7 +3,7 @@
 #pragma program(TraceNarrowConfirmed, NARROW, CONFIRMED)
 #pragma program(TraceWide)
 #pragma program(TraceWideConfirmed, CONFIRMED)
-// The rays of glossy pixels and cells, drawn over tiles as points or over the whole image.
+// Traces the rays of glossy pixels and cells, drawn over tiles as points or over the whole image.
 
 #include "unified/gloss_trace.glsl"
 #include "unified/ends.glsl"

@@ -1,6 +1,6 @@
-// One ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a wide one,
-// and what it saw, for neighbours to gather. Fragment programs (gloss_trace.frag) and compute programs
-// (gloss_trace.comp) include it. CPU twin: reference::unified::gloss_trace.
+// Traces one ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a
+// wide lobe. The ray's record is for neighbours to gather. Fragment programs (gloss_trace.frag) and compute programs
+// (gloss_trace.comp) include this file. CPU twin: reference::unified::gloss_trace.
 
 #ifndef UNIFIED_GLOSS_TRACE_GLSL
 #define UNIFIED_GLOSS_TRACE_GLSL
@@ -11,7 +11,7 @@ layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front an
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 #if !defined(AMONG_TRIANGLES) && !defined(CONFIRMED)
-layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit colour, in which sky is black if it is known apart
+layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit colour; sky is black in them if it is kept apart
 #endif
 
 #include "unified/depth.glsl"
@@ -26,8 +26,9 @@ layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit
 #endif
 #endif
 
-// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction. `is_near` says
-// that it ended on the screen, so near to where it began that neighbours see the same elsewhere (NEAR_HIT).
+// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction.
+// `is_near` says that the ray ended on the screen, so near to its beginning that neighbours see other things in its
+// direction (NEAR_HIT).
 struct RayEnd {
     vec3 place;
     bool is_near;
@@ -35,7 +36,8 @@ struct RayEnd {
     bool touches;  // near, and on another surface than the one that reflects
 };
 
-// What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
+// Traces a ray whose footprint widens by `spread` with each metre. `color` is what the ray sees, with the fade in a.
+// False for a miss.
 #if defined(AMONG_TRIANGLES)
 
 bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out RayEnd end) {
@@ -64,9 +66,9 @@ bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, floa
 
 #else
 
-// The lit colour of the screen over a footprint as wide as the texels of a level of the chain. They have mixed surfaces, and all that
-// are around the place count. The share of a texel that is sky (1 - a) has the colour of `along`, which is the sky along the ray.
-// The level is a whole one: the mean of several rays hides the step between two.
+// The lit colour of the screen over a footprint as wide as the texels of a level of the chain. These texels mix
+// surfaces, and all texels around the place count. The part of a texel that is sky (1 - a) has the colour `along`, the
+// sky along the ray. The level is a whole number, since the mean of several rays hides the step between two levels.
 vec3 SampleColorChain(vec2 position, int level, vec3 along) {
     vec4 seen = textureLod(color_chain, position * unified.pixel_to_clip, float(level - 1));
     float sky = unified.sky != 0 ? max(1.0 - seen.a, 0.0) : 0.0;
@@ -106,10 +108,10 @@ bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, floa
 
 #endif
 
-// The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of those that neighbours
-// gather, with which it has a part of its lobe in common. The lobe is covered by so many footprints; the smaller that
-// part is, the fewer, down to one in the middle that stands for the whole lobe.
-// `record_texel` is the pixel or cell whose record the ray is for.
+// Traces the ray of pattern point u in the lobe of a pixel, for neighbours to gather. `common_part` is the part of the
+// lobe that the pixel has in common with these neighbours. The lobe is covered by `footprints` footprints; the smaller
+// `common_part` is, the fewer they are, down to one in the middle that stands for the whole lobe. `record_texel` is the
+// pixel or cell whose record the ray is for.
 LobeSample TraceLobeSample(ivec2 record_texel, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part,
                            out RayEnd end) {
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
@@ -120,7 +122,7 @@ LobeSample TraceLobeSample(ivec2 record_texel, ivec2 pixel, float depth, Lobe lo
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     LobeSample lobe_sample = LobeSample(false, density, vec4(0.0));
     end = RayEnd(direction, false, NO_TRIANGLE, false);
-    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
+    // A direction below the surface shows nothing, but counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return lobe_sample;
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
@@ -130,7 +132,7 @@ LobeSample TraceLobeSample(ivec2 record_texel, ivec2 pixel, float depth, Lobe lo
     return lobe_sample;
 }
 
-// What a history is told of where a ray ended (unified/ends.glsl).
+// Packs where a ray ended, for a history (unified/ends.glsl).
 uvec2 PackRayEnd(vec3 point, LobeSample lobe_sample, RayEnd end) {
     return lobe_sample.is_hit ? uvec2(floatBitsToUint(distance(point, end.place)), end.triangle) : uvec2(0u);
 }
@@ -139,8 +141,8 @@ uvec2 PackRayEnd(vec3 point, LobeSample lobe_sample, RayEnd end) {
 
 #if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
 #include "triangles/own_rays.glsl"
-// Where pixels in doubt get rays of their own, the nine rays are spread over the whole lobe. On triangles no chain of colours
-// blurs what a ray sees into the rest of the lobe.
+// If pixels in doubt get own rays, the nine rays of the pattern are spread over the whole lobe. On triangles no colour
+// chain blurs what a ray sees into the rest of the lobe.
 const bool SPREADS = OWN_RAYS > 0;
 #else
 const bool SPREADS = false;
@@ -174,7 +176,8 @@ uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
 const bool MARKS_NEAR = false;
 #else
 #include "triangles/own_rays.glsl"
-// A place that was put far away no longer says that the ray ended near, which decides whether pixels get rays of their own.
+// A recorded place that was put far away no longer says that the ray ended near. A mark says so instead, since it
+// decides whether pixels get own rays.
 const bool MARKS_NEAR = OWN_RAYS > 0;
 #endif
 
@@ -182,7 +185,8 @@ const bool MARKS_NEAR = OWN_RAYS > 0;
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void BlockDifferences(vec3 unit, out vec3 across, out vec3 along);
 
-// Where the ray of a point ended (ViewPoint's scale), put far away if it is near, or the direction of a miss.
+// Where the ray of a point ended, as it is recorded (ViewPoint's scale); for a miss, the ray's direction. A hit that is near is put
+// far away (NEAR_HIT says why).
 vec3 RecordedPlace(vec3 point, RayEnd end) {
     return end.is_near ? point + FAR_AWAY * (end.place - point) : end.place;
 }
@@ -203,7 +207,8 @@ CellRay TraceWideCell(ivec2 cell) {
     vec3 turn_x, turn_y;
     BlockDifferences(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
     if (wide.roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
-        // Cells of one direction in squares side by side have other parities, and other places in its stratum.
+        // Cells with the same direction, in squares side by side, have different parities, and so different places in
+        // the direction's stratum.
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);

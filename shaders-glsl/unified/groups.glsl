@@ -1,6 +1,6 @@
-// Which texel a thread has in those compute programs of `unified` that do what its fragment programs do
-// (`--trace-stage`, `--resolve-stage`). Their workgroups stand over the tiles of a list, as many as classify.comp has
-// counted, or over the whole image.
+// Finds the texel of a thread, in compute programs of `unified` that replace its fragment programs (`--trace-stage`,
+// `--resolve-stage`). Workgroups stand over the tiles of a list, as many as classify.comp has counted, or over the
+// whole image.
 
 #ifndef UNIFIED_GROUPS_GLSL
 #define UNIFIED_GROUPS_GLSL
@@ -18,7 +18,7 @@ layout(std430, binding = 10) readonly buffer Counts {
     uint counts[]; // as classify.comp wrote them
 };
 
-// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is that of
+// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is as in
 // GroupsPerTile. A thread may stand beyond the border of the image.
 bool ThreadTexel(int list, int halve, out ivec2 texel) {
     texel = ivec2(gl_GlobalInvocationID.xy);

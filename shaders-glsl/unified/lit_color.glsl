@@ -1,6 +1,7 @@
-// The lit colour of the screen, pixel by pixel, linear; a is 0 where sky is, else 1. It is loaded from a storage image, which costs
-// a device without units for textures less than a fetch (findings/lavapipe-finds-the-level-of-every-fetch.sh). Programs among
-// triangles may sample it with its chain besides, and no image is both loaded from and sampled: they fetch it.
+// The lit colour of the screen, pixel by pixel, linear; a is 0 where sky is, else 1. It is loaded from a storage image,
+// which costs a device without units for textures less than a fetch
+// (findings/lavapipe-finds-the-level-of-every-fetch.sh). Programs among triangles may also sample this image with its
+// chain. They fetch it instead, since no image is both loaded and sampled.
 
 #ifndef UNIFIED_LIT_COLOR_GLSL
 #define UNIFIED_LIT_COLOR_GLSL

@@ -3,7 +3,7 @@
 #pragma program(MirrorConfirmedCompute, CONFIRMED)
 #pragma program(MirrorAmongTriangles, AMONG_TRIANGLES)
 #pragma program(MirrorQueried, AMONG_TRIANGLES, RAY_QUERY)
-// What a mirror pixel shows, a thread a pixel, over tiles or over the whole image.
+// Shades mirror pixels, a thread a pixel, over tiles or over the whole image.
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require
@@ -13,7 +13,7 @@
 #include "unified/mirror.glsl"
 #include "unified/store.glsl"
 
-layout(binding = 13, rgba32f) uniform writeonly image2D hits_image; // any image of this format without HITS
+layout(binding = 13, rgba32f) uniform writeonly image2D hits_image; // without HITS, any image of this format
 
 void main() {
     ivec2 pixel;

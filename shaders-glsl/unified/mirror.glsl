@@ -1,6 +1,6 @@
-// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite. A fragment program
-// (mirror.frag) and a compute program (mirror.comp) include it. Before that they declare WHOLE: whether they run over
-// the whole image.
+// Shades a mirror pixel: one ray, one sample of the lit colour at its hit, and the composite. A fragment program
+// (mirror.frag) and a compute program (mirror.comp) include this file. Before it they declare WHOLE, which says whether
+// they run over the whole image.
 //
 // Over tiles, a pixel that is no mirror is left as it is: the images already hold what it shows. With WHOLE the images
 // hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
@@ -11,7 +11,7 @@
 #include "unified/parameters.glsl"
 
 layout(constant_id = 3) const bool HITS = false;  // where the ray ended is wanted
-layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflection is shown
 
 #ifndef AMONG_TRIANGLES
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
@@ -38,12 +38,13 @@ struct PixelOutput {
     vec4 hit;        // with HITS: texture coordinates, standard depth, PATH_*
 };
 
-// The colour that is reflected onto. It is loaded after the ray was followed, since a walk has no register to spare.
+// The lit colour of the pixel itself, to which the reflection is added. It is loaded after the ray was followed, since
+// a walk has no register to spare.
 vec4 LitColorAt(ivec2 pixel) {
     return COMPOSITE ? ScreenColor(pixel) : vec4(0.0);
 }
 
-// False for a pixel that is left as it is.
+// Shades a pixel; false for a pixel that is left as it is.
 bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
     float depth = DepthAt(pixel);
@@ -84,9 +85,9 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
         PushPixelRay(uvec2(pixel), ray, spread);
     }
 #else
-    // Handed on before anything is asked of the screen, while nothing else is held.
+    // A lost ray is put on the list before the screen's colours are loaded, while registers hold nothing else.
     if (faces && !is_hit && !in_sky) {
-        // A mirror's footprint is the pixel's, which has widened since the eye.
+        // A mirror's ray has the footprint of its pixel, which has widened since the eye.
         float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
         PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }

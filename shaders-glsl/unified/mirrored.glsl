@@ -1,5 +1,5 @@
-// What the screen shows at a hit in full resolution: of the four pixels around it, those count that the ray can have seen. Needs the
-// image `pyramid`. CPU twin: reference::unified::surface.
+// The colour that the screen shows at a hit in full resolution. Of the four pixels around the hit, those count that the
+// ray can have seen. Needs the image `pyramid`. CPU twin: reference::unified::surface.
 
 #ifndef UNIFIED_MIRRORED_GLSL
 #define UNIFIED_MIRRORED_GLSL
@@ -18,13 +18,14 @@ void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float
 }
 
 struct ScreenHitColor {
-    vec3 color;        // lit, between the four pixels around it that count; that of the pixel that was hit where none does
-    bool is_sky;       // that pixel shows sky
-    bool is_reflector; // that pixel shows the surface that reflects
+    vec3 color;        // lit colour between the four pixels around the hit that count; if none counts, that of the pixel that was hit
+    bool is_sky;       // the pixel that was hit shows sky
+    bool is_reflector; // the pixel that was hit shows the surface that reflects
 };
 
-// `along` is the sky along the ray, which sky and what shows it have: it is looked up once, since a device that takes both ways of
-// a branch pays for every look. Loads stand before what they decide, so that the pixel that was hit is not loaded twice.
+// `along` is the sky along the ray, which is the colour of pixels that show sky. It is looked up once, since a device
+// that executes both sides of a branch pays for every look-up. Loads stand before the decisions that they are for, so
+// that the pixel that was hit is not loaded twice.
 ScreenHitColor SampleScreenHit(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
     precise vec2 from_middle = hit.position - 0.5;
     vec2 low = floor(from_middle), part = from_middle - low;

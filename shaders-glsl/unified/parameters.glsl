@@ -1,4 +1,4 @@
-// What every pass of `unified` knows: the camera, the image and its tiles, and how a material and a colour are taken.
+// The parameters of every pass of `unified`: the camera, the image and its tiles, and rules for materials.
 
 #ifndef UNIFIED_PARAMETERS_GLSL
 #define UNIFIED_PARAMETERS_GLSL
@@ -14,7 +14,7 @@
 layout(std140, binding = UNIFIED_BINDING) uniform UnifiedBlock {
     vec2 view_to_clip;   // M_00 and M_11 of the projection
     vec2 pixel_to_clip;  // 1 / width and 1 / height: see traverse.glsl
-    vec2 pixel_to_view;  // the same, divided by view_to_clip
+    vec2 pixel_to_view;  // pixel_to_clip divided by view_to_clip
     ivec2 size;          // pixels
     ivec2 padded;        // pixels of the pyramid: whole cells of its coarsest level
     int top_level;       // the pyramid's coarsest level
@@ -23,7 +23,7 @@ layout(std140, binding = UNIFIED_BINDING) uniform UnifiedBlock {
     float fade_end;
     int fade;            // 0: no fade at all
     vec2 shift;          // how far the image is shifted against the axis of the view, in half pixels: x to the right, y up
-    int sky;             // 1: what shows the environment shows it along the ray, and `environment` holds it
+    int sky;             // 1: where sky is reflected, its colour is that of `environment` along the ray
     int turn;            // frames of a history before this one; 0 without one
     float depth_origin;  // reversed depth at z = 0 without perspective, which is M_23
     float reach;         // metres from the lower to the upper side of the image without perspective
@@ -33,8 +33,8 @@ bool Reflects(vec2 material) {
     return material.x > REFLECTS_ABOVE;
 }
 
-// Tiles of pixels are what the classification finds and the passes are drawn over. A tile stands on the list of each
-// kind of reflector that it has a pixel of, on several if it has several. The list of a pixel that reflects:
+// The list for a reflecting pixel's kind of reflector. The classification puts a tile on the list of each kind that the
+// tile contains, and passes are drawn over the tiles of a list.
 int TileListOf(vec2 material) {
     return material.y > WIDE_ABOVE ? WIDE_LIST : material.y > 0.0 ? NARROW_LIST : MIRROR_LIST;
 }
@@ -43,7 +43,7 @@ ivec2 TileCount() {
     return (unified.size + TILE_SIDE - 1) / TILE_SIDE;
 }
 
-// A tile's place in a word.
+// Packs a tile's place into a word.
 uint PackTile(uvec2 tile) {
     return tile.x | tile.y << 16;
 }
@@ -59,15 +59,15 @@ int GroupsPerTile(int halve) {
 }
 
 // The arguments of indirect draws and dispatches over the lists stand in one buffer (passes::tiles): those of a draw
-// for each list, and then those of two dispatches for each list, one for each `halve`. Both functions give the first
-// word.
+// for each list, and then those of two dispatches for each list, one for each `halve`. Both functions below return the
+// index of the first word.
 
 // Vertices (a point a tile), instances, first vertex, first instance.
 int DrawArguments(int list) {
     return 4 * list;
 }
 
-// Workgroups along each axis, none of which has more than every device takes: those of a tile, tiles in a row, rows.
+// Workgroups along each axis: those of a tile, tiles in a row, rows. No axis has more than every device takes.
 int DispatchArguments(int list, int halve) {
     return 4 * LISTS + 3 * (2 * list + halve);
 }

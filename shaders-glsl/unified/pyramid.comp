@@ -1,8 +1,9 @@
 #version 460
 #pragma program(Pyramid)
-// The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of
-// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone, in strips; above,
-// the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
+// The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of 64 x 64 pixels and
+// everything above it up to one cell. A thread makes 8 x 8 pixels, and their levels up to level 3, alone and in strips.
+// Above level 3 the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin:
+// reference::unified.
 //
 // A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
@@ -30,8 +31,9 @@ int CellRow(int level) {
     return 16 - (128 >> level);
 }
 
-// Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a loop that
-// has many. Drivers would unroll loops without branches, and then hold all pixels at once.
+// Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a
+// loop with many branches. Loops are marked `dont_unroll`, since drivers would unroll loops without branches, and then
+// hold all pixels at once.
 
 // 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {
@@ -39,15 +41,15 @@ float Reciprocal(float depth) {
     return mix(-1.0, 1.0 / offset, depth > 0.0);
 }
 
-// How far behind a pixel its neighbour stands, as a share of the pixel's own view depth, or in depth if rays of sight are
-// parallel; negative where it stands before it.
+// How far behind a pixel its neighbour stands, as a share of the pixel's own view depth, or in depth if rays of sight
+// are parallel; negative if the neighbour stands before the pixel.
 float DepthBehind(float depth, vec2 neighbour) {
     precise float behind = (depth - neighbour.x) * neighbour.y;
     return mix(-NOTHING, behind, neighbour.y > 0.0);
 }
 
-// What a surface spans in depth across its pixel along an axis, from the neighbours to both sides. What stands far before both
-// is thinner than two pixels, and they say nothing of it.
+// The span of a surface in depth across its pixel along an axis, from the neighbours on both sides. A surface that
+// stands far before both neighbours is thinner than two pixels, and the neighbours say nothing of its span.
 float DepthSpan(float depth, vec2 before, vec2 after) {
     precise float thin = THIN * mix(1.0, unified.reach * unified.depth_offset, ORTHOGRAPHIC);
     float a = DepthBehind(depth, before), b = DepthBehind(depth, after);
@@ -58,7 +60,7 @@ float DepthSpan(float depth, vec2 before, vec2 after) {
 // Front and back of a pixel; each neighbour with its Reciprocal.
 vec2 DepthBlock(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     float x = DepthSpan(depth, left, right), y = DepthSpan(depth, up, down);
-    // Behind what is seen in parallel; SHARE_OF_DEPTH is then of the reach.
+    // The back if rays of sight are parallel; SHARE_OF_DEPTH is then a share of the reach.
     precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
     precise float parallel = depth - ((x + y) + least);
     precise float thickness = (x + y) + SHARE_OF_DEPTH;
@@ -71,15 +73,15 @@ vec2 Union(vec2 a, vec2 b) {
     return vec2(max(a.x, b.x), min(a.y, b.y));
 }
 
-// A cell beyond the image or the levels is written outside of the image, where a write has no effect (Vulkan, "Texel Output
-// Coordinate Validation"): a branch for each write would hold a mask each.
+// Stores a cell. A cell beyond the image or the levels is written outside of the image, where a write has no effect
+// (Vulkan, "Texel Output Coordinate Validation"). A branch for each write would hold a mask each.
 void StoreCell(ivec2 cell, int level, vec2 block) {
     bool inside = all(bvec3(level <= unified.top_level, lessThan(cell, unified.padded >> level)));
     imageStore(pyramid, mix(ivec2(-1), CellTexel(cell, level), bvec2(inside)), vec4(block, 0.0, 0.0));
 }
 
-// Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side. The rows are vectors: no array
-// is held in registers.
+// Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side. The rows are vectors,
+// since an array would not be held in registers.
 struct Rows {
     vec4 upper_depth, upper_reciprocal;
     vec4 lower_depth, lower_reciprocal;
@@ -87,7 +89,7 @@ struct Rows {
 
 // The depths of two by two pixels in textureGather's order, the first at p; sky beyond the image.
 vec4 FetchDepths(ivec2 p) {
-    // Where the four meet: no rounding can reach another texel.
+    // Gathers where the four texels meet, so that no rounding can reach another texel.
     vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
     bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
     return mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
@@ -103,7 +105,7 @@ Rows FetchRows(ivec2 p) {
     return Rows(upper, Reciprocals(upper), lower, Reciprocals(lower));
 }
 
-// The block of a pixel, to its place in the pyramid.
+// Makes the block of a pixel, and stores it at its place in the pyramid.
 vec2 BuildPixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     vec2 block = DepthBlock(depth, left, right, up, down);
     StoreCell(pixel, 0, block);
@@ -118,8 +120,8 @@ vec2 LowerPixel(Rows rows, int x) {
     return vec2(rows.lower_depth[x], rows.lower_reciprocal[x]);
 }
 
-// Four pixels, the first of which is `pixel`, and the cell above them. They are in the middle of the lower row of `above` and of
-// the upper row of `below`.
+// Makes four pixels, the first of which is `pixel`, and the cell above them. The pixels are in the middle of the lower
+// row of `above` and of the upper row of `below`.
 vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
     vec2 first = LowerPixel(above, 1), second = LowerPixel(above, 2);
     vec2 third = UpperPixel(below, 1), fourth = UpperPixel(below, 2);
@@ -132,8 +134,9 @@ vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
     return cell;
 }
 
-// A strip of 2 x 8 pixels from the one at p: what is above its upper half, and what is above its lower half. A strip is as narrow
-// as it can be, and a loop goes down along it, so that a thread holds few pixels at a time.
+// Makes a strip of 2 x 8 pixels, the first of which is p. Returns the cell above the strip's upper half, and the cell
+// above its lower half. A strip is as narrow as it can be, and a loop goes down along the strip, so that a thread holds
+// few pixels at a time.
 vec4 BuildStrip(ivec2 p) {
     vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
     Rows above = FetchRows(p - 1);

@@ -1,12 +1,12 @@
-// The pyramid: cell (x, y) of level n covers exactly the pixels (i, j) with i >> n = x, j >> n = y.
-// It holds their nearest front and their farthest back in reversed depth, so that the closed
-// interval [back, front] bounds every block in it; a cell without geometry is empty.
+// The pyramid: cell (x, y) of level n covers exactly the pixels (i, j) with i >> n = x, j >> n = y. The cell holds
+// their nearest front and their farthest back in reversed depth, so that the closed interval [back, front] bounds every
+// block in it; a cell without geometry is empty.
 //
-// All levels stand in one image, cut into strips of a few columns: a row of the image is a strip, in which the
-// strip's short rows follow each other. So the cells above and below a cell lie as near to it as those beside it,
-// also on a device that lays out images row by row. Level n begins at row strips - (strips >> n), with strips =
-// twice those of level 0: a cell's texel takes shifts and an addition, whatever its level, and no device has to
-// look up a mip level for each thread. Passes load it as an image of one level: nothing of it is ever filtered.
+// All levels stand in one image, cut into strips of a few columns: a row of the image is a strip, in which the strip's
+// short rows follow each other. So the cells above and below a cell lie as near to it as those beside it, also on a
+// device that lays out images row by row. Level n begins at row strips - (strips >> n), with strips = twice those of
+// level 0. A cell's texel therefore takes shifts and an addition, whatever its level, and no device has to look up a
+// mip level for each thread. Passes load the pyramid as an image of one level, since nothing of it is ever filtered.
 
 #ifndef UNIFIED_PYRAMID_GLSL
 #define UNIFIED_PYRAMID_GLSL

@@ -12,9 +12,9 @@
 // direction d has D = (M_00 d_x, M_11 d_y, -k d_z, d_z), so that the exact derivative of the
 // projected ray, (D.xyz P.w - P.xyz D.w) / P.w^2, is
 //   (M_00 d_x - ndc.x d_z,  M_11 d_y - ndc.y d_z,  -(depth + k) d_z).
-// The point at P + tD projects to P.xyz + s D' with s = t / (1 + t d_z). The six clip planes,
-// |x|, |y| <= w and 0 <= z <= w, are the sides of a box there, and the near plane is met before
-// w = 0: the homogeneous clip is a clip against the box, without its cancellation.
+// The point at P + tD projects to P.xyz + s D' with s = t / (1 + t d_z). In these coordinates the six clip planes, |x|,
+// |y| <= w and 0 <= z <= w, are the sides of a box, and the near plane is met before w = 0. So the homogeneous clip is
+// a clip against the box, without its cancellation.
 //
 // If rays of sight are parallel, w is 1 everywhere, and depth changes with z alone: the derivative is
 //   (M_00 d_x,  M_11 d_y,  -k d_z),  k = 1 / (far - near),
@@ -22,7 +22,7 @@
 
 struct Ray {
     vec2 start;     // continuous pixel coordinates: the centre of a pixel of the screen, any place of a face
-    ivec2 pixel;    // begins in this pixel
+    ivec2 pixel;    // the pixel that the ray begins in
     float depth;    // reversed depth there
     vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
     vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
@@ -31,8 +31,9 @@ struct Ray {
 };
 
 
-// From a place in a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end`
-// is 0 for a ray that does not move in the image: it stays in its pixel, and the sign of its rate says which plane it goes to.
+// Makes a ray from a place in a pixel along a view-space direction. `change` is this direction as a change of (ndc x,
+// ndc y, depth); both may have any length. `end` is 0 for a ray that does not move in the image. Such a ray stays in
+// its pixel, and the sign of its rate says which plane it goes to.
 Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     Ray ray;
     ray.start = start;
@@ -53,8 +54,8 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     precise float depth_inverse = abs(depth_rate) > 1.0 / NEVER ? 1.0 / depth_rate : NEVER;
     precise vec2 inverse = vec2(abs(rate.x) > 1.0 / NEVER ? 1.0 / rate.x : NEVER,
                                 abs(rate.y) > 1.0 / NEVER ? 1.0 / rate.y : NEVER);
-    // The screen's sides by the expression of every cell's side (Traverse): a cell that ends
-    // with the screen ends the ray to the bit.
+    // The screen's sides are computed by the expression for every cell's sides (Traverse), so that a cell that ends
+    // with the screen ends the ray, to the bit.
     ivec2 side = ivec2(inverse.x > 0.0 ? unified.size.x : 0, inverse.y > 0.0 ? unified.size.y : 0);
     precise vec2 sides = (vec2(side) - start) * inverse;
     precise float plane = ((depth_inverse > 0.0 ? 1.0 : 0.0) - depth) * depth_inverse;
@@ -93,7 +94,7 @@ float DepthChange(float depth, float z) {
     return change;
 }
 
-// Along a view-space direction of any length.
+// The ray of a pixel along a view-space direction of any length.
 Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     vec3 view;
     vec2 ndc;
@@ -102,10 +103,10 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, change);
 }
 
-// Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
-// seen, for a normal of any length. v itself projects to a point and drops out of the derivative:
-// what remains has no difference of nearly equal numbers, however flat the ray meets the surface.
-// `faces` is false where the pixel is seen from behind its normal: the ray goes below the surface.
+// The ray of a pixel along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
+// seen, for a normal of any length. v itself projects to a point and drops out of the derivative. The rest has no
+// difference of nearly equal numbers, however flat the ray meets the surface. `faces` is false where the pixel is seen
+// from behind its normal: the ray goes below the surface.
 Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     vec3 view;
     vec2 ndc;

@@ -14,22 +14,22 @@ layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view spa
 #define GATHERS
 #include "unified/gloss.glsl"
 
-layout(binding = 5, rgba32f) uniform readonly image2D place_image; // TraceWide
+layout(binding = 5, rgba32f) uniform readonly image2D place_image; // written by TraceWide
 layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
 
 struct ResolvedCell {
     vec4 reflection;
-    vec4 surface; // normal, and ViewPoint.z as far as 16 bits go, 1 if rays of sight are parallel; 0: none. Negative where
-                  // no pixel can rely on what the cell gathered, if pixels may get rays of their own.
+    vec4 surface; // normal; w: ViewPoint.z, bounded by 16 bits, or 1 if rays of sight are parallel; 0: none. w is negative where
+                  // no pixel can rely on what the cell gathered, if pixels may get own rays.
 };
 
-// The cell itself, or the nearest one that the image has.
+// The cell itself, or the nearest cell that the image has.
 ivec2 ClampCell(ivec2 cell) {
     return clamp(cell, ivec2(0), (unified.size - 1) >> 1);
 }
 
-// What the ray of a cell of the image saw, by its place and density (TraceWide). Of a cell that has not been drawn the
-// images hold anything.
+// The ray of a cell of the image. The ray's key is its place and density (TraceWide). The images are undefined for a
+// cell that has not been drawn.
 NeighbourRay LoadCellRay(ivec2 cell, bool is_drawn) {
     return NeighbourRay(is_drawn ? imageLoad(place_image, cell) : vec4(0.0),
                         is_drawn ? imageLoad(seen_image, cell) : vec4(0.0));
@@ -45,36 +45,36 @@ struct GatherPoint {
 // The rays that a cell gathers.
 struct CellSum {
     RaySum rays;
-    float nearest; // squared distance from here of the hit that is nearest
+    float nearest; // squared distance to the nearest hit
 };
 
-// Adds a ray by what is seen of it from here. Its weight is lobe / density, bounded:
-// 2 f / (f + q) is f / q where they agree, and never above 2, however little a neighbour expected what matters
-// here (the balance heuristic between the two pixels; Veach and Guibas 1995). Densities of different roughness
-// compare as they stand. The weight alone keeps foreign surfaces apart.
+// Adds a ray as a sample of the lobe here. The weight is lobe f over density q, bounded as 2 f / (f + q). It is f / q
+// where f and q agree, and never above 2, however small q is (the balance heuristic between the two pixels; Veach and
+// Guibas 1995). Densities of different roughness can be compared as they are. Only the weight keeps rays of other
+// surfaces out.
 void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray) {
     float density = ray.key.w;
     vec3 to = density > 0.0 ? ray.key.xyz - centre.point : ray.key.xyz;
-    // For wide lobes the cosine of an angle tells it well enough.
+    // For wide lobes the cosine gives the angle precisely enough.
     float log_cos = LogCos(1.0 - dot(to, centre.lobe.mirror) * inversesqrt(dot(to, to)));
     float weight = 2.0 / (1.0 + exp2(abs(density) - centre.peak - LOG2_E * (centre.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
     vec4 color = ray.color;
     bool ended_near = OWN_RAYS > 0 && color.a > 0.75 * ENDED_NEAR;
     color.a -= ended_near ? ENDED_NEAR : 0.0;
-    // What was handed on may be a last bit below 0.
+    // A colour that was handed on may be a last bit below 0.
     AddRay(sum.rays, weight, density > 0.0 && dot(to, centre.lobe.normal) > 0.0, max(color, 0.0));
     sum.nearest = density > 0.0 ? min(sum.nearest, ended_near ? 0.0 : dot(to, to)) : sum.nearest;
 }
 
-// Gathers the rays of the 5 x 5 cells around a cell. A cell's square is of four kinds, as those of a block of 2 x 2 cells
-// are: 3 x 3 lie two cells apart from the cell itself. The others lie so from one of the three cells that a device shades in
-// step with it. Each of the first is followed by the one that the other cell along y hands on in its place, so that few rays are
-// held at a time. The file that includes this one defines it.
+// Gathers the rays of the 5 x 5 cells around a cell. 3 x 3 of these cells lie an even number of cells from the cell
+// itself, which loads their rays. The others lie an even number of cells from one of the three cells that a device
+// shades in step, which hand their rays on. Each loaded ray is followed by the ray that the other cell along y hands on
+// in its place, so that few rays are held at a time. The file that includes this one defines the function.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward);
 
-// Whether a ray ended so near that the pixels around a point do not see alike. What stands there hides other things from one
-// pixel than from the next, which no weight of a neighbour's ray knows.
+// Whether a ray ended so near that the pixels around a point see different things. A thing that stands so near hides
+// other things from one pixel than from the next, which no weight of a neighbour's ray takes into account.
 bool IsContact(vec3 point, float squared_distance) {
     float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : point.z);
     return squared_distance < CONTACT * CONTACT * pixel * pixel;

@@ -17,24 +17,25 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 #define GATHERS
 #include "unified/gloss.glsl"
 
-layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // Cells
+layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // written by Cells
 layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 
-// Off its plane by this share of its depth, a cell has lost most of its weight.
+// A cell that lies off the pixel's plane by this share of its depth has lost most of its weight.
 #define PLANE_TOLERANCE VISIBLE_WITHIN
 
-// How far the pixel that stands for a cell lies off the plane of a pixel, in tolerances, if rays of sight are parallel:
-// `beside` is by how much its distance across the view says so, and `facing` is the cosine at which the plane is seen. Its
-// depth is read again: 16 bits tell z less well than the height of the image, of which the tolerance is a share.
+// The distance of the pixel that stands for a cell from the plane of another pixel, in tolerances, if rays of sight are
+// parallel. `beside` is the part of it that comes from the distance across the view, and `facing` is the cosine at
+// which the plane is seen. The depth is read again, since z in 16 bits is less precise than the tolerance, a share of
+// the image's height.
 float PlaneDistance(ivec2 cell, float depth, float beside, float facing) {
     float there = DepthAt(min(CellPixel(cell), unified.size - 1));
     return (beside + facing * (depth - there) / unified.depth_offset) / unified.reach;
 }
 
-// A wide lobe, between the four cells around the pixel, by how near their rays begin, and as far as each lies in the
-// pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
-// `agreement` is the part of these cells that is of the pixel's surface. It is 0 in a cell on which no pixel can rely: at the
-// edge of what reflects, and where something stands so near that neighbours do not see alike.
+// The reflection of a wide lobe, between the four cells around the pixel. A cell weighs more if its ray begins near, if
+// it lies in the pixel's plane, and if its lobe is like the pixel's (joint bilateral upsampling; Kopf et al. 2007).
+// `agreement` is the part of these cells that shows the pixel's surface. It is 0 in a cell on which no pixel can rely:
+// at the edge of a reflector, and where something stands so near that neighbours see different things.
 vec4 UpsampleCells(ivec2 pixel, float depth, vec3 normal, float power, out float agreement) {
     ivec2 last = (unified.size - 1) >> 1;
     ivec2 cell = pixel >> 1;
@@ -66,7 +67,7 @@ vec4 UpsampleCells(ivec2 pixel, float depth, vec3 normal, float power, out float
         agreed += near.x * near.y * fits;
         all += near.x * near.y;
         vec4 reflection = is_drawn ? imageLoad(cell_reflection, sampled_cell) : vec4(0.0);
-        // Over another reflection, a cell shows its colour only as far as it is there.
+        // Over another reflection, the colour of a cell counts by its fade.
         reflection.rgb *= OVER ? reflection.a : 1.0;
         sum += weight * reflection;
         weights += weight;
@@ -76,7 +77,7 @@ vec4 UpsampleCells(ivec2 pixel, float depth, vec3 normal, float power, out float
     return colors > 0.0 ? vec4(sum.rgb / colors, sum.a / weights) : vec4(0.0);
 }
 
-// False for a pixel that is left as it is.
+// Shades a pixel; false for a pixel that is left as it is.
 bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = DepthAt(pixel);

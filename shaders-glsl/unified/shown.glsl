@@ -1,11 +1,11 @@
-// What the programs that resolve gloss show of a pixel. Over tiles, a pixel that is not of the list is left as it is: the
-// images already hold what it shows. With WHOLE they hold nothing, all that reflects is of the list, and the other pixels
-// show their lit colour.
+// The output of the programs that resolve gloss. Over tiles, a pixel that the list is not for is left as it is: the
+// images already hold what it shows. With WHOLE the images hold nothing, the list is for all reflecting pixels, and the
+// other pixels show their lit colour.
 
 #ifndef UNIFIED_SHOWN_GLSL
 #define UNIFIED_SHOWN_GLSL
 
-layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflection is shown
 
 #include "unified/lit_color.glsl"
 
@@ -14,7 +14,7 @@ struct PixelOutput {
     vec4 reflection; // colour, and fade in a
 };
 
-// A pixel whose reflection is that, with a colour and a fade; its surface reflects so much of it.
+// The output of a pixel with a reflection (colour, and fade in a) and the reflectivity of its surface.
 PixelOutput CompositePixel(ivec2 pixel, vec4 reflection, float reflectivity) {
     vec4 color = ScreenColor(pixel);
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);

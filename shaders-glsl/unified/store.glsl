@@ -1,4 +1,4 @@
-// Where the compute programs that show pixels store them (mirror.comp, gloss_resolve.comp).
+// Stores the pixels that compute programs show (mirror.comp, gloss_resolve.comp).
 
 #ifndef UNIFIED_STORE_GLSL
 #define UNIFIED_STORE_GLSL
@@ -6,7 +6,7 @@
 layout(constant_id = 7) const bool BESIDE = false; // the reflection is wanted beside what is shown
 
 layout(binding = 11, rgba16f) uniform writeonly image2D color_image;      // the composite, or the reflection
-layout(binding = 12, rgba16f) uniform writeonly image2D reflection_image; // any image of this format without BESIDE
+layout(binding = 12, rgba16f) uniform writeonly image2D reflection_image; // without BESIDE, any image of this format
 
 void StorePixel(ivec2 pixel, vec4 color, vec4 reflection) {
     imageStore(color_image, pixel, color);

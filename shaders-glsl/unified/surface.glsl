@@ -1,13 +1,13 @@
-// What a ray can have seen of the screen where it hits, and whether it hits nothing but sky. Needs the image `pyramid`. CPU twin:
-// reference::unified::surface.
+// Tests which pixels of the screen a ray can have seen around its hit, and whether the ray leaves towards the sky.
+// Needs the image `pyramid`. CPU twin: reference::unified::surface.
 
 #ifndef UNIFIED_SURFACE_GLSL
 #define UNIFIED_SURFACE_GLSL
 
 #include "unified/traverse.glsl"
 
-// Whether a ray that hit nothing went beyond the far plane, where no other image is asked; where it did so then stands in `hit`.
-// If the screen shows sky there, it is the colour of the ray.
+// Whether a ray that hit nothing went beyond the far plane, if no other image is asked. `hit` then has the place where
+// the ray did so. If the screen shows sky there, this sky is the colour of the ray.
 bool LeavesThroughFarPlane(Ray ray, inout Hit hit) {
     precise vec2 place = ray.start + ray.end * ray.rate.xy;
     place = clamp(place, vec2(0.0), vec2(unified.size));
@@ -24,15 +24,15 @@ struct VisibilityTest {
     vec3 point;     // of the surface, in ViewPoint's scale
     vec3 normal;    // of any length
     vec3 direction; // of the ray, of any length
-    float above;    // what a place above the surface has more than, of Dot(normal, OffsetToPixel(...))
-    float beside;   // squared: what a place beside the ray has more than, of the length of the direction cross OffsetToPixel(...)
-    float own;      // depth of the pixel that was hit; that of EMPTY_BLOCK for sky
-    float apart;    // by how much a depth differs from it that stands before or behind
-    bool is_reflector; // that pixel shows the surface that reflects
+    float above;    // a place lies above the surface if Dot(normal, OffsetToPixel(...)) is greater than this
+    float beside;   // squared: a place lies beside the ray if the length of cross(direction, OffsetToPixel(...)) is greater
+    float own;      // depth of the pixel that was hit; the front of EMPTY_BLOCK for sky
+    float apart;    // a pixel stands before or behind if its depth differs from `own` by more than this
+    bool is_reflector; // the pixel that was hit shows the surface that reflects
 };
 
-// From the surface's point to the place that a pixel's position and depth show, divided by that place's z in a perspective: what
-// is a pixel wide there then has one width at any depth, and nothing is divided.
+// From the surface's point to the place that a pixel's position and depth show, divided by that place's z in a
+// perspective. A pixel then has one width at any depth, and the code needs no division.
 vec3 OffsetToPixel(vec3 point, vec2 position, float depth) {
     if (ORTHOGRAPHIC) {
         precise vec3 away = ViewPoint(position, depth) - point;
@@ -53,10 +53,11 @@ VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2
     return VisibilityTest(point, normal, direction, above, beside_squared, own, apart, own >= 0.0 && !is_above);
 }
 
-// Whether a ray can have seen what a pixel of a depth shows in its middle. What stands before the hit and far beside the
-// ray stands elsewhere in the reflection. What stands behind the hit is beside it there, too. If the pixel that was hit shows the
-// surface that reflects, the ray has met what stands on that surface, and nothing behind it counts. The surface that reflects is
-// never seen, nor what is below it. Sky lies behind all.
+// Whether a ray can have seen what a pixel of a depth shows in its middle. A surface that stands before the hit and far
+// beside the ray stands elsewhere in the reflection. A surface behind the hit is beside the hit in the reflection, too.
+// If the pixel that was hit shows the surface that reflects, the ray has met a thing that stands on that surface, and
+// nothing behind the hit counts. The ray never sees the surface that reflects, nor anything below it. Sky lies behind
+// everything.
 bool IsVisibleAlongRay(VisibilityTest test, vec2 middle, float depth) {
     vec3 away = OffsetToPixel(test.point, middle, depth);
     precise vec3 off = away.yzx * test.direction.zxy - away.zxy * test.direction.yzx;

@@ -19,9 +19,9 @@ void main() {
     ivec2 tile = UnpackTile(tiles[tile_list.list * count.x * count.y + gl_VertexIndex]);
     ivec2 size = (unified.size + tile_list.halve) >> tile_list.halve;
     int side = TILE_SIDE >> tile_list.halve;
-    // A point whose centre is off screen is dropped: the last tiles move in, over pixels that their
-    // neighbours may shade as well, to the same result, by an even number: no block of 2 x 2 pixels is cut.
-    // A screen below a tile is covered from its middle.
+    // A point whose centre is off screen is dropped. The last tiles therefore move in, over pixels that their
+    // neighbours may shade as well, with the same result. They move by an even number of pixels, so that no block of 2
+    // x 2 pixels is cut. A screen smaller than a tile is covered from the screen's middle.
     ivec2 first = min(tile * side, (size - side + 1) & -2);
     vec2 centre = max(vec2(first) + 0.5 * float(side), 0.5 * vec2(min(size, ivec2(side))));
     gl_Position = vec4(centre / vec2(size) * 2.0 - 1.0, 0.0, 1.0);

@@ -20,11 +20,11 @@ layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle say
 layout(constant_id = 5) const bool FOLLOWED = false; // rays that the screen loses go on in captures or among triangles
 #endif
 
-// The walk, one for every direction. The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
-// way it runs; where that misses the cell's [back, front], nothing in the cell can be hit and the
-// ray leaves it at once, in front of objects as well as behind them. Otherwise it goes down a level;
-// in a pixel, it hits. It goes up a level where a step left the parent cell, which the cells before
-// have not spoken for.
+// One walk serves every direction of a ray. The ray walks over cells of integer coordinates. The depth of the ray over
+// a cell is an interval, whichever way the ray runs. If this interval misses the cell's [back, front], nothing in the
+// cell can be hit, and the ray leaves the cell at once, in front of objects as well as behind them. Otherwise the walk
+// goes down a level; in a pixel, the ray hits. The walk goes up a level if a step left the parent cell, since the cells
+// before tell nothing about the next parent cell.
 //
 // Every step goes down a level or forward by a pixel or more, and goes up only with a step forward:
 // MaxSteps bounds them all, so that no ray is ever cut off.
@@ -38,8 +38,8 @@ struct Hit {
     float s;         // of the hit, or of where a miss ends
 };
 
-// Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also from the level at which it
-// begins, and once for each pixel that is passed, which comes before a step forward.
+// Steps forward: each goes over a pixel at least, along either axis. Steps down: no more than steps up. A face adds the
+// steps down from the level at which the walk begins, and one for each pixel that is passed before a step forward.
 int MaxSteps() {
 #ifdef FACES
     return 3 * (unified.size.x + unified.size.y) + FACE_LEVEL;
@@ -48,7 +48,7 @@ int MaxSteps() {
 #endif
 }
 
-// In this order (the twin's).
+// The sum in the order of the CPU twin.
 float Dot(vec3 a, vec3 b) {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
@@ -61,9 +61,10 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
 }
 
-// What version 2 of the oracle asks (reference::oracle): whether a ray that enters a pixel behind its block's front has
-// come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
-// the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
+// The test of version 2 of the oracle (reference::oracle): whether a ray that enters a pixel behind its block's front
+// has come behind the block. The ray has done so if it is behind the front of the pixel before. Beside an edge, it has
+// also done so if it is deeper in the block than the thickness times the cosine at which it runs against the normal.
+// The border to sky, whose thickness is negative, is an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     precise float thickness = block.x - block.y;
@@ -77,21 +78,22 @@ bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, 
     return entry_depth < before.x || (gap > joined && is_deep);
 }
 
-// Where a walk is.
+// The state of a walk.
 struct Walk {
-    ivec2 pixel;       // that the ray is in
+    ivec2 pixel;       // the pixel that the ray is in
     int level;         // of the cell that is looked at next; below 0 the pixel's block is met
     float entry;       // s at which the ray enters the pixel
     float entry_depth; // reversed depth there
     int steps;         // cells looked at
 };
 
-// Walks on until a block is met or the ray ends. A ray that goes on in captures is followed only as long as the image sees
-// it: it meets a block as soon as it is behind its front, and `passes` lets it through the pixel that it begins in.
+// Walks on until a block is met or the ray ends. A ray that goes on in captures (FOLLOWED) is followed only as long as
+// the image sees it. Such a ray meets a block as soon as it is behind the block's front, and `passes` lets it through
+// the pixel that it begins in.
 //
-// The loop holds nothing but the walk, and no branch but its end: threads that walk together wait for each other in
-// every branch that one of them takes. Parameters are read before it, the block that was met after it: what is read or
-// written in the loop is so as often as it runs.
+// The loop holds nothing but the walk, and no branch but its end, since threads that walk together wait for each other
+// in every branch that one of them takes. Parameters are read before the loop, and the block that was met after it,
+// since the loop would repeat each read and write.
 void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     Walk walk = w;
     bool recedes = ray.rate.z < 0.0;
@@ -100,7 +102,7 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     int bound = MaxSteps();
     vec2 start = ray.start;
     int border = unified.size.x - 1; // of a face, which is square
-    ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
+    ivec2 far_side = -ahead;     // all bits set where the ray leaves a cell by its far side
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
     while (walk.level >= 0 && walk.entry < ray.end && walk.steps < bound) {
         ++walk.steps;
@@ -120,13 +122,13 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         bool meets = deepest <= block.x && (FOLLOWED ? !passes : nearest >= block.y);
         passes = false;
 
-        // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
-        // is in there, which is in the same cell.
+        // The next pixel: exactly across the side that is nearer; along the other axis, the pixel that the ray is in
+        // there, which is in the same cell.
         int low = leaves_x ? first.y : first.x;
         precise float inside = (leaves_x ? start.y : start.x) + last * (leaves_x ? ray.rate.y : ray.rate.x);
         int beside = clamp(int(inside), low, low + (size - 1));
 #ifdef FACES
-        // A ray along the border of a face may be rounded beyond it before it ends, where nothing stands.
+        // Rounding may move a ray along a face's border beyond this border, where nothing stands, before the ray ends.
         beside = min(beside, border);
 #endif
         ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
@@ -139,14 +141,14 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     w = walk;
 }
 
-// Where a ray leaves the pixel that it is in, or ends there: s.
+// The s at which a ray leaves the pixel that it is in, or ends there.
 float PixelExit(Ray ray, Walk walk, ivec2 ahead) {
     precise vec2 crossings = (vec2(walk.pixel + ahead) - ray.start) * ray.inverse;
     return max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
 }
 
-// The crossing of the ray with the front of the pixel that it is in, if that lies inside the pixel, else the point
-// of entry: s.
+// The s of the ray's crossing with the front of the pixel that it is in, if the crossing lies inside the pixel; else
+// the s of the entry.
 float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
     float last = PixelExit(ray, walk, ahead);
     precise float exit_depth = ray.depth + last * ray.rate.z;
@@ -155,7 +157,8 @@ float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
     return far <= front && front <= near && far < near ? min(max(crossing, walk.entry), last) : walk.entry;
 }
 
-// Where a cell is left: by its far side in a direction that grows, else by its near side.
+// The side by which the ray leaves a cell, by axis: 1 for the far side, if the coordinate grows, else 0 for the near
+// side.
 ivec2 Ahead(Ray ray) {
     return ivec2(greaterThan(ray.inverse, vec2(0.0)));
 }
@@ -166,7 +169,7 @@ Hit Traverse(Ray ray) {
     Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);
 
-    // The first step leaves the starting pixel unseen.
+    // The first step leaves the starting pixel without looking at it.
     precise vec2 sides = (vec2(ahead) - 0.5) * ray.inverse;
     float entry = min(sides.x, sides.y);
     if (!(entry < ray.end))
@@ -175,7 +178,8 @@ Hit Traverse(Ray ray) {
     ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(at_side.x),
                         sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
     precise float entry_depth = ray.depth + entry * ray.rate.z;
-    // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
+    // By version 2, the first pixel may show the surface that the ray leaves. The ray then enters at a depth beyond all
+    // others, and meets nothing there.
     bool leaves = ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0;
     if (leaves && !FOLLOWED)
         entry_depth = ray.rate.z < 0.0 ? -NEVER : NEVER;
@@ -196,7 +200,7 @@ Hit Traverse(Ray ray) {
         hit.s = s;
         bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
             && IsBehind(ray, walk.entry_depth, walk.pixel, block, NORMAL_AT(walk.pixel), ahead);
-        // Behind the block as a whole a ray that is not followed would go on.
+        // A ray that lies wholly behind the block has not hit it: without FOLLOWED the walk would go on.
         precise float exit_depth = ray.depth + PixelExit(ray, walk, ahead) * ray.rate.z;
         if (is_behind || (FOLLOWED && max(walk.entry_depth, exit_depth) < block.y)) {
             hit.code = PATH_MISS_BEHIND;
@@ -206,7 +210,7 @@ Hit Traverse(Ray ray) {
     return hit;
 }
 
-// Which of MISS_* a ray is that hit nothing (docs/definitions.md, "Oracle", item 5).
+// The code PATH_MISS_* of a ray that hit nothing (docs/definitions.md, "Oracle", item 5).
 int MissCode(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;

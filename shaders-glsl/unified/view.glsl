@@ -20,8 +20,8 @@ vec3 ViewRay(vec2 position) {
     return ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : vec3(OffAxis(position), 1.0);
 }
 
-// Continuous pixel coordinates and reversed depth to a point in view space: divided by near (1 + k) in a perspective, which
-// no direction notices, else in metres.
+// Converts continuous pixel coordinates and reversed depth to a point in view space. In a perspective the point is
+// divided by near (1 + k), which changes no direction; else it is in metres.
 vec3 ViewPoint(vec2 position, float depth) {
     if (ORTHOGRAPHIC) {
         precise float z = (unified.depth_origin - depth) / unified.depth_offset;
@@ -31,8 +31,8 @@ vec3 ViewPoint(vec2 position, float depth) {
     return point;
 }
 
-// A mirror's footprint is the pixel's: by how much it widens with each metre. What is orthographic is seen as if from an eye
-// very far away.
+// By how much the footprint of a mirror's ray, which is that of its pixel, widens with each metre. An orthographic
+// projection is seen as if from an eye very far away.
 float PixelSpread() {
     return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y / FAR_EYE : 2.0 * unified.pixel_to_view.y;
 }

@@ -1,12 +1,12 @@
 #version 460
 #pragma program(Keep)
-// Keeps a mip level of an image, as 32-bit floats and at the size of the target, for `look.frag`:
-// what methods make is theirs until the next frame only.
+// Keeps a mip level of an image, as 32-bit floats and at the size of the target, for `look.frag`, since methods
+// overwrite their images in the next frame.
 
 layout(binding = 0) uniform sampler2D source; // a view of one level
 
 layout(push_constant) uniform KeepBlock {
-    vec2 scale; // texels of the source a pixel of the target
+    vec2 scale; // texels of the source to a pixel of the target
 } keep;
 
 layout(location = 0) out vec4 out_texel;

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Look)
-// What the window shows beside its panel: one picture, two side by side, or their difference; a
-// colour, or an intermediate's numbers as shades. The target encodes sRGB.
+// The area of the window beside its panel: one picture, two side by side, or their difference. A picture is a colour,
+// or an intermediate image whose numbers are shown as shades. The target encodes sRGB.
 
 #include "common/constants.glsl"
 

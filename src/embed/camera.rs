@@ -16,7 +16,7 @@ pub struct CameraInput {
     /// World to view space: a rotation and a translation.
     pub world_to_view: [f32; 16],
     /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
-    /// orthographic one has its near plane at the eye or in front of it.
+    /// orthographic projection has its near plane at the eye or in front of the eye.
     pub view_to_clip: [f32; 16],
     /// Where the top of the image is in clip space.
     pub clip_y: ClipY,
@@ -25,21 +25,21 @@ pub struct CameraInput {
 /// The caller's camera in our conventions.
 pub(super) struct ConvertedCamera {
     pub camera: Camera,
-    /// What reversed depth is of the caller's: the first number times it plus the second.
+    /// Factor and offset that turn the caller's depth into reversed depth.
     pub to_reversed: [f32; 2],
-    /// From the caller's view space to ours.
+    /// The matrix from the caller's view space to ours.
     pub view_to_view: Mat3,
 }
 
-/// The far plane of an infinite projection for those of the published methods whose formulas have one, over the near
+/// Ratio of the far to the near plane that stands for an infinite projection, since formulas of some published methods need a far
 /// plane.
 const INFINITE_FAR: f32 = 1e7;
 
 impl CameraInput {
-    /// Reads the conventions.
+    /// Reads the conventions off the matrices, and converts the camera.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the matrix that is none of a camera, and why.
+    /// [`Error::Usage`] with the matrix that cannot be a camera's, and why.
     pub(super) fn take(&self) -> Result<ConvertedCamera> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
         if !self.world_to_view.iter().all(|v| v.is_finite()) {

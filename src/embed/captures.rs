@@ -14,19 +14,20 @@ use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use ash::vk;
 use glam::Vec3;
 
-/// What captures are to be.
+/// The description of capture cubes that are to be made.
 #[derive(Debug, Clone, Copy)]
 pub struct CaptureCubesInfo<'a> {
-    /// Where each was made, in world space: 1 to 8 places.
+    /// The places of the captures in world space, 1 to 8.
     pub places: &'a [[f32; 3]],
     /// Width and height of each face in texels, 1 to 4096.
     pub side: u32,
-    /// The projection that all faces were drawn with: a quarter turn, as [`CameraInput::view_to_clip`].
+    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
+    /// [`CameraInput::view_to_clip`].
     pub view_to_clip: [f32; 16],
     /// Where the top of a face is in its clip space.
     pub clip_y: ClipY,
-    /// The least and the greatest corner of a box in world space outside of which nothing stands, so that rays that leave it
-    /// end in the sky; `None` if there is no such box.
+    /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: its least and its greatest
+    /// corner. `None` if there is no such box.
     pub bounds: Option<[[f32; 3]; 2]>,
     /// How many frames that renew faces may be under way at once.
     pub frames_in_flight: usize,
@@ -35,13 +36,14 @@ pub struct CaptureCubesInfo<'a> {
 /// A face of a capture.
 #[derive(Debug, Clone, Copy)]
 pub struct CaptureFaceInput {
-    /// Which capture, from 0.
+    /// The capture's number, from 0.
     pub capture: usize,
-    /// Which face, 0 to 5: +x −x +y −y +z −z, each as Vulkan lays out a cube map that world directions are looked up in.
+    /// The face's number, 0 to 5: +x −x +y −y +z −z. Each face lies as in a cube map of Vulkan that world directions are looked up
+    /// in.
     pub face: usize,
-    /// What stands there, in light that does not depend on the viewer; linear.
+    /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
     pub color: ImageInput,
-    /// Its depth.
+    /// The depth of the face.
     pub depth: ImageInput,
 }
 
@@ -61,7 +63,7 @@ impl CaptureCubes {
     /// Makes the images; they have no content yet.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a number of places, a side, a projection or bounds that are none; [`Error::Memory`].
+    /// [`Error::Usage`] for a wrong number of places, side, projection or bounds; [`Error::Memory`].
     pub fn new(context: &Context, info: &CaptureCubesInfo) -> Result<Self> {
         let count = info.places.len();
         if count == 0 || count > MAX_CAPTURES {
@@ -105,7 +107,7 @@ impl CaptureCubes {
         })
     }
 
-    /// Records taking over a face. Submit it before frames that see it.
+    /// Records the commands that take over a face. Submit them before frames that are to see the face.
     ///
     /// # Errors
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.
@@ -153,7 +155,7 @@ impl CaptureCubes {
         Ok(())
     }
 
-    /// The captures as methods take them.
+    /// Returns the captures in the form in which methods read them.
     ///
     /// # Errors
     /// [`Error::Usage`] if a face was never handed over.

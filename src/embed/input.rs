@@ -1,4 +1,4 @@
-//! Images of another renderer: what they are, and what is wrong with them.
+//! Images of another renderer, and the checks of whether they can be used.
 
 use super::camera::ConvertedCamera;
 use crate::conventions::{NormalEncoding, NormalSpace};
@@ -11,12 +11,12 @@ use ash::vk;
 use ash::vk::Handle;
 use glam::Mat3;
 
-/// An image of the caller's, of which one level and, but for cube maps, one layer is read.
+/// An image of the caller's. One level of it is read, and one layer; of a cube map, six layers.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageInput {
     /// The image.
     pub image: vk::Image,
-    /// A view of the part that is read; of a depth image it shows the depth alone.
+    /// A view of the part that is read. The view of a depth image shows the depth alone.
     pub view: vk::ImageView,
     /// The part that the view shows, with every aspect that a barrier of the image's format needs.
     pub part: vk::ImageSubresourceRange,
@@ -24,11 +24,11 @@ pub struct ImageInput {
     pub format: vk::Format,
     /// Width and height of the part in texels.
     pub extent: [u32; 2],
-    /// What the image was made for; `SAMPLED` must be among it, and `STORAGE` for an image of triangle numbers.
+    /// The usage that the image was made with. It must contain `SAMPLED`, or `STORAGE` for an image of triangle numbers.
     pub usage: vk::ImageUsageFlags,
-    /// How the caller used it last.
+    /// How the caller used the image last.
     pub before: ImageUse,
-    /// How the caller uses it next; it is in that layout when what was recorded is done.
+    /// How the caller uses the image next. The recorded commands leave it in that layout.
     pub after: ImageUse,
 }
 
@@ -65,7 +65,7 @@ impl ImageInput {
         Self { before, after, ..self }
     }
 
-    /// What is wrong with it, if anything, before anything is recorded.
+    /// Checks the image before anything is recorded.
     pub(super) fn check(&self, name: &str, extent: Option<[u32; 2]>) -> Result<()> {
         self.check_made(name, extent, (vk::ImageUsageFlags::SAMPLED, "SAMPLED"))?;
         let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
@@ -79,7 +79,7 @@ impl ImageInput {
         Ok(())
     }
 
-    /// What is wrong with it as an image of numbers of triangles, if anything.
+    /// Checks the image as one of numbers of triangles.
     pub(super) fn check_numbers(&self, name: &str, extent: [u32; 2]) -> Result<()> {
         self.check_made(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
         if self.format != vk::Format::R32_UINT {
@@ -89,7 +89,7 @@ impl ImageInput {
         Ok(())
     }
 
-    /// What is wrong with how it was made and is used, if anything.
+    /// Checks how the image was made and is used.
     fn check_made(
         &self,
         name: &str,
@@ -120,16 +120,16 @@ impl ImageInput {
     }
 }
 
-/// The images that a frame reads, each once, however many inputs it holds.
+/// The images that a frame reads. An image that several inputs share is listed once.
 #[derive(Default)]
 pub(super) struct BorrowedImages(Vec<(ImageInput, Image)>);
 
-/// Which of them an input is.
+/// The index of an input's image in [`BorrowedImages`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BorrowedIndex(usize);
 
 impl BorrowedImages {
-    /// Takes an image over, unless an input before held the same.
+    /// Adds the image of an input, unless an earlier input has the same image.
     ///
     /// # Errors
     /// [`Error::Usage`] if an earlier input is the same image with another use.
@@ -154,12 +154,12 @@ impl BorrowedImages {
         &self.0[loan.0].1
     }
 
-    /// Tells a frame how the caller left them.
+    /// Tells a frame in which use the caller left the images.
     pub fn begin(&self, frame: &mut Frame) {
         self.0.iter().for_each(|(input, image)| frame.take_over(image, input.before));
     }
 
-    /// Gives them back.
+    /// Hands the images back to the caller in the use that their inputs declare.
     pub fn end(&self, frame: &mut Frame) {
         self.0.iter().for_each(|(input, image)| frame.hand_over(image, input.after));
     }
@@ -178,7 +178,7 @@ fn is_depth_format(format: vk::Format) -> bool {
     )
 }
 
-/// Whether a shader reads the texels of a format as integers. Vulkan's names say so.
+/// Whether a shader reads the texels of a format as integers. The names of Vulkan's formats tell.
 fn is_integer(format: vk::Format) -> bool {
     let name = format!("{format:?}");
     !is_depth_format(format) && ["UINT", "SINT"].iter().any(|kind| name.contains(kind))
@@ -190,19 +190,19 @@ fn is_signed_format(format: vk::Format) -> bool {
     !["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind))
 }
 
-/// Normals of another renderer.
+/// The normals of another renderer's G-buffer.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalInput {
-    /// Where they are.
+    /// The image of the normals.
     pub image: ImageInput,
-    /// In which space.
+    /// The space of the normals.
     pub space: NormalSpace,
-    /// How they are stored.
+    /// How texels hold the normals.
     pub encoding: NormalEncoding,
 }
 
 impl NormalInput {
-    /// What is wrong with it, if anything.
+    /// Checks the image and its encoding.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("normal", Some(extent))?;
         let is_signed = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
@@ -216,7 +216,7 @@ impl NormalInput {
         Ok(())
     }
 
-    /// `NORMAL_*`, and what turns a decoded normal into our view space.
+    /// Returns the code `NORMAL_*` of the encoding, and the matrix from a decoded normal to our view space.
     pub(super) fn kind(&self, taken: &ConvertedCamera) -> (i32, Mat3) {
         let kind = match self.encoding {
             NormalEncoding::Float => NORMAL_FLOAT,
@@ -231,24 +231,23 @@ impl NormalInput {
     }
 }
 
-/// How the surface that each pixel shows has moved over the screen since the frame before: the way from where it is seen to
-/// where it was seen. The history then looks there for what a moving surface reflected, and for moving things that are
-/// reflected and seen on the screen.
+/// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame before. Along
+/// this way the history finds what a moving surface reflected, and moving things that are both reflected and seen on the screen.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionInput {
-    /// Where the way is: x in red and y in green.
+    /// The image of the motion: x in red and y in green.
     pub image: ImageInput,
-    /// Pixels to a unit of it, x to the right and y down. For the way in pixels it is 1 and 1, for texture coordinates
-    /// the image's width and height, for y up the second number is below 0, and for the way from the frame before to this one
-    /// both have the other sign.
+    /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
+    /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
+    /// one.
     pub scale: [f32; 2],
-    /// Whether the way holds the difference of the two frames' jitter, as it does where it was computed with the matrices
-    /// that the images were drawn with.
+    /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
+    /// images were drawn with.
     pub jittered: bool,
 }
 
 impl MotionInput {
-    /// What is wrong with it, if anything.
+    /// Checks the image and the scale.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("motion", Some(extent))?;
         let (format, scale) = (self.image.format, self.scale);
@@ -290,10 +289,10 @@ impl FactorInput {
         }
     }
 
-    /// Takes its image over, if it has one.
+    /// Adds the image of the factor to the borrowed images, if the factor has one.
     pub(super) fn take(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
         Ok(match self {
-            // Rounds as an image of half floats would.
+            // A constant is rounded as an image of half floats would round it.
             Self::Constant(value) => BorrowedFactor::Constant(half::f16::from_f32(*value).to_f32()),
             Self::Channel(image, channel) => BorrowedFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
         })

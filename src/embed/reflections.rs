@@ -17,7 +17,7 @@ use crate::passes::{GBuffer, Reflectors};
 use crate::scene::ProjectionKind;
 use ash::vk;
 
-/// What is to be reflected, and how.
+/// The description of reflections that are to be made: size, method, inputs and outputs.
 #[derive(Clone, Copy)]
 pub struct ReflectionsInfo<'a> {
     /// Width and height of the view in pixels.
@@ -26,12 +26,13 @@ pub struct ReflectionsInfo<'a> {
     pub projection: ProjectionKind,
     /// A method of [`methods`](super::methods()).
     pub method: &'a str,
-    /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is one of
-    /// them.
+    /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is a parameter,
+    /// too.
     pub parameters: &'a [(&'a str, &'a str)],
-    /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without.
+    /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without captures.
     pub captures: Option<u32>,
-    /// Triangles like those that every frame is given; `None` for frames without. Not with captures.
+    /// Triangles like those that every frame is given; `None` for frames without triangles. Captures and triangles exclude each
+    /// other.
     pub triangles: Option<&'a Triangles>,
     /// Produces the composite: lit colour plus reflections.
     pub composite: bool,
@@ -44,7 +45,7 @@ pub struct ReflectionsInfo<'a> {
 }
 
 impl Default for ReflectionsInfo<'_> {
-    /// `unified` with its published values, at 1 × 1 pixel, seen in perspective; composite and reflection.
+    /// Describes `unified` with its published values, for 1 × 1 pixel in perspective, with composite and reflection as outputs.
     fn default() -> Self {
         Self {
             extent: [1, 1],
@@ -61,39 +62,39 @@ impl Default for ReflectionsInfo<'_> {
     }
 }
 
-/// What a frame shows, and where from.
+/// The inputs of a frame.
 #[derive(Clone, Copy)]
 pub struct FrameInput<'a> {
-    /// Which of the frames under way this is, below [`ReflectionsInfo::frames_in_flight`]: what was recorded with the same
-    /// number before is done.
+    /// The number of this frame among the frames under way, below [`ReflectionsInfo::frames_in_flight`]. The device must be done
+    /// with the frame that was recorded with the same number before.
     pub slot: usize,
-    /// Where the images were seen from.
+    /// The camera that the images were drawn with.
     pub camera: CameraInput,
     /// Depth.
     pub depth: ImageInput,
     /// Normals.
     pub normal: NormalInput,
-    /// What share of the light is reflected.
+    /// The share of the light that is reflected.
     pub reflectivity: FactorInput,
     /// Roughness ϱ; 0 is a mirror.
     pub roughness: FactorInput,
-    /// What reflects, where you know it of the materials that you drew; [`Reflectors::UNKNOWN`] is always right. What is
-    /// known not to be there costs nothing.
+    /// The kinds of reflecting surface that the frame may have, as the caller knows them from the materials that it drew. A kind
+    /// that is known to be absent costs nothing; [`Reflectors::UNKNOWN`] is always right.
     pub reflectors: Reflectors,
     /// Lit colour, linear.
     pub color: ImageInput,
-    /// A cube map of what is seen where nothing stands, in world axes ([`ImageInput::cube`]): the light of rays of which captures or
-    /// triangles say that they end there. Without either, nobody knows where a ray goes that leaves the screen, and it misses.
+    /// A cube map of the light from where nothing stands, in world axes ([`ImageInput::cube`]). A ray gets this light if captures
+    /// or triangles say that it ends in the sky. Without captures and triangles, every ray that leaves the screen misses.
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
     pub captures: Option<&'a CaptureCubes>,
     /// Triangles of the scene, for rays that the screen loses.
     pub triangles: Option<&'a Triangles>,
-    /// Which of the triangles each pixel shows: its number, counted over all meshes in their order, or `u32::MAX` for none;
-    /// R32_UINT. Without it, some rays meet the surface that they begin on.
+    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or `u32::MAX` for none; R32_UINT.
+    /// Without it, some rays meet the surface that they begin on.
     pub triangle_numbers: Option<ImageInput>,
-    /// How surfaces moved since the frame that was recorded before, for the parameter `history`; `None` where it is not
-    /// known, or nothing but the camera moved.
+    /// The motion of surfaces since the frame that was recorded before, for the parameter `history`; `None` if it is not known, or
+    /// if nothing but the camera moved.
     pub motion: Option<MotionInput>,
     /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
     pub timed: bool,
@@ -101,38 +102,39 @@ pub struct FrameInput<'a> {
     pub outputs: ImageUse,
 }
 
-/// An image that was made.
+/// An image that the crate made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutputImage {
-    /// The image. It stays the crate's, until [`Reflections`] are resized or dropped.
+    /// The image. The crate owns it, and keeps it until the [`Reflections`] are resized or dropped.
     pub image: vk::Image,
-    /// A view of its first level.
+    /// A view of the image's first level.
     pub view: vk::ImageView,
-    /// Its format.
+    /// The image's format.
     pub format: vk::Format,
     /// Width and height in pixels.
     pub extent: [u32; 2],
 }
 
-/// What was recorded.
+/// The outputs and passes of a recorded frame.
 #[derive(Debug, Clone)]
 pub struct Recorded {
-    /// Lit colour with what is reflected in it, linear, RGBA16F. `None` if it was not asked for.
+    /// Lit colour plus reflections, linear, RGBA16F. `None` if it was not asked for.
     pub composite: Option<OutputImage>,
-    /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than
-    /// 1 where it fades out. RGBA16F. `None` if it was not asked for, or nothing reflects.
+    /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
+    /// reflection fades out. RGBA16F. `None` if it was not asked for, or if nothing reflects.
     pub reflection: Option<OutputImage>,
     /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-    /// `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if it was not asked for, or the method does not say it.
+    /// `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if it was not asked for, or if the method does not tell where rays
+    /// end.
     pub hits: Option<OutputImage>,
     /// The passes that were recorded, in order.
     pub passes: Vec<String>,
-    /// The passes that this frame does without, and why.
+    /// The passes that this frame leaves out, and why.
     pub skipped: Vec<Skipped>,
 }
 
-/// What one view needs to be reflected in every frame: pipelines, images and uniform memory. Views are apart from each
-/// other, and may be recorded by different threads.
+/// The pipelines, images and uniform memory that reflect one view in every frame. Views are independent of each other, and may be
+/// recorded by different threads.
 pub struct Reflections {
     frames: FrameContext,
     import: ImportPass,
@@ -143,13 +145,13 @@ pub struct Reflections {
     beyond: WorldInput,
 }
 
-/// What frames are given of the world beyond the screen.
+/// The kind of images or triangles beyond the screen that frames are given.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum WorldInput {
     Nothing,
-    /// Captures with faces of so many texels a side.
+    /// Captures, with the side of their faces in texels.
     Captures(u32),
-    /// Triangles that are read so.
+    /// Triangles, with how shaders read them.
     Triangles(TriangleReading),
 }
 
@@ -165,8 +167,8 @@ impl WorldInput {
         }
     }
 
-    /// Whether passes that were made for this may be given that: as many triangles as the caller likes, since their number
-    /// decides nothing once the passes are made.
+    /// Returns whether passes that were made for `self` can read `given`. The number of triangles may differ, since it does not
+    /// matter once the passes are made.
     fn takes(self, given: Self) -> bool {
         match (self, given) {
             (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
@@ -190,8 +192,9 @@ impl Reflections {
     /// Makes all that the frames of a view need. Nothing is submitted.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a method, a parameter, a value or a size that there is not, a method that needs the scene
-    /// or captures that are not given, or one that does not take the projection; [`Error::Memory`] and [`Error::Vulkan`] from the device.
+    /// [`Error::Usage`] for an unknown method or parameter, or a wrong value or size. [`Error::Usage`] for a method that needs the
+    /// scene, needs captures that are not given, or does not take the projection. [`Error::Memory`] and [`Error::Vulkan`] from the
+    /// device.
     pub fn new(context: &Context, info: &ReflectionsInfo) -> Result<Self> {
         let method = super::method(info.method)?;
         let mut setup = Setup::new(info.extent).seen_by(info.projection);
@@ -210,7 +213,7 @@ impl Reflections {
         Ok(Self { frames, import, effect, method, setup, wants, beyond })
     }
 
-    /// Makes images of another size. The device is done with every frame that was recorded.
+    /// Makes images of another size. The device must be done with every frame that was recorded.
     ///
     /// # Errors
     /// Errors of [`Self::new`]; the old size stays then.
@@ -227,14 +230,14 @@ impl Reflections {
         self.setup.extent
     }
 
-    /// Forgets the frames that the parameter `history` averages, so that the next one stands alone: after a cut, and after
-    /// a command buffer that was thrown away.
+    /// Forgets the frames that the parameter `history` averages, so that the next frame stands alone. Call it after a cut, and
+    /// after a command buffer was thrown away.
     pub fn restart_history(&self) {
         self.effect.restart_history();
     }
 
-    /// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have
-    /// been recorded once, no allocation on the device.
+    /// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded
+    /// once, nothing is allocated on the device.
     ///
     /// # Errors
     /// [`Error::Usage`] with the input that is wrong, and why; nothing is recorded then. [`Error::Memory`] or
@@ -242,11 +245,11 @@ impl Reflections {
     ///
     /// # Safety
     /// - The command buffer is recording, outside rendering, for a queue of the context's family.
-    /// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is
-    ///   done; the images hold what the caller submitted before.
-    /// - What was recorded with the same slot before is no longer under way.
-    /// - Frames of this object are submitted in the order in which they were recorded, to one queue, and so are the
-    ///   captures' that they see. A command buffer is submitted once, or recorded and thrown away before another is.
+    /// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
+    ///   done. Whatever writes the images was submitted before.
+    /// - The frame that was recorded with the same slot before is no longer under way.
+    /// - Frames of this object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
+    ///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
         let taken = self.check(input)?;
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
@@ -307,16 +310,16 @@ impl Reflections {
         Ok(Recorded { composite, reflection, hits, passes: report.recorded, skipped: report.skipped })
     }
 
-    /// How long each pass of the last frame of a slot took; empty if it was not timed.
+    /// How long each pass of the last frame of a slot took; empty if the frame was not timed.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a slot that there is not; [`Error::Vulkan`] with `NOT_READY` if the device is not done with
-    /// the frame yet.
+    /// [`Error::Usage`] for a slot that does not exist; [`Error::Vulkan`] with `NOT_READY` if the device is not done with the frame
+    /// yet.
     pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
         self.frames.times(slot)
     }
 
-    /// What is wrong with an input, if anything; else the camera.
+    /// Checks the inputs, and returns the converted camera.
     fn check(&self, input: &FrameInput) -> Result<ConvertedCamera> {
         let extent = self.extent();
         if input.timed && !self.frames.gpu().has_timestamps() {
@@ -370,7 +373,7 @@ fn effect(
     }
 }
 
-/// Gives a parameter of a method, or of what surrounds every method, its value.
+/// Sets a parameter of a method, or of the effect around every method.
 fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
     if name == "preset" {
         let preset = [Preset::Published, Preset::Author].into_iter().find(|p| p.name() == value);

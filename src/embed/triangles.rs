@@ -20,34 +20,34 @@ use glam::{Mat4, Vec3};
 pub struct TriangleMesh<'a> {
     /// Places of the vertices, in the mesh's own space.
     pub positions: &'a [[f32; 3]],
-    /// Three vertices for each triangle; it is seen from both sides.
+    /// Three vertices for each triangle, which is seen from both sides.
     pub indices: &'a [u32],
-    /// From the mesh's space to the world, column by column.
+    /// The matrix from the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from it, linear: as lit where it stands, since no light is computed for it. A factor where it has
-    /// a texture.
+    /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the crate computes no light for it.
+    /// With a texture, the colour is a factor of the texture.
     pub color: [f32; 3],
-    /// The texture of that light, if it differs over the mesh.
+    /// The texture of the light, if the light differs over the mesh.
     pub texture: Option<MeshTexture<'a>>,
 }
 
-/// Where a mesh has which texture.
+/// The texture of a mesh, and where each vertex lies on the texture.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshTexture<'a> {
     /// The texture's number among those that [`Triangles::with_textures`] is given.
     pub number: usize,
-    /// The place of each vertex on it: (0, 0) is the corner of the first texel, (1, 1) that of the last, and beyond them it
-    /// repeats.
+    /// The texture coordinates of each vertex: (0, 0) is the corner of the first texel, (1, 1) that of the last. Beyond them the
+    /// texture repeats.
     pub places: &'a [[f32; 2]],
 }
 
-/// A texture of the light that comes from meshes. Rays look it up between four texels, in the level whose texels are nearest
-/// in size to their footprint; the levels are made of it.
+/// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels are nearest in
+/// size to the ray's footprint. The crate makes the levels.
 #[derive(Debug, Clone, Copy)]
 pub struct HitTexture<'a> {
     /// Width and height in texels, 1 to [`Self::MAX_SIDE`].
     pub extent: [u32; 2],
-    /// Whether the bytes are sRGB, or else linear.
+    /// Whether the bytes are sRGB; otherwise they are linear.
     pub is_srgb: bool,
     /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
     pub texels: &'a [u8],
@@ -58,8 +58,9 @@ impl HitTexture<'_> {
     pub const MAX_SIDE: u32 = 32768;
 }
 
-/// Triangles of the scene, in which `unified` and `traced` follow the rays that the screen loses: what a ray meets there has
-/// its mesh's colour or texture. Where something moved, make them anew, and keep the old ones until the device is done.
+/// Triangles of the scene, in which `unified` and `traced` follow the rays that the screen loses. A ray that hits a triangle sees
+/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
+/// them.
 pub struct Triangles {
     frames: FrameContext,
     unlit: UnlitTriangles,
@@ -67,8 +68,8 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// Builds the tree over the triangles on the CPU, and makes the buffers; [`record_upload`](Self::record_upload) fills
-    /// them. It needs the crate's feature `tree`.
+    /// Builds the tree over the triangles on the CPU, and makes the buffers; [`record_upload`](Self::record_upload) fills them. The
+    /// function needs the crate's feature `tree`.
     ///
     /// # Errors
     /// [`Error::Usage`] with the number of a mesh that is wrong, and why; [`Error::Memory`] without memory.
@@ -77,7 +78,7 @@ impl Triangles {
         Self::with_textures(context, meshes, &[])
     }
 
-    /// Does what [`Self::new`] does for meshes with textures among `textures`.
+    /// Does the same as [`Self::new`], for meshes with textures among `textures`.
     ///
     /// # Errors
     /// Errors of [`Self::new`], and [`Error::Usage`] with the number of a texture that is wrong, and why.
@@ -99,10 +100,10 @@ impl Triangles {
         Ok(Self { frames: FrameContext::in_others(&context.gpu, 1)?, unlit, is_recorded: false })
     }
 
-    /// Records copying the triangles to the device: once, before the first frame that sees them.
+    /// Records the copy of the triangles to the device. Call it once, before the first frame that sees them.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it was recorded before; [`Error::Vulkan`] from the device.
+    /// [`Error::Usage`] if the copy was recorded before; [`Error::Vulkan`] from the device.
     ///
     /// # Safety
     /// The contract is that of [`Reflections::record`](super::Reflections::record).
@@ -118,7 +119,7 @@ impl Triangles {
         Ok(())
     }
 
-    /// The triangles as methods take them.
+    /// Returns the triangles in the form in which methods read them.
     ///
     /// # Errors
     /// [`Error::Usage`] if they were never uploaded.
@@ -129,7 +130,7 @@ impl Triangles {
         Ok(self.unlit.bound())
     }
 
-    /// How shaders read them, which every frame has in common.
+    /// Returns how shaders read the triangles, which is the same in every frame.
     pub(super) fn reading(&self) -> TriangleReading {
         self.unlit.reading()
     }
@@ -178,19 +179,19 @@ impl TriangleMesh<'_> {
             material: number,
             bounds: Aabb::ALL,
         };
-        // What emits all of its albedo has that colour under every light.
+        // A material that emits all of its albedo has the colour of its albedo under every light.
         let albedo_map = self.texture.map(|texture| texture.number);
         Ok((mesh, Material { albedo: color, albedo_map, emission: 1.0, ..Material::default() }))
     }
 }
 
-/// The most texels of all textures: with their levels, the places of all of them fit 31 bits.
+/// The most texels of all textures together. With the texels of all mip levels, the index of a texel still fits 31 bits.
 #[cfg(feature = "tree")]
 const MAX_TEXELS: usize = 1 << 30;
 
 #[cfg(feature = "tree")]
 impl HitTexture<'_> {
-    /// The texture, all of whose light is emitted: shaders take alpha for the share that is.
+    /// Converts the texture. Alpha is 255, since shaders take alpha for the share of the light that is emitted.
     fn take(&self, number: usize) -> Result<Texture> {
         let [width, height] = self.extent;
         let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));

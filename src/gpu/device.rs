@@ -1,4 +1,4 @@
-//! The device's handle, and what its clones share.
+//! The handle of a device, and the state that clones of the handle share.
 
 mod compile_only;
 mod features;
@@ -27,16 +27,16 @@ use std::time::Duration;
 /// Which device to open, and how.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceQuery {
-    /// An index of `ssct devices`, or a part of a name; without one, the environment variable
-    /// `SSCT_DEVICE`, else the best by type.
+    /// Index in the list of `ssct devices`, or a part of a name. `None` takes the environment variable `SSCT_DEVICE`, or else the best
+    /// device by type.
     pub device: Option<String>,
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
     /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
     /// with `validation`.
     pub gpu_assisted: bool,
-    /// Whether material maps are sampled without anisotropy. Each driver places the samples of an anisotropic filter as
-    /// it likes, so that images of different drivers differ less without such a filter.
+    /// Whether material maps are sampled without anisotropy. Drivers place the samples of an anisotropic filter differently, so that
+    /// their images differ less without such a filter.
     pub isotropic: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
@@ -47,7 +47,7 @@ pub struct DeviceQuery {
     pub instance_extensions: Vec<&'static CStr>,
 }
 
-/// What a device calls itself and can do.
+/// Name, driver, Vulkan version and type of a device.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize, PartialEq)]
 pub struct DeviceInfo {
     /// Marketing name.
@@ -68,7 +68,7 @@ impl DeviceInfo {
     }
 }
 
-/// How finely a device rasterises and filters: the fractional bits of its fixed-point numbers, as it states them.
+/// Precision of a device's rasteriser and filters: the fractional bits of their fixed-point numbers, as the device states them.
 #[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize, PartialEq, Eq)]
 pub struct Precision {
     /// Bits of a vertex's position within a pixel.
@@ -82,12 +82,12 @@ pub struct Precision {
 /// One line of `ssct devices`.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct DeviceListing {
-    /// What `--device` takes.
+    /// Index of the device, which `--device` takes.
     pub index: usize,
     /// The device.
     #[serde(flatten)]
     pub info: DeviceInfo,
-    /// Why it can't be used, if it can't.
+    /// Reason why the device can't be used; `None` if it can.
     pub unsuitable: Option<String>,
 }
 
@@ -102,7 +102,7 @@ pub struct EnabledFeatures {
     pub vulkan13: vk::PhysicalDeviceVulkan13Features<'static>,
 }
 
-/// A device that somebody else made.
+/// The handles of a device that the caller made.
 pub struct DeviceHandles {
     /// The loader.
     pub entry: ash::Entry,
@@ -114,21 +114,21 @@ pub struct DeviceHandles {
     pub device: ash::Device,
     /// The family of the queues that command buffers are submitted to.
     pub queue_family: u32,
-    /// What was on when it was made.
+    /// Features that were on when the device was made.
     pub enabled: EnabledFeatures,
-    /// Whether the instance has VK_EXT_debug_utils on: passes and objects then have names.
+    /// Whether the instance has VK_EXT_debug_utils on, which gives passes and objects names.
     pub debug_utils: bool,
-    /// Where memory comes from; `None` for an allocator of the crate's own.
+    /// The caller's allocator; `None` for the crate's own.
     pub memory: Option<Box<dyn DeviceMemory>>,
 }
 
-/// A handle to an open device. Clones share it; it is destroyed with the last one.
+/// A handle to an open device. Clones share the device, and the last clone destroys it.
 #[derive(Clone)]
 pub struct Gpu {
     shared: Arc<Shared>,
 }
 
-/// What the handles share, in the order in which it was made.
+/// The state that all handles of a device share, in the order in which its parts are made.
 pub struct Shared {
     /// The loader.
     pub entry: ash::Entry,
@@ -142,21 +142,21 @@ pub struct Shared {
     debug_device: Option<ash::ext::debug_utils::Device>,
     /// The family of the queue.
     pub queue_family: u32,
-    /// None where somebody else submits.
+    /// The queue that frames are submitted to; `None` on a caller's device, where the caller submits.
     queue: Option<Mutex<vk::Queue>>,
     samplers: Samplers,
     pub(crate) pipelines: Pipelines,
     memory: ManuallyDrop<Source>,
-    /// Whether instance and device go with the last handle, or are somebody else's.
+    /// Whether the last handle destroys the instance and the device; false if they are the caller's.
     owned: bool,
     submissions: AtomicU64,
-    /// How long a frame may take, and who is told if one takes longer.
+    /// The longest time that a frame may take, and the function to call if one takes longer.
     pub(crate) patience: OnceLock<Patience>,
-    /// Code that stands for shaders that changed.
+    /// New code for shaders that changed while the program runs.
     #[cfg(feature = "reload")]
     pub replaced_shaders: super::shader::ReplacedShaders,
     info: DeviceInfo,
-    /// Its place in the loader's list; none where somebody else made it.
+    /// The device's place in the loader's list; `None` for a caller's device.
     index: Option<usize>,
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) timestamp_mask: u64,
@@ -164,13 +164,13 @@ pub struct Shared {
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
     pub(crate) numbers_triangles: bool,
-    /// What tells about compiled pipelines, on a device that compiles only.
+    /// The functions that ask about compiled pipelines, on a device that compiles only.
     pub(super) executables: Option<Executables>,
     /// Ray queries, or a sentence that says why there are none.
     ray_queries: std::result::Result<RayQueries, String>,
 }
 
-/// How long a frame may take, and what is called with a sentence if one takes longer.
+/// The longest time that a frame may take, and a function that is called with a sentence if one takes longer.
 pub(crate) type Patience = (Duration, fn(&str));
 
 struct Debug {
@@ -185,12 +185,12 @@ impl std::fmt::Debug for Gpu {
     }
 }
 
-/// Names a failed call.
+/// Returns a function that turns the result of a failed call into an error with the call's name.
 pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
     move |result| Error::Vulkan { what: what.into(), result }
 }
 
-/// A text that Vulkan returned; empty if no zero ends it.
+/// Converts a text that Vulkan returned; a text that no zero ends becomes empty.
 pub(super) fn text(returned: std::result::Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
     returned.map(|text| text.to_string_lossy().into_owned()).unwrap_or_default()
 }
@@ -214,24 +214,24 @@ impl Gpu {
         // This handle keeps the log until a failed opening has destroyed the instance, which writes into it.
         let log = Arc::<ValidationLog>::default();
         let (entry, instance, has_debug) = create_instance(query, &log)?;
-        // From here on everything that exists is destroyed by `Shared`, or here on an error.
+        // From here on `Shared` destroys all that was made, or this function on an error.
         let debug = has_debug.then(|| Debug::new(&entry, &instance, query.validation, &log)).transpose();
         let opened = debug.and_then(|debug| open_device(entry.clone(), instance.clone(), debug, query));
         if opened.is_err() {
-            // SAFETY: opening failed before a device was created from it, or destroyed that device.
+            // SAFETY: opening failed before a device was created from the instance, or destroyed that device.
             unsafe { instance.destroy_instance(None) };
         }
         Ok(Self { shared: Arc::new(opened?) })
     }
 
-    /// A device that somebody else made, and destroys.
+    /// Wraps a device that the caller made and destroys.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] with what the device or what was enabled on it lacks.
+    /// [`Error::NoDevice`] with what the device lacks, or with the feature that was not enabled on it.
     ///
     /// # Safety
-    /// The handles belong together and outlive every handle of this, and what it makes; what is said to be on is on. The
-    /// device is done with everything that was recorded when the last handle goes.
+    /// The handles belong together, and outlive every clone of this handle and all that is made from it. What `device` says to be on is
+    /// on. When the last clone is dropped, the device is done with everything that was recorded.
     pub unsafe fn of_others(device: DeviceHandles) -> Result<Self> {
         // SAFETY: by the contract.
         Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?) })
@@ -252,22 +252,23 @@ impl Gpu {
         }
     }
 
-    /// The number that `ssct devices` gives it, and `--device` takes; none for a device that somebody else made.
+    /// The number of the device in `ssct devices`, which `--device` takes; `None` for a caller's device.
     pub fn index(&self) -> Option<usize> {
         self.shared.index
     }
 
-    /// What the device calls itself.
+    /// Name, driver, Vulkan version and type of the device.
     pub fn info(&self) -> &DeviceInfo {
         &self.shared.info
     }
 
-    /// What the validation layers said so far; empty without `--validation`.
+    /// The messages of the validation layers so far; none without `--validation`.
     pub fn validation(&self) -> Vec<validation::Message> {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
 
-    /// The messages themselves, which outlive the device: what is left undestroyed is said when it goes.
+    /// The log of the validation messages. It outlives the device, because the layers report undestroyed objects when the device is
+    /// destroyed.
     pub fn validation_log(&self) -> Option<Arc<ValidationLog>> {
         self.shared.debug.as_ref().map(|d| Arc::clone(&d.log))
     }
@@ -277,7 +278,7 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
     }
 
-    /// An error if the validation layers said anything outside the allow-list.
+    /// Returns an error if the validation layers said anything outside the allow-list.
     pub fn check_validation(&self) -> Result<()> {
         validation::check(&self.violations())
     }
@@ -287,7 +288,7 @@ impl Gpu {
         &self.shared.device
     }
 
-    /// What all handles share.
+    /// The state that all handles of the device share.
     pub fn shared(&self) -> &Shared {
         &self.shared
     }
@@ -297,7 +298,7 @@ impl Gpu {
         self.shared.submissions.load(Ordering::Relaxed)
     }
 
-    /// To be called with each submission.
+    /// Counts a submission. Whoever submits must call this function.
     pub fn count_submission(&self) {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
@@ -321,9 +322,8 @@ impl Gpu {
         self.shared.samplers.get(sampler)
     }
 
-    /// Calls a function with a sentence if a frame is not done in some time: for shaders that may run forever. What the
-    /// device was at work on cannot be freed, so that the function does not return, but ends the program. The first call
-    /// counts.
+    /// Calls `give_up` with a sentence if a frame is not done within `limit`, since a shader may run forever. The function must not
+    /// return but end the program, since what the device works on cannot be freed. Only the first call counts.
     pub fn wait_at_most(&self, limit: Duration, give_up: fn(&str)) {
         self.shared.patience.get_or_init(|| (limit, give_up));
     }
@@ -333,7 +333,7 @@ impl Gpu {
         self.memory().bytes().0
     }
 
-    /// Bytes of the blocks of device memory that it holds to allocate from.
+    /// Bytes of the blocks of device memory that the allocator holds.
     pub fn reserved_bytes(&self) -> u64 {
         self.memory().bytes().1
     }
@@ -352,16 +352,16 @@ impl Gpu {
         self.shared.largest_point
     }
 
-    /// Whether fragment shaders are told the number of the triangle that they are of (`gl_PrimitiveID`): with the feature
-    /// `geometryShader`, which a device may lack.
+    /// Whether fragment shaders know the number of their triangle (`gl_PrimitiveID`). This number needs the feature `geometryShader`,
+    /// which a device may lack.
     pub fn numbers_triangles(&self) -> bool {
         self.shared.numbers_triangles
     }
 
-    /// Ray queries, by which the device itself finds the triangles that rays meet.
+    /// The functions for ray queries, with which the device itself finds the triangles that rays meet.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the device has none, and on a caller's device.
+    /// [`Error::Usage`] if the device has no ray queries, and on a caller's device.
     pub(crate) fn ray_queries(&self) -> Result<&RayQueries> {
         self.shared.ray_queries.as_ref().map_err(|why| Error::Usage(why.clone()))
     }
@@ -395,8 +395,8 @@ impl Gpu {
         self.shared.limits.max_image_dimension3_d
     }
 
-    /// An error unless images of a format can be filtered linearly; Vulkan promises it of no format
-    /// with 32 bits a channel.
+    /// Returns an error unless images of a format can be filtered linearly. Vulkan promises linear filtering for no format with 32 bits a
+    /// channel.
     pub fn require_linear_filter(&self, format: vk::Format) -> Result<()> {
         // SAFETY: the physical device is the one that this device was made from.
         let properties =
@@ -435,8 +435,8 @@ impl Gpu {
 
 impl Drop for Shared {
     fn drop(&mut self) {
-        // SAFETY: the last handle is gone, and with it every resource, since each keeps one; the
-        // device is idle before anything is destroyed, for which whoever owns it vouches (`Gpu::of_others`).
+        // SAFETY: the last handle is gone, and so is every resource, since each keeps a handle. The device is idle before anything is
+        // destroyed; on a caller's device, the caller promises this (`Gpu::of_others`).
         unsafe {
             if self.owned {
                 let _ = self.device.device_wait_idle();
@@ -449,7 +449,7 @@ impl Drop for Shared {
                 return;
             }
             self.device.destroy_device(None);
-            // The instance writes into the log until it is gone.
+            // Keeps the log, into which the instance writes until it is destroyed.
             let _log = self.debug.as_ref().map(|debug| Arc::clone(&debug.log));
             if let Some(debug) = self.debug.take() {
                 debug.destroy();

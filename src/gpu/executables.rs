@@ -1,5 +1,5 @@
-//! What a device's compiler made of the programs of frames, as VK_KHR_pipeline_executable_properties says it: on a device
-//! that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only).
+//! Statistics of a device's compiler about the programs of frames, by VK_KHR_pipeline_executable_properties. Only a
+//! device that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only) has them.
 
 use super::device::{Gpu, text, vulkan};
 use super::pipeline::SharedPipeline;
@@ -8,12 +8,12 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What the device compiled one stage of a pipeline to.
+/// The code that a device compiled for a stage of a pipeline (a pipeline executable of Vulkan).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Executable {
-    /// The driver's name of it.
+    /// The driver's own name.
     pub name: String,
-    /// The stage that it runs, as "fragment" or "compute"; several with "+" between them.
+    /// Stage that the code is for, as "fragment" or "compute"; several with "+" between them.
     pub stage: String,
     /// Invocations of a subgroup.
     pub subgroup_size: u32,
@@ -21,12 +21,12 @@ pub struct Executable {
     pub statistics: Vec<Statistic>,
 }
 
-/// A number that a driver states of an executable.
+/// A number that a driver states about an executable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistic {
-    /// The driver's name of it.
+    /// The driver's own name.
     pub name: String,
-    /// What it counts, in the driver's words.
+    /// What the number counts, in the driver's words.
     pub about: String,
     /// The number; a truth value is 0 or 1.
     pub value: f64,
@@ -35,19 +35,19 @@ pub struct Statistic {
 /// A program that a pass of a frame ran.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompiledProgram {
-    /// The pass.
+    /// Label of the pass.
     pub pass: String,
     /// Whether the pass counts towards the method's time.
     pub counted: bool,
-    /// The program: its shader's path under `shaders-glsl/`, and what is defined for it.
+    /// Name of the program: the path of its shader under `shaders-glsl/`, and the macros that are defined for it.
     pub program: String,
     /// Ids and bits of the specialization constants.
     pub constants: Vec<(u32, u32)>,
-    /// What its stages were compiled to.
+    /// The code that the stages were compiled to.
     pub executables: Vec<Executable>,
 }
 
-/// The functions that ask, and the passes of frames with the pipelines that they ran.
+/// The functions of the extension, and the passes of frames with the pipelines that they ran.
 pub(crate) struct Executables {
     functions: ash::khr::pipeline_executable_properties::Device,
     pass_pipelines: Mutex<Vec<PassPipeline>>,
@@ -60,7 +60,7 @@ struct PassPipeline {
 }
 
 impl Executables {
-    /// The extension by which a device tells what it compiled.
+    /// The extension that tells what a device compiled.
     pub const EXTENSION: &'static CStr = ash::khr::pipeline_executable_properties::NAME;
 
     /// Loads the functions of a device on which the extension is on.
@@ -128,8 +128,8 @@ fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
 }
 
 impl Gpu {
-    /// The programs of the passes that were recorded since the last call, and what the device compiled them to, in the order
-    /// of the passes.
+    /// Returns the programs of the passes that were recorded since the last call, with their compiled code, in the
+    /// order of the passes.
     ///
     /// # Errors
     /// [`Error::Usage`] on a device that was not opened to compile only; errors of the driver.

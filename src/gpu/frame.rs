@@ -1,8 +1,8 @@
 //! One frame: its passes, each with its label, timestamps and barriers, recorded and submitted.
 //!
-//! A pass states what it reads and writes by its program's struct and its targets; the
-//! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
-//! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
+//! A pass states what it reads and writes by its program's struct and its targets; the frame derives the barriers from the table
+//! in [`super::sync`]. In timing mode a full barrier separates passes, so that they cannot overlap and their times add up to the
+//! frame's.
 
 mod bind;
 mod context;
@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime};
 pub use target::Target;
 
-/// What a frame is recorded for.
+/// The purpose of recording a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// For its images only: exact barriers, no queries.
@@ -45,7 +45,7 @@ pub enum Mode {
     Counted,
 }
 
-/// What a binding is given, as [`Program::resources`](super::program::Program::resources) says it.
+/// A resource for one binding of a program, as [`Program::resources`](super::program::Program::resources) returns it.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
@@ -60,7 +60,7 @@ pub enum Resource<'a> {
     Uniform(&'a [u8]),
     /// A buffer, read as texels.
     Texels(&'a TexelBuffer),
-    /// A structure, through which compute shaders follow rays.
+    /// An acceleration structure, for ray queries of compute shaders.
     Rays(&'a RayStructure),
     /// A storage buffer, read and written.
     Buffer(&'a Buffer),
@@ -68,14 +68,14 @@ pub enum Resource<'a> {
     ReadBuffer(&'a Buffer),
 }
 
-/// What one submission did.
+/// The passes, times and work of one frame.
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct FrameReport {
     /// Time of each pass, in order; empty unless [`Mode::Timed`].
     pub passes: Vec<PassTime>,
     /// Milliseconds from the frame's first timestamp to its last; 0 unless [`Mode::Timed`].
     pub frame_ms: f64,
-    /// When the host recorded the frame, and how long it took and waited; not of a frame that others submit.
+    /// When the host recorded the frame, and how long it recorded and waited; `None` for a frame that the caller submits.
     #[serde(default)]
     pub host: Option<HostTime>,
     /// Work of each pass, in order; empty unless [`Mode::Counted`].
@@ -91,18 +91,18 @@ pub struct FrameReport {
 pub struct HostTime {
     /// When recording began, in microseconds since 1970.
     pub begun_us: u64,
-    /// Milliseconds until it was submitted.
+    /// Milliseconds from then until the frame was submitted.
     pub record_ms: f64,
-    /// Milliseconds from then until the device was done.
+    /// Milliseconds from the submission until the device was done.
     pub wait_ms: f64,
 }
 
 /// A pass that a frame did not need.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Skipped {
-    /// Its label.
+    /// Label of the pass.
     pub pass: String,
-    /// Why not, in a clause.
+    /// Reason why the frame did not need the pass, as a clause.
     pub why: String,
 }
 
@@ -111,21 +111,21 @@ pub struct Frame<'c> {
     context: &'c mut FrameContext,
     mode: Mode,
     passes: Vec<(String, bool)>,
-    /// What the host did for the frame.
+    /// Work of the host for the frame, as passes.
     on_host: Vec<PassTime>,
     skipped: Vec<Skipped>,
     counted: bool,
-    /// What the names of passes begin with.
+    /// Prefix of the names of passes.
     stage: String,
     pending: Barriers,
     undo: Undo,
-    /// Pipelines that this frame settles, once it is submitted.
+    /// Flags of the pipelines that are settled once this frame is submitted (`quirks/settle.rs`).
     settled: Vec<Arc<AtomicBool>>,
     begun: (SystemTime, Instant),
 }
 
-/// What images and buffers were before the frame, for as long as it may fail: barriers that were never
-/// submitted changed nothing.
+/// States of images and buffers before the frame, to be restored if the frame is never submitted: its barriers then changed
+/// nothing.
 #[derive(Default)]
 struct Undo(Vec<(TrackedState, State)>);
 
@@ -145,7 +145,7 @@ struct Barriers {
 }
 
 impl<'c> Frame<'c> {
-    /// A frame whose command buffer is recording, with its first timestamp.
+    /// Makes a frame whose command buffer is recording, and writes its first timestamp.
     fn begun(context: &'c mut FrameContext, mode: Mode) -> Result<Self> {
         let mut frame = Self {
             context,
@@ -171,8 +171,8 @@ impl Frame<'_> {
         self.counted = true;
     }
 
-    /// From here on the names of passes begin with that of a stage and a slash, so that passes that are recorded again
-    /// have names of their own; `None` ends it.
+    /// Puts a stage's name and a slash before the names of the passes that follow, so that passes that are recorded again have
+    /// names of their own. `None` ends the stage.
     pub fn stage(&mut self, name: Option<&str>) {
         self.stage = name.map_or(String::new(), |name| format!("{name}/"));
     }
@@ -187,13 +187,13 @@ impl Frame<'_> {
         self.on_host.push(PassTime { name: format!("{}{name}", self.stage), ms, start_ms: 0.0, counted: self.counted });
     }
 
-    /// Moves levels to a use without a pass of its own: textures after their upload.
+    /// Moves levels of an image to a use without a pass, for example textures after their upload.
     pub fn make_ready(&mut self, slice: ImageSlice, access: Access) {
         self.use_image(slice, access);
         self.flush();
     }
 
-    /// An image of somebody else is as they left it.
+    /// Takes over a caller's image in the state in which the caller left it.
     pub fn take_over(&mut self, image: &Image, left: ImageUse) {
         for (_, state) in image.all().states() {
             self.undo.0.push((state.clone(), state.get()));
@@ -201,7 +201,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Moves an image to somebody else's use: what is recorded here is done with it before that.
+    /// Hands an image over to a use by the caller, which waits for everything that is recorded here.
     pub fn hand_over(&mut self, image: &Image, to: ImageUse) {
         for (level, state) in image.all().states() {
             let mut s = state.get();
@@ -213,7 +213,7 @@ impl Frame<'_> {
         self.flush();
     }
 
-    /// Submits, waits, and reads the queries.
+    /// Submits the frame, waits for the device, and reads the queries.
     pub fn finish(self) -> Result<FrameReport> {
         self.submit(&[], &[])
     }
@@ -276,7 +276,7 @@ impl Frame<'_> {
                 }
             };
             if waited.is_err() {
-                // A lost device is idle; any other must be before what it uses goes.
+                // A lost device is idle; any other must become idle before the resources that it uses are destroyed.
                 let _ = device.device_wait_idle();
             }
             device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
@@ -304,7 +304,7 @@ impl Frame<'_> {
         Ok(report)
     }
 
-    /// Ends a frame of somebody else's command buffer, who submits it. The report says what was recorded; the times are
+    /// Ends a frame in a caller's command buffer, which the caller submits. The report says what was recorded; the times are
     /// known later ([`FrameContext::times`]).
     pub fn end(mut self) -> Result<FrameReport> {
         self.stamp()?;
@@ -313,7 +313,7 @@ impl Frame<'_> {
         Ok(self.recorded())
     }
 
-    /// What was recorded and skipped; the slot keeps the names of timed passes.
+    /// Reports the recorded and the skipped passes; the slot keeps the names of timed passes.
     fn recorded(&mut self) -> FrameReport {
         let passes = std::mem::take(&mut self.passes);
         let recorded = passes.iter().map(|(name, _)| name.clone()).collect();
@@ -327,7 +327,7 @@ impl Frame<'_> {
         &mut self.context.slots[self.context.slot]
     }
 
-    /// Label, timestamps and statistics of a pass, around what `record` records.
+    /// Records a pass: label, timestamps and statistics around the commands that `record` records.
     fn pass(&mut self, name: &str, record: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let commands = self.context.commands;
         let name = format!("{}{name}", self.stage);
@@ -365,7 +365,7 @@ impl Frame<'_> {
         self.context.gpu.raw()
     }
 
-    /// Everything before is done and visible to everything after.
+    /// Makes everything before the barrier done and visible to everything after it.
     fn full_barrier(&self) {
         let all = vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
@@ -378,7 +378,7 @@ impl Frame<'_> {
         unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
     }
 
-    /// Brings a pass's resources to their use, with the next [`Self::flush`].
+    /// Collects the barriers that bring a pass's resources to their use; the next [`Self::flush`] records them.
     fn prepare(&mut self, inputs: &ProgramInputs, [sampled, read, stored]: [Access; 3]) {
         for (_, resource) in &inputs.resources {
             match *resource {
@@ -404,7 +404,7 @@ impl Frame<'_> {
         }
     }
 
-    /// The barrier of a level, with the next [`Self::flush`].
+    /// Collects the barrier of a level; the next [`Self::flush`] records it.
     fn image_barrier(&mut self, image: &Image, level: u32, transition: Option<Transition>) {
         let Some(t) = transition else { return };
         self.pending.images.push(

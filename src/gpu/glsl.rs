@@ -1,20 +1,21 @@
-//! The files of shaders, the programs that they name, and the way from GLSL to SPIR-V (shaderc, which is glslang; with the
-//! feature `compile-shaders`). `build.rs` includes this file, and so does the window, which compiles shaders anew when they
-//! change: both see the same.
+//! The files of shaders, the programs that they name, and the way from GLSL to SPIR-V (shaderc, which is glslang; with
+//! the feature `compile-shaders`). `build.rs` includes this file, and so does the window, which compiles changed
+//! shaders anew, so that both compile alike.
 //!
-//! A stage file names its programs right below `#version`, one a line, with what is defined for each:
+//! A stage file names its programs right below `#version`, one a line, with the macros that are defined for each:
 //!
 //! ```glsl
 //! #pragma program(BlurAcross, ACROSS)
 //! #pragma program(BlurDown)
 //! ```
 //!
-//! A `.frag` file with the line `#pragma in_either_stage` is compiled as compute shaders, too: each of its programs once more, with
-//! COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further ones with MINIMUM defined, for images of other formats.
+//! A `.frag` file with the line `#pragma in_either_stage` is compiled as compute shaders, too: each of its programs
+//! once more, with COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further compute programs with MINIMUM
+//! defined, for images of other formats.
 
 use std::path::{Path, PathBuf};
 
-/// Where the sources are, in the repository.
+/// Folder of the sources in the repository.
 pub const FOLDER: &str = "shaders-glsl";
 
 /// The macro that is defined for a compute program of a `.frag` file.
@@ -75,10 +76,10 @@ impl NamedProgram {
 /// The pragma of a source whose fragment programs are compute programs, too.
 const IN_EITHER_STAGE: &str = "in_either_stage";
 
-/// What is defined beside COMPUTE for each of the compute programs that a fragment program of a source has.
+/// The macros, beside COMPUTE, of each compute program that a fragment program of a source has.
 ///
 /// # Errors
-/// A sentence on a pragma that is none of ours.
+/// A sentence about a pragma that is not known here.
 pub fn in_either_stage(source: &str, path: &Path) -> Result<Vec<Vec<String>>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
@@ -110,7 +111,7 @@ fn words(list: &str) -> Option<Vec<String>> {
 /// The programs that a stage's source names, in order.
 ///
 /// # Errors
-/// A sentence on a pragma that is none of ours.
+/// A sentence about a pragma that is not known here.
 pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
@@ -132,8 +133,8 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
     Ok(found)
 }
 
-/// Compiles a stage for Vulkan 1.3 with some macros defined; `root` is what includes are relative to where they are
-/// not beside the file that includes them.
+/// Compiles a stage for Vulkan 1.3 with some macros defined; `root` is the folder of included files that do not lie
+/// beside the file that includes them.
 ///
 /// # Errors
 /// The compiler's message, which names file and line.
@@ -171,12 +172,12 @@ pub fn compile<D: AsRef<str>>(
     Ok(CompiledStage { words, files: included.into_inner() })
 }
 
-/// A stage's code, and the files that it was made from: itself, then what it includes.
+/// A stage's code, and the files that it was made from: its source, then the included files.
 #[cfg(feature = "compile-shaders")]
 pub struct CompiledStage {
     /// SPIR-V.
     pub words: Vec<u32>,
-    /// Paths, possibly several times the same.
+    /// Paths of the files; one path may be there several times.
     pub files: Vec<PathBuf>,
 }
 

@@ -1,4 +1,4 @@
-//! Images with one view per mip level (or slice of a volume) and one over all of them, and the samplers.
+//! Images with one view per mip level (or slice of a volume), and one view over all of them.
 
 mod slice;
 
@@ -11,10 +11,10 @@ use super::sync::{State, TrackedState};
 use crate::error::{Error, Result};
 use ash::vk;
 
-/// What an image is to be.
+/// The description of an image that is to be made.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageDesc<'a> {
-    /// For debuggers and errors.
+    /// Name for debuggers and errors.
     pub name: &'a str,
     /// Texel format.
     pub format: vk::Format,
@@ -24,7 +24,7 @@ pub struct ImageDesc<'a> {
     pub levels: u32,
     /// 6 for a cube map, more for an array ([`Image::array`], [`Image::cubes`]), else 1.
     pub layers: u32,
-    /// What it is used for.
+    /// Uses of the image.
     pub usage: vk::ImageUsageFlags,
 }
 
@@ -52,34 +52,34 @@ pub struct Image {
     whole_view: vk::ImageView,
     /// All levels but the finest; null for fewer than three.
     coarse_view: vk::ImageView,
-    /// The faces of a cube map as an array of images; null for what is no cube map.
+    /// The faces of a cube map as an array of images; null for other images.
     faces_view: vk::ImageView,
     /// Depth and stencil together, where there is a stencil: the other views see the depth alone.
     stencil_view: vk::ImageView,
     format: vk::Format,
     extent: [u32; 2],
-    /// Slices of a volume, each with a view to render into; else 1 and no such view.
+    /// Number of slices of a volume, each with a view to render into; for other images 1, without such a view.
     depth: u32,
     slice_views: Vec<vk::ImageView>,
     layers: u32,
     states: Vec<TrackedState>,
     name: String,
-    /// Whether the handle and its views are somebody else's.
+    /// Whether somebody else owns the handle and its views.
     borrowed: bool,
-    /// The part of somebody else's image that this is.
+    /// The part of a caller's image that this object stands for.
     part: Option<vk::ImageSubresourceRange>,
 }
 
 /// What the layers or slices of an image are.
 #[derive(Clone, Copy)]
 enum Kind {
-    /// One, or the six faces of a cube map.
+    /// One layer, or the six faces of a cube map.
     Flat,
-    /// Images of one size.
+    /// Layers are images of one size.
     Array,
-    /// Cube maps, six faces each.
+    /// Layers are cube maps, six faces each.
     Cubes,
-    /// So many slices of a volume.
+    /// The slices of a volume, by their number.
     Volume(u32),
 }
 
@@ -211,7 +211,7 @@ impl Image {
         let allocation = memory::allocate(gpu, desc.name, requirements, MemoryPlace::Device, false)?;
         // SAFETY: the memory fits the requirements and is freed after the image.
         let bound = unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) };
-        // Whatever came of it, the memory goes with what it was for.
+        // The image frees its memory even if the binding failed.
         image.allocation = Some(allocation);
         bound.map_err(vulkan(format!("vkBindImageMemory for {}", desc.name)))?;
         let view_usages = vk::ImageUsageFlags::SAMPLED
@@ -219,7 +219,7 @@ impl Image {
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         if desc.usage.intersects(view_usages) {
-            // A view of depth and stencil is one of the depth, where a shader reads it.
+            // A shader that reads an image with depth and stencil sees the depth alone.
             let shown = |image: &Self, range| vk::ImageSubresourceRange { aspect_mask: image.shown_aspect(), ..range };
             image.whole_view = image.view(view_type, shown(&image, image.range(0, desc.levels)))?;
             if desc.levels > 2 {
@@ -247,13 +247,13 @@ impl Image {
     pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        // Every device stores to these formats, and a load costs less than a sample on some.
+        // Every device can store to these formats, and on some devices a load costs less than a sample.
         let is_loaded = [vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_UINT].contains(&format);
         let usage = if is_loaded { usage | U::STORAGE } else { usage };
         Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
     }
 
-    /// An image as [`Self::target`] makes it, that programs of a stage write.
+    /// Makes an image like that of [`Self::target`], for programs of a shader stage to write.
     pub fn target_in(gpu: &Gpu, stage: ShaderStage, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         if stage == ShaderStage::Fragment {
@@ -263,13 +263,13 @@ impl Image {
         Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
     }
 
-    /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
+    /// Wraps an image of a swapchain, which has one level and no views, and which the swapchain destroys.
     pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
         gpu.name(handle, "swapchain");
         Self::bare(gpu, "swapchain", handle, (format, extent))
     }
 
-    /// One level and layer of an image of somebody else, seen through a view of theirs; both outlive this.
+    /// Wraps one level of a caller's image, seen through the caller's view; image and view outlive this object.
     pub fn of_others(
         gpu: &Gpu,
         name: &str,
@@ -285,6 +285,7 @@ impl Image {
         image
     }
 
+    /// Wraps an image that somebody else made and destroys, without views.
     fn bare(gpu: &Gpu, name: &str, handle: vk::Image, (format, extent): (vk::Format, [u32; 2])) -> Self {
         Self {
             gpu: gpu.clone(),
@@ -354,7 +355,7 @@ impl Image {
         self.layers
     }
 
-    /// The name it was made with.
+    /// The name that the image was made with.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -371,7 +372,7 @@ impl Image {
         ImageSlice { image: self, base: 0, count: 1, slice: Some(slice), by_face: false }
     }
 
-    /// What can be read back at once: the slices of a volume, else the mip levels.
+    /// The parts that can be read back at once: the slices of a volume, else the mip levels.
     pub fn parts(&self) -> Vec<ImageSlice<'_>> {
         match self.slice_views.len() as u32 {
             0 => (0..self.levels()).map(|l| self.level(l)).collect(),
@@ -395,7 +396,7 @@ impl Image {
         ImageSlice { by_face: true, ..self.all() }
     }
 
-    /// The handle, for whoever makes views of its own.
+    /// The handle, for code that makes its own views.
     pub fn handle(&self) -> vk::Image {
         self.handle
     }
@@ -408,7 +409,7 @@ impl Image {
         }
     }
 
-    /// What shaders and copies see of it: depth without stencil.
+    /// The aspect that shaders and copies see: depth without stencil.
     pub(crate) fn shown_aspect(&self) -> vk::ImageAspectFlags {
         self.aspect() & !vk::ImageAspectFlags::STENCIL
     }
@@ -422,8 +423,8 @@ impl Image {
             base_mip_level: base,
             level_count: count,
             base_array_layer: 0,
-            // In a volume's barriers, Vulkan with maintenance9 counts slices, and without it one layer. "Remaining" is
-            // all of the volume to both.
+            // In a volume's barriers, Vulkan counts slices with maintenance9, and one layer without it. `REMAINING_ARRAY_LAYERS`
+            // means the whole volume in both cases.
             layer_count: if self.depth > 1 { vk::REMAINING_ARRAY_LAYERS } else { self.layers },
         }
     }

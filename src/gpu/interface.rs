@@ -5,23 +5,23 @@ use rspirv::dr::{Module, Operand};
 use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, ImageFormat, Op, StorageClass, Word};
 use std::collections::{BTreeMap, HashMap};
 
-/// What a stage asks of its pipeline, and how its blocks lie in memory.
+/// The interface of a stage to its pipeline, and the layout of its blocks in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// What it binds, by number.
+    /// Bindings of the stage, by number.
     pub bindings: Vec<StageBinding>,
-    /// Its push-constant block.
+    /// Push-constant block of the stage.
     pub push: Option<PushBlock>,
-    /// Name and Rust type of a component of each colour that it writes, by location; of a fragment stage.
+    /// Name of each output of a fragment stage, and the Rust type of its components, by location.
     pub outputs: Vec<(String, &'static str)>,
-    /// Its specialization constants, by id.
+    /// Specialization constants of the stage, by id.
     pub constants: Vec<Constant>,
     /// Threads of a workgroup.
     pub local_size: [u32; 3],
     /// Uniform and push-constant blocks and the structs in them, by name.
     pub blocks: BTreeMap<String, Block>,
-    /// Formats of the images that it loads from and stores to, by binding, as Vulkan names them; an image without a format that
-    /// the programs store to is left out.
+    /// Vulkan's names for the formats of storage images, by binding; formats that `format_name` does not know are left
+    /// out.
     pub formats: BTreeMap<u32, &'static str>,
 }
 
@@ -32,13 +32,13 @@ pub struct StageBinding {
     pub binding: u32,
     /// The variable's name, or the block's where the variable has none.
     pub name: String,
-    /// The variant of `BindingKind`.
+    /// Name of the variant of `BindingKind`.
     pub kind: &'static str,
-    /// Descriptors: above 1 for an array of images.
+    /// Number of descriptors; above 1 for an array of images.
     pub count: u32,
     /// Name of the block; empty for an image.
     pub block: String,
-    /// Whether the stage says that it only reads.
+    /// Whether the stage declares the binding as read-only.
     pub read_only: bool,
 }
 
@@ -47,9 +47,9 @@ pub struct StageBinding {
 pub struct PushBlock {
     /// The variable's name.
     pub name: String,
-    /// The block's.
+    /// The block's name.
     pub block: String,
-    /// Bytes.
+    /// Size in bytes.
     pub size: u32,
 }
 
@@ -58,11 +58,11 @@ pub struct PushBlock {
 pub struct Constant {
     /// `layout(constant_id = …)`.
     pub id: u32,
-    /// Its name.
+    /// Name of the constant.
     pub name: String,
-    /// Its type in Rust.
+    /// Type of the constant in Rust.
     pub ty: &'static str,
-    /// The bits of the value that the shader gives it; 0 or 1 for a `bool`.
+    /// Bits of the default value in the shader; 0 or 1 for a `bool`.
     pub default: u32,
 }
 
@@ -70,7 +70,7 @@ impl Interface {
     /// Finds the interface of a module; `name` is what errors call it.
     ///
     /// # Errors
-    /// A sentence on what of it has no twin in Rust.
+    /// A sentence about a part of the module that has no twin in Rust.
     pub fn of(words: &[u32], name: &str) -> Result<Self, String> {
         let (words, local_size) = without_local_size_ids(words);
         let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
@@ -78,7 +78,7 @@ impl Interface {
     }
 }
 
-/// The name that Vulkan has for a format of an image, if programs store to such images.
+/// Vulkan's name for a format of an image; `None` for a format that no output of a program in either stage has.
 fn format_name(format: ImageFormat) -> Option<&'static str> {
     Some(match format {
         ImageFormat::Rgba32f => "R32G32B32A32_SFLOAT",
@@ -92,8 +92,8 @@ fn format_name(format: ImageFormat) -> Option<&'static str> {
     })
 }
 
-/// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
-/// LocalSizeId; returned are the ids of the three constants.
+/// Takes OpExecutionModeId out of a module, because rspirv's loader does not know this instruction. SPIR-V 1.6 uses it
+/// for LocalSizeId alone, whose three constants' ids are returned.
 fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
     const HEADER: usize = 5;
     let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
@@ -118,17 +118,17 @@ fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
 pub struct Block {
     /// Name, offset, Rust type and size of each field.
     pub fields: Vec<(String, u32, String, u32)>,
-    /// Bytes.
+    /// Size in bytes.
     pub size: u32,
     /// The stage that declares it.
     pub used_in: String,
 }
 
-/// A module with its names and decorations at hand.
+/// A module with a look-up of its names and decorations.
 struct Reflection<'a> {
     module: &'a Module,
     name: &'a str,
-    /// Ids of the workgroup's three sides.
+    /// Ids of the constants for the workgroup's three sides.
     local_size: Option<[Word; 3]>,
     names: HashMap<Word, String>,
     member_names: HashMap<(Word, u32), String>,
@@ -290,7 +290,7 @@ impl<'a> Reflection<'a> {
         self.module.entry_points.iter().any(|i| model(i) == Some(Operand::ExecutionModel(ExecutionModel::Fragment)))
     }
 
-    /// Whether a variable, or all that its block holds, is declared `readonly`.
+    /// Whether a variable, or every member of its block, is declared `readonly`.
     fn is_read_only(&self, id: Word, pointee: Word) -> bool {
         let members = match self.definition(pointee) {
             Some(d) if d.class.opcode == Op::TypeStruct => self.members(pointee).len() as u32,
@@ -365,7 +365,7 @@ impl<'a> Reflection<'a> {
         Ok(Block { fields, size, used_in: self.name.to_owned() })
     }
 
-    /// A type's Rust spelling, its size, and the alignment that its GLSL block has.
+    /// A type's name in Rust, and its size and alignment in a GLSL block, in bytes.
     fn rust_type(&self, id: Word) -> Result<(String, u32, u32), String> {
         let d = self.definition(id).ok_or("no type")?;
         let wrong = || format!("{}: a block member of type {:?} has no Rust twin", self.name, d.class.opcode);

@@ -1,4 +1,5 @@
-//! What shaders ask of a device beyond what Vulkan promises of every one: said in a sentence where a device has less.
+//! Checks of shaders against the limits of a device, with a sentence for an error. A shader may need more than Vulkan
+//! promises of every device.
 
 use super::device::Gpu;
 use super::shader::{Binding, BindingKind, Shader};
@@ -8,10 +9,10 @@ use ash::vk;
 /// The most descriptors of one kind that a set has.
 pub(super) const MAX_DESCRIPTORS: u32 = 32;
 
-/// Whether a device can run some shaders together.
+/// Checks that a device can run some shaders together.
 ///
 /// # Errors
-/// [`Error::NoDevice`] with the shader, and what it has more of than the device takes.
+/// [`Error::NoDevice`] with the shader and the limit that it exceeds.
 pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Result<()> {
     let Some(shader) = shaders.last() else { return Ok(()) };
     match excess(&gpu.shared().limits, shader.local_size, bindings) {
@@ -24,7 +25,8 @@ pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Res
     }
 }
 
-/// What a workgroup or a stage has more of than the limits allow: its name, how many, and how many are allowed.
+/// The first limit that a workgroup or a stage exceeds: the name of what is limited, the number, and the most that is
+/// allowed.
 fn excess(
     limits: &vk::PhysicalDeviceLimits,
     local_size: [u32; 3],

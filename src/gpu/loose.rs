@@ -1,5 +1,5 @@
-//! Programs that are known at run time alone: a user's shaders. What they bind is checked against their reflection when
-//! they are recorded, and not by the compiler.
+//! Programs that are known only at run time: a user's shaders. Their resources are matched to their reflected bindings
+//! when they are recorded, and the Rust compiler checks nothing.
 
 use super::device::Gpu;
 use super::frame::{Frame, Resource, Target};
@@ -21,22 +21,22 @@ pub struct LooseProgram {
     _gpu: Gpu,
 }
 
-/// How much a program is dispatched over.
+/// The size of a dispatch.
 #[derive(Clone, Copy)]
 pub enum DispatchSize<'a> {
-    /// So many threads along each axis, rounded up to whole workgroups.
+    /// The number of threads along each axis, rounded up to whole workgroups.
     Threads([u32; 3]),
-    /// So many workgroups.
+    /// The number of workgroups along each axis.
     Workgroups([u32; 3]),
     /// The number of workgroups is in the first three words of a buffer.
     Indirect(&'a Buffer),
 }
 
-/// Makes a shader of code that lives as long as the program runs; so does what is made here. `name` is for labels and
-/// errors, and tells its code from all other code.
+/// Makes a shader of SPIR-V code. The shader and its code live until the process ends. `name` is for labels and errors,
+/// and differs from the name of all other code.
 ///
 /// # Errors
-/// [`Error::Usage`] for a kind of binding that there is none of.
+/// [`Error::Usage`] for a binding of a kind that is not known here.
 pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'static Shader> {
     let name: &'static str = name.leak();
     let kind = |kind: &str| match kind {
@@ -65,7 +65,8 @@ pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'s
 }
 
 impl LooseProgram {
-    /// A fragment program over whole targets of some formats, which gets texture coordinates at location 0.
+    /// Makes a fragment program over whole targets of some formats. Texture coordinates are the program's input at
+    /// location 0.
     ///
     /// # Errors
     /// Errors of the device.
@@ -80,7 +81,7 @@ impl LooseProgram {
         Ok(Self { shader, pipeline, _gpu: gpu.clone() })
     }
 
-    /// A compute program.
+    /// Makes a compute program.
     ///
     /// # Errors
     /// Errors of the device.
@@ -89,14 +90,14 @@ impl LooseProgram {
         Ok(Self { shader, pipeline, _gpu: gpu.clone() })
     }
 
-    /// What it binds; what it is given is in this order.
+    /// The bindings of the program. Its resources are given in their order.
     pub fn bindings(&self) -> &'static [Binding] {
         self.shader.bindings
     }
 }
 
 impl Frame<'_> {
-    /// A fragment program over whole targets, all of one size.
+    /// Records a pass of a fragment program over whole targets, all of one size.
     ///
     /// # Errors
     /// Errors of the device.
@@ -111,7 +112,7 @@ impl Frame<'_> {
         self.shade_loose(name, &program.pipeline, targets, (program.shader.bindings, resources, push))
     }
 
-    /// A compute program.
+    /// Records a pass of a compute program.
     ///
     /// # Errors
     /// Errors of the device.

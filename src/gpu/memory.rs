@@ -1,4 +1,4 @@
-//! Memory, of the crate's allocator or of the caller's, and buffers with theirs.
+//! Device memory, from the crate's allocator or the caller's, and buffers with their memory.
 
 use super::device::{Gpu, vulkan};
 use super::sync::TrackedState;
@@ -33,8 +33,8 @@ pub enum MemoryPlace {
 /// An allocator of the caller's, in place of the crate's own.
 ///
 /// # Safety
-/// A block that [`allocate`](Self::allocate) gives fits the requirements, is of the context's device, is nobody else's
-/// until it is [freed](Self::free), and is mapped as [`MemoryBlock::mapped`] says.
+/// A block that [`allocate`](Self::allocate) gives fits the requirements, is of the context's device, has no second
+/// owner until it is [freed](Self::free), and is mapped as [`MemoryBlock::mapped`] says.
 pub unsafe trait DeviceMemory: Send {
     /// Memory for an image or a buffer; `linear` is false for images of optimal tiling.
     ///
@@ -48,18 +48,19 @@ pub unsafe trait DeviceMemory: Send {
         linear: bool,
     ) -> std::result::Result<MemoryBlock, String>;
 
-    /// Takes a block back. What it was for is destroyed.
+    /// Takes a block back, whose image or buffer is destroyed already.
     fn free(&mut self, block: MemoryBlock);
 }
 
 /// A part of a memory object.
 #[derive(Debug)]
 pub struct MemoryBlock {
-    /// The object.
+    /// The memory object.
     pub memory: vk::DeviceMemory,
     /// Where the part begins, in bytes.
     pub offset: u64,
-    /// Where the host sees that part, for [`MemoryPlace::Upload`] and [`MemoryPlace::Readback`]; coherent.
+    /// Address of the part on the host, for [`MemoryPlace::Upload`] and [`MemoryPlace::Readback`]; this memory is
+    /// coherent.
     pub mapped: Option<NonNull<u8>>,
     /// Whatever the allocator wants to know when it gets the block back.
     pub key: u64,
@@ -70,24 +71,24 @@ unsafe impl Send for MemoryBlock {}
 // SAFETY: as above; through a shared block the memory is only read.
 unsafe impl Sync for MemoryBlock {}
 
-/// Where memory comes from.
+/// The allocator of a device's memory.
 pub(super) enum Source {
     /// The crate's own allocator.
     Ours(Box<Mutex<ours::Allocator>>),
-    /// The caller's.
+    /// The caller's allocator.
     Theirs(Mutex<Box<dyn DeviceMemory>>),
 }
 
 /// Memory of an image or a buffer.
 pub(super) enum Allocation {
     Ours(ours::Allocation),
-    /// And its size.
+    /// A block of the caller's allocator, and its size in bytes.
     Theirs(MemoryBlock, u64),
 }
 
 impl Source {
-    /// Bytes that are allocated, and bytes of the blocks that they are parts of; 0 of an allocator of the caller's, who
-    /// knows them.
+    /// Bytes that are allocated, and bytes of the blocks that hold them. Both are 0 for a caller's allocator, since the
+    /// caller knows them.
     pub fn bytes(&self) -> (u64, u64) {
         let Self::Ours(allocator) = self else { return (0, 0) };
         let report = locked(allocator).generate_report();
@@ -126,7 +127,7 @@ impl Source {
     fn free(&self, allocation: Allocation) {
         match (self, allocation) {
             (Self::Ours(allocator), Allocation::Ours(allocation)) => {
-                // A drop has no other way to say it.
+                // A drop cannot return the error.
                 if let Err(e) = locked(allocator).free(allocation) {
                     tracing::error!("device memory could not be freed: {e}");
                 }
@@ -202,7 +203,7 @@ impl Buffer {
         let allocation = allocate(gpu, name, requirements, place, true)?;
         // SAFETY: the memory fits the requirements and is freed after the buffer.
         let bound = unsafe { gpu.raw().bind_buffer_memory(handle, allocation.memory(), allocation.offset()) };
-        // Whatever came of it, the memory goes with what it was for.
+        // The buffer frees its memory even if the binding failed.
         buffer.allocation = Some(allocation);
         bound.map_err(vulkan(format!("vkBindBufferMemory for {name}")))?;
         Ok(buffer)
@@ -220,7 +221,7 @@ impl Buffer {
         self.size
     }
 
-    /// What the host sees of a readback buffer.
+    /// The bytes of a readback buffer, for the host to read.
     pub fn bytes(&self) -> Result<&[u8]> {
         self.allocation
             .as_ref()
@@ -229,7 +230,7 @@ impl Buffer {
             .ok_or_else(|| self.unmapped())
     }
 
-    /// What the host may write of an upload buffer.
+    /// The bytes of an upload buffer, for the host to write.
     pub fn bytes_mut(&mut self) -> Result<&mut [u8]> {
         let (size, error) = (self.size as usize, self.unmapped());
         self.allocation.as_mut().and_then(|a| a.bytes_mut()).map(|s| &mut s[..size]).ok_or(error)
@@ -239,11 +240,11 @@ impl Buffer {
         Error::Memory { what: self.name.clone(), message: "the buffer is not visible to the host".into() }
     }
 
-    /// Where shaders and builds of ray structures find it, for a buffer whose usage has a device address.
+    /// The address of a buffer whose usage has a device address, for shaders and for builds of ray structures.
     pub(super) fn address(&self) -> u64 {
         let info = vk::BufferDeviceAddressInfo::default().buffer(self.handle);
-        // SAFETY: the buffer is alive, and its memory was allocated for addresses, as that of all buffers is where ray
-        // queries are on.
+        // SAFETY: the buffer is alive. Its memory was allocated for addresses: on a device with ray queries on, the
+        // memory of all buffers is.
         unsafe { self.gpu.raw().get_buffer_device_address(&info) }
     }
 
@@ -265,8 +266,8 @@ impl Drop for Buffer {
     }
 }
 
-/// A buffer that shaders read as texels of a format, which some devices do faster than a storage block, and as a storage
-/// block where it has more texels than the device can tell apart.
+/// A buffer that shaders read as texels of a format, which is faster on some devices than a storage block. A buffer
+/// with more texels than the device can address is read as a storage block.
 pub struct TexelBuffer {
     view: vk::BufferView,
     buffer: Buffer,
@@ -274,8 +275,8 @@ pub struct TexelBuffer {
 }
 
 impl TexelBuffer {
-    /// Takes over a buffer that was made with [`Self::USAGE`], with a view of its texels of `texel_bytes` bytes each: of
-    /// all of them, or of as many as the device can tell apart.
+    /// Takes over a buffer that was made with [`Self::USAGE`], and makes a view of its texels of `texel_bytes` bytes
+    /// each. The view has all texels, or as many as the device can address.
     ///
     /// # Errors
     /// [`Error::Vulkan`] without memory.
@@ -290,7 +291,7 @@ impl TexelBuffer {
         Ok(Self { view, is_whole: bytes <= most, buffer })
     }
 
-    /// The usage of a buffer that becomes one.
+    /// The usage that a buffer needs to become a texel buffer.
     pub const USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
         vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER.as_raw() | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw(),
     );
@@ -317,7 +318,7 @@ impl Drop for TexelBuffer {
     }
 }
 
-/// Memory for a resource, named after it.
+/// Allocates memory for a resource, with the resource's name.
 pub(super) fn allocate(
     gpu: &Gpu,
     name: &str,

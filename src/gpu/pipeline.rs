@@ -1,5 +1,5 @@
-//! Graphics and compute pipelines, typed by their programs. Set 0 is laid out as the shaders' reflection says, and is
-//! bound from pools (`frame/sets.rs`). The device keeps what was compiled (`pipelines.rs`).
+//! Graphics and compute pipelines, typed by their programs. The layout of set 0 comes from the shaders' reflection, and its sets come
+//! from pools (`frame/sets.rs`). The device keeps compiled pipelines (`pipelines.rs`).
 
 use super::device::{Gpu, vulkan};
 use super::image;
@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Layouts that a pipeline of either kind has.
+/// The layouts of a graphics or compute pipeline.
 pub(crate) struct Layout {
     device: ash::Device,
     pub set: vk::DescriptorSetLayout,
@@ -23,7 +23,7 @@ pub(crate) struct Layout {
     pub stages: vk::ShaderStageFlags,
 }
 
-/// A fragment and a vertex program with their fixed state. `V` is by default the triangle that covers the targets.
+/// A fragment and a vertex program with their fixed state. By default, `V` makes the triangle that covers the targets.
 pub struct GraphicsPipeline<F, V = Fullscreen> {
     pub(crate) graphics: Arc<SharedPipeline>,
     /// Keeps the device until the pipeline is gone.
@@ -39,26 +39,26 @@ pub struct ComputePipeline<P> {
     program: PhantomData<fn() -> P>,
 }
 
-/// A compiled pipeline of either kind, which all who ask for it share. It holds no [`Gpu`], since the device keeps it, and
-/// would never go.
+/// A compiled graphics or compute pipeline, which all who ask for it share. It holds no [`Gpu`], since the device keeps the pipeline, and
+/// two that keep each other are never dropped.
 pub(crate) struct SharedPipeline {
     pub layout: Layout,
     pub handle: vk::Pipeline,
     pub name: &'static str,
     /// Ids and bits of the specialization constants.
     pub constants: Vec<(u32, u32)>,
-    /// Threads of a workgroup; of a graphics pipeline 0.
+    /// Threads of a workgroup; 0 for a graphics pipeline.
     pub local_size: [u32; 3],
-    /// Whether it drew before (`frame/quirks/settle.rs`).
+    /// Whether the pipeline drew before (`frame/quirks/settle.rs`).
     pub settled: Arc<AtomicBool>,
 }
 
 /// What a pipeline does with the stencil of its depth target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Stencil {
-    /// Sets it to 1.
+    /// Sets the stencil to 1.
     Mark,
-    /// Draws only where it is 1.
+    /// Draws only where the stencil is 1.
     OnlyMarked,
 }
 
@@ -80,7 +80,7 @@ pub struct VertexInput<'a> {
     pub attributes: &'a [(vk::Format, u32)],
 }
 
-/// What a graphics pipeline draws.
+/// The primitives that a graphics pipeline draws.
 pub(super) enum Geometry<'a> {
     Triangles(Option<VertexInput<'a>>),
     Points,
@@ -154,8 +154,8 @@ impl Drop for Layout {
 }
 
 impl<F: Fragment> GraphicsPipeline<F> {
-    /// A fragment program over the whole of its targets, whose formats are given by location: UNDEFINED for an output
-    /// that nobody wants.
+    /// Makes a pipeline of a fragment program over whole targets. `targets` has their formats by location: UNDEFINED for an output that
+    /// nobody wants.
     pub fn fullscreen(gpu: &Gpu, targets: F::Outputs<vk::Format>) -> Result<Self>
     where
         F: Program<Constants = ()>,
@@ -168,8 +168,8 @@ impl<F: Fragment> GraphicsPipeline<F> {
         Self::of(gpu, constants, Geometry::Triangles(None), targets, None)
     }
 
-    /// A fragment program over the whole of a depth target with stencil that marks every pixel that it
-    /// doesn't discard, and writes nothing else.
+    /// Makes a pipeline of a fragment program that marks each pixel that it doesn't discard, in the stencil of a depth target, and writes
+    /// nothing else.
     pub fn marking(gpu: &Gpu, depth: vk::Format) -> Result<Self>
     where
         F: Fragment<Outputs<vk::Format> = [vk::Format; 0]> + Program<Constants = ()>,
@@ -180,14 +180,14 @@ impl<F: Fragment> GraphicsPipeline<F> {
 }
 
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
-    /// Points, that is squares of pixels, which a vertex program makes from nothing but their number.
+    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone.
     pub fn points(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
         Self::of(gpu, constants, Geometry::Points, targets, None)
     }
 
-    /// Triangles, both sides, with reversed depth (greater wins).
-    /// The viewport has negative height, so a triangle whose winding agrees with its normal, by
-    /// the usual cross product in our left-handed world, is front-facing when it faces the camera.
+    /// Makes a pipeline that draws both sides of triangles, with reversed depth (greater wins). The viewport has negative height. A
+    /// triangle whose winding agrees with its normal, by the usual cross product in our left-handed world, is therefore front-facing when
+    /// it faces the camera.
     pub fn mesh(gpu: &Gpu, input: VertexInput, targets: F::Outputs<vk::Format>, depth: vk::Format) -> Result<Self>
     where
         F: Program<Constants = ()>,
@@ -226,7 +226,8 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
 }
 
 impl SharedPipeline {
-    /// The one that the device keeps, or a new one. Targets of no format at the end are left out.
+    /// Returns the pipeline that the device keeps for these stages and targets, or makes it. Targets without a format at the end of the
+    /// list are left out.
     fn graphics(
         gpu: &Gpu,
         stages: &Stages,
@@ -344,13 +345,13 @@ impl SharedPipeline {
         Ok(Self { layout, handle, name: fragment.name, constants, local_size: [0; 3], settled: Arc::default() })
     }
 
-    /// Stages that no type ties together, over whole targets.
+    /// Returns the pipeline of two stages over whole targets. No type checks that the stages fit together.
     #[cfg(feature = "reload")]
     pub(super) fn whole_targets(gpu: &Gpu, stages: &Stages, targets: &[vk::Format]) -> Result<Arc<Self>> {
         Self::graphics(gpu, stages, &Geometry::Triangles(None), targets, None)
     }
 
-    /// The one that the device keeps, or a new one.
+    /// Returns the pipeline that the device keeps for this program and its constants, or makes it.
     pub(super) fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         let key = Key { shaders: [Some(shader.name), None], constants, ..Key::default() };
         let constants = key.constants.clone();
@@ -394,7 +395,7 @@ impl Stencil {
 }
 
 impl<P: program::Compute> ComputePipeline<P> {
-    /// The pipeline of a compute program.
+    /// Makes the pipeline of a compute program.
     pub fn new(gpu: &Gpu) -> Result<Self>
     where
         P: Program<Constants = ()>,
@@ -417,7 +418,7 @@ fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
     }
 }
 
-/// Where each specialization constant lies among the values, and the values.
+/// The place of each specialization constant among the values, and the values.
 fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
     let size = size_of::<u32>();
     let entry = |(i, (constant_id, _)): (usize, &(u32, u32))| vk::SpecializationMapEntry {
@@ -442,8 +443,8 @@ fn first(
 
 impl Drop for SharedPipeline {
     fn drop(&mut self) {
-        // SAFETY: submissions are waited for before those go who use the pipeline (`FrameContext`); it goes before its
-        // device (`Shared`).
+        // SAFETY: submissions are waited for before the users of the pipeline are dropped (`FrameContext`), and the pipeline is destroyed
+        // before its device (`Shared`).
         unsafe { self.layout.device.destroy_pipeline(self.handle, None) };
     }
 }

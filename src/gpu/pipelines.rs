@@ -1,5 +1,6 @@
-//! The pipelines of a device. A driver takes long to compile one, and under GPU-assisted validation half a minute for
-//! some. So whoever asks for a pipeline that there is gets that one, and a device keeps those that nobody uses now.
+//! The pipelines of a device. A driver takes long to compile a pipeline, and under GPU-assisted validation half a
+//! minute for some. A device therefore keeps its pipelines, even those that nobody uses now, and returns a kept one to
+//! whoever asks for it again.
 
 use super::device::Gpu;
 use super::pipeline::{DepthState, SharedPipeline};
@@ -9,19 +10,19 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Above so many pipelines, each new one takes the place of one that nobody uses: of the one that was asked for the
-/// longest time ago.
+/// The number of kept pipelines. Above it, each new pipeline replaces one that nobody uses: the one that was asked for
+/// the longest time ago.
 const KEPT: usize = 512;
 
-/// What was compiled for a device and is not gone.
+/// The compiled pipelines that a device keeps.
 #[derive(Default)]
 pub(crate) struct Pipelines(Mutex<KeyedCache<Key, SharedPipeline>>);
 
-/// Things by their keys.
+/// Shared things by their keys.
 struct KeyedCache<K, T> {
-    /// Each with what `asked` was when it was last asked for.
+    /// Each thing, with the value of `asked` when somebody last asked for the thing.
     things: HashMap<K, (u64, Arc<T>)>,
-    /// How often something was asked for.
+    /// Number of times that somebody asked for a thing.
     asked: u64,
 }
 
@@ -37,7 +38,7 @@ pub(super) struct Key {
     pub vertices: VerticesKey,
 }
 
-/// What the vertices are.
+/// The source of the vertices.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(super) enum VerticesKey {
     /// Corners of triangles that the shader makes from the number of the vertex.
@@ -50,13 +51,13 @@ pub(super) enum VerticesKey {
 }
 
 impl Gpu {
-    /// The pipeline that is kept under a key, or what `make` compiles.
+    /// Returns the pipeline that is kept under a key, or keeps the one that `make` compiles.
     pub(super) fn kept_pipeline(
         &self,
         key: Key,
         make: impl FnOnce() -> Result<SharedPipeline>,
     ) -> Result<Arc<SharedPipeline>> {
-        // Code that a window replaced may change again.
+        // A pipeline of replaced code is not kept, because a window may change the code again.
         #[cfg(feature = "reload")]
         if key.shaders.iter().flatten().any(|name| self.shared().replaced_shaders.get(name).is_some()) {
             return Ok(Arc::new(make()?));
@@ -65,7 +66,7 @@ impl Gpu {
         if let Some(kept) = pipelines.lock().get(&key) {
             return Ok(kept);
         }
-        // Without the lock, since it takes long.
+        // Compiled without the lock, since compiling takes long.
         let made = Arc::new(make()?);
         Ok(pipelines.lock().insert(key, made))
     }
@@ -81,7 +82,7 @@ impl Pipelines {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Destroys all, before their device goes.
+    /// Destroys all pipelines, before their device is destroyed.
     pub fn clear(&mut self) {
         self.0.get_mut().unwrap_or_else(PoisonError::into_inner).things.clear();
     }
@@ -101,7 +102,7 @@ impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
         Some(Arc::clone(thing))
     }
 
-    /// Keeps what was made; gives what is kept if another thread was faster.
+    /// Keeps a thing that was made, or returns the kept one if another thread was faster.
     fn insert(&mut self, key: K, made: Arc<T>) -> Arc<T> {
         if let Some(kept) = self.get(&key) {
             return kept;

@@ -1,5 +1,5 @@
-//! Programs that make every texel of their targets, in the shader stage that was chosen: as a fragment program over the
-//! whole targets, or as the compute program that `build.rs` makes from the same source, a thread a texel
+//! Programs that make every texel of their targets, in the shader stage that was chosen. They run as fragment programs
+//! over whole targets, or as compute programs, a thread a texel, that `build.rs` makes from the same source
 //! (`shaders-glsl/common/either_stage.glsl`).
 
 use super::device::Gpu;
@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
 
-/// The stage of a device in which a program runs that exists for two.
+/// The shader stage for a program that exists for both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShaderStage {
     /// Fragment shaders, drawn over targets.
@@ -50,8 +50,8 @@ pub(super) struct StoringPipeline {
 }
 
 impl<F: InEitherStage> PixelPipeline<F> {
-    /// Compiles the program of a stage alone. The formats of the targets are given by location: UNDEFINED for an output that
-    /// nobody wants.
+    /// Compiles the program for this stage alone. The formats of the targets are given by location: UNDEFINED for an
+    /// output that nobody wants.
     ///
     /// # Errors
     /// [`Error::Usage`] if no compute program of the source stores to images of these formats; errors of the device.
@@ -93,7 +93,7 @@ fn unwanted_image(gpu: &Gpu, format: vk::Format) -> Result<Image> {
     Image::new(gpu, &ImageDesc { name: "unwanted output", format, extent: [1, 1], levels: 1, layers: 1, usage })
 }
 
-/// Finds the compute program that stores to images of some formats, of which UNDEFINED fits all.
+/// Finds the compute program that stores to images of the formats `targets`. UNDEFINED fits every format.
 fn storing(fragment: &Shader, programs: &'static [Shader], targets: &[vk::Format]) -> Result<&'static Shader> {
     let fits = |shader: &&Shader| {
         let same = |((_, stored), target): (&(u32, vk::Format), &vk::Format)| {

@@ -1,15 +1,16 @@
-//! What a shader program is to the host: a struct of everything that it reads. `build.rs` writes one for each program
-//! that `shaders-glsl/` names, so that a binding that is missing, or of the wrong kind, does not compile.
+//! Shader programs on the host: a program is a struct of everything that the shader reads. `build.rs` writes a struct
+//! for each program that `shaders-glsl/` names, so that a binding that is missing, or of the wrong kind, does not
+//! compile.
 
 use super::frame::Resource;
 use super::image::ImageSlice;
 use super::sampler::Sampler;
 use super::shader::Shader;
 
-/// A program: one stage with what is defined for it. Its fields are its bindings and its push constants, named as in
-/// GLSL; see [`programs`](super::programs).
+/// A program: one shader stage with its macros. Its fields are its bindings and its push constants, named as in GLSL;
+/// see [`programs`](super::programs).
 pub trait Program {
-    /// The program without its borrowed lifetimes, by which a pipeline knows it.
+    /// The program's type without borrowed lifetimes, which is part of a pipeline's type.
     type Kind: 'static;
 
     /// Values of its specialization constants; `()` where it has none.
@@ -18,10 +19,10 @@ pub trait Program {
     /// The compiled stage.
     const SHADER: &'static Shader;
 
-    /// What is bound, in the order of the shader's bindings.
+    /// The resources to bind, in the order of the shader's bindings.
     fn resources(&self) -> Vec<Resource<'_>>;
 
-    /// The bytes of its push constants; none where it has no such block.
+    /// The bytes of its push constants; empty without a push-constant block.
     fn push(&self) -> &[u8];
 }
 
@@ -30,7 +31,7 @@ pub trait VertexProgram: Program {}
 
 /// A program that colours pixels.
 pub trait Fragment: Program {
-    /// One of something for each of its outputs, by location.
+    /// An array with one `T` for each output, by location.
     type Outputs<T>: AsRef<[T]>;
 }
 
@@ -45,7 +46,7 @@ pub trait Compute: Program {}
 
 /// Values of specialization constants.
 pub trait Constants {
-    /// Id and bits of each.
+    /// Id and bits of each constant.
     fn entries(&self) -> Vec<(u32, u32)>;
 }
 
@@ -60,12 +61,12 @@ impl Constants for () {
 pub struct Sampled<'a>(pub ImageSlice<'a>, pub Sampler);
 
 impl<'a> Sampled<'a> {
-    /// Fetched, or sampled at the nearest texel.
+    /// An image that is fetched, or sampled at the nearest texel.
     pub fn nearest(slice: ImageSlice<'a>) -> Self {
         Self(slice, Sampler::NearestClamp)
     }
 
-    /// Sampled with trilinear filtering.
+    /// An image that is sampled with trilinear filtering.
     pub fn trilinear(slice: ImageSlice<'a>) -> Self {
         Self(slice, Sampler::TrilinearClamp)
     }

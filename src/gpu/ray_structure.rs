@@ -1,5 +1,5 @@
-//! The structure that ray queries are followed through: the device builds a lower one over triangles, and an upper one that
-//! holds the lower one once, where it stands.
+//! The acceleration structure for ray queries. The device builds a bottom level over triangles, and a top level that
+//! holds the bottom level as one instance, unmoved.
 
 use super::device::{Gpu, RayQueries, vulkan};
 use super::frame::{FrameContext, Mode};
@@ -7,17 +7,17 @@ use super::memory::{Buffer, MemoryPlace};
 use crate::error::Result;
 use ash::vk;
 
-/// Both structures. They read nothing of what they were built of.
+/// Both levels of the structure. The buffers that they were built from are not read any more.
 pub struct RayStructure {
     top: Level,
     bottom: Level,
     build_ms: f64,
 }
 
-/// Triangles in a buffer that was made with [`RayStructure::INPUT`]: three corners each, one after the other, which begin
-/// with three floats.
+/// Triangles in a buffer that was made with [`RayStructure::INPUT`]. Each triangle has three corners, one after the
+/// other, and each corner begins with its place in three floats.
 pub struct Corners<'a> {
-    /// Where they stand.
+    /// The buffer.
     pub buffer: &'a Buffer,
     /// The byte at which the first corner begins.
     pub first_byte: u64,
@@ -34,14 +34,14 @@ impl RayStructure {
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS.as_raw(),
     );
 
-    /// Builds the structure over triangles. Each of them is a candidate that the shader decides about, in the order of the
-    /// buffer.
+    /// Builds the structure over triangles, numbered in the order of the buffer. A ray query proposes each triangle as
+    /// a candidate, about which the shader decides.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] without ray queries, [`crate::error::Error::Memory`] without memory.
     pub fn build(context: &mut FrameContext, corners: &Corners) -> Result<Self> {
         let gpu = context.gpu().clone();
-        // An address is asked for below, which no buffer has without ray queries.
+        // The addresses that are asked for below exist only with ray queries.
         gpu.ray_queries()?;
         let count = corners.triangles;
         let data = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
@@ -71,30 +71,30 @@ impl RayStructure {
         Ok(Self { top, bottom, build_ms })
     }
 
-    /// Milliseconds that the device built it.
+    /// Time that the device took to build the structure, in milliseconds.
     pub fn build_ms(&self) -> f64 {
         self.build_ms
     }
 
-    /// What shaders bind.
+    /// The top level, which shaders bind.
     pub(super) fn handle(&self) -> vk::AccelerationStructureKHR {
         self.top.handle
     }
 
-    /// The memory of both.
+    /// The memory of both levels.
     pub(super) fn buffers(&self) -> [&Buffer; 2] {
         [&self.top.buffer, &self.bottom.buffer]
     }
 }
 
-/// One structure.
+/// One level: an acceleration structure and its memory.
 pub(super) struct Level {
     gpu: Gpu,
     pub(super) handle: vk::AccelerationStructureKHR,
     pub(super) buffer: Buffer,
 }
 
-/// What a structure is built of: so many triangles or instances.
+/// The input of a structure's build: `count` triangles or instances.
 pub(super) struct Build {
     pub(super) kind: vk::AccelerationStructureTypeKHR,
     pub(super) geometry: vk::AccelerationStructureGeometryKHR<'static>,
@@ -102,7 +102,7 @@ pub(super) struct Build {
 }
 
 impl Build {
-    /// The description for Vulkan, without where the structure is built.
+    /// The description for Vulkan, without the structure that is built and its scratch memory.
     pub(super) fn info(&self) -> vk::AccelerationStructureBuildGeometryInfoKHR<'_> {
         vk::AccelerationStructureBuildGeometryInfoKHR::default()
             .ty(self.kind)
@@ -113,7 +113,7 @@ impl Build {
 }
 
 impl Level {
-    /// The structure that a build makes, and the memory that the build works in.
+    /// Makes an empty structure for a build, and the scratch memory that the build works in.
     fn new(gpu: &Gpu, build: &Build) -> Result<(Self, Buffer)> {
         let RayQueries { structures: functions, scratch_alignment } = gpu.ray_queries()?;
         let mut sizes = vk::AccelerationStructureBuildSizesInfoKHR::default();
@@ -161,7 +161,7 @@ fn address(device_address: u64) -> vk::DeviceOrHostAddressConstKHR {
     vk::DeviceOrHostAddressConstKHR { device_address }
 }
 
-/// A `VkAccelerationStructureInstanceKHR` of the structure at an address: where it stands, for every ray.
+/// A `VkAccelerationStructureInstanceKHR` of the structure at an address, unmoved and visible to every ray.
 fn instance(device_address: u64) -> [u32; 16] {
     let one = 1.0_f32.to_bits();
     let mut words = [0; 16];

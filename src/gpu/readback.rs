@@ -1,4 +1,4 @@
-//! Images between device and host as 32-bit floats.
+//! Copies of images between device and host, as 32-bit floats.
 
 use super::frame::FrameContext;
 use super::image::{Image, ImageDesc, ImageSlice};
@@ -13,7 +13,7 @@ pub struct Pixels {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// 1, 2 or 4.
+    /// Number of channels: 1, 2 or 4.
     pub channels: usize,
     /// `channels · width · height` values; sRGB formats are decoded to linear, and whole numbers of 32 bits are the
     /// bits of floats.
@@ -52,7 +52,7 @@ impl Image {
 }
 
 impl FrameContext {
-    /// Reads a mip level or a slice of a volume back; layers below one another.
+    /// Reads back a mip level or a slice of a volume; layers stand below one another.
     ///
     /// # Errors
     /// [`Error::Usage`] for a format without a decoder.
@@ -77,7 +77,7 @@ impl FrameContext {
 
 type Decode = fn(&[u8]) -> Vec<f32>;
 
-/// Channels, bytes a texel, and how to read them.
+/// The channels and bytes of a format's texel, and the function that decodes texels.
 fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     let f32s: Decode = |b| b.chunks_exact(4).map(|c| f32::from_ne_bytes([c[0], c[1], c[2], c[3]])).collect();
     let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();

@@ -41,7 +41,7 @@ impl Samplers {
             match unsafe { device.create_sampler(&info, None) } {
                 Ok(sampler) => made.0[i] = sampler,
                 Err(result) => {
-                    // SAFETY: nothing uses them yet; null is allowed.
+                    // SAFETY: nothing uses the samplers yet; null is allowed.
                     unsafe { made.destroy(device) };
                     return Err(Error::Vulkan { what: "vkCreateSampler".into(), result });
                 }
@@ -55,7 +55,7 @@ impl Samplers {
     }
 
     /// # Safety
-    /// No submission uses them any more.
+    /// No submission uses the samplers any more.
     pub(super) unsafe fn destroy(&self, device: &ash::Device) {
         for sampler in self.0 {
             // SAFETY: by the contract.

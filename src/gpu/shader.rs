@@ -3,7 +3,8 @@
 /// A compiled stage and what it binds.
 #[derive(Debug)]
 pub struct Shader {
-    /// Path under `shaders-glsl/` and what is defined, for labels and errors. No two have the same.
+    /// Path under `shaders-glsl/` and the macros that are defined, for labels and errors. No two shaders have the same
+    /// name.
     pub name: &'static str,
     /// Path under `shaders-glsl/`.
     pub file: &'static str,
@@ -15,10 +16,10 @@ pub struct Shader {
     pub push_constant_size: u32,
     /// Threads of a workgroup (compute).
     pub local_size: [u32; 3],
-    /// What it binds in descriptor set 0.
+    /// Bindings of descriptor set 0.
     pub bindings: &'static [Binding],
-    /// Binding and format of the image for each output, by location, of a compute program that stores what a fragment program
-    /// of the same source draws; else empty.
+    /// Binding and format of the image for each output, by location, if a compute program was made from a fragment
+    /// program's source; else empty.
     pub stored: &'static [(u32, ash::vk::Format)],
 }
 
@@ -29,13 +30,13 @@ pub struct Binding {
     pub name: &'static str,
     /// `layout(binding = …)`.
     pub binding: u32,
-    /// What is bound there.
+    /// Kind of the resource.
     pub kind: BindingKind,
-    /// How many: above 1 for an array of images.
+    /// Number of descriptors; above 1 for an array of images.
     pub count: u32,
 }
 
-/// What a descriptor is.
+/// The kind of a descriptor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
     /// An image with its sampler.
@@ -44,7 +45,7 @@ pub enum BindingKind {
     StorageImage,
     /// A buffer that is read as texels of a format.
     StorageTexels,
-    /// A structure that ray queries are followed through.
+    /// An acceleration structure for ray queries.
     RayStructure,
     /// A uniform block.
     UniformBuffer,
@@ -52,21 +53,21 @@ pub enum BindingKind {
     StorageBuffer,
 }
 
-/// Code that replaces the compiled-in one, by [`Shader::name`]: shaders that changed while a window
-/// shows them. A pipeline made after the change has the new code.
+/// Code that replaces compiled-in code, by [`Shader::name`], for shaders that changed while a window shows them. A
+/// pipeline made after the change has the new code.
 #[cfg(feature = "reload")]
 #[derive(Debug, Default)]
 pub struct ReplacedShaders(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);
 
 #[cfg(feature = "reload")]
 impl ReplacedShaders {
-    /// The code that stands for a shader, if it was replaced.
+    /// The code that replaces a shader's, if there is any.
     pub fn get(&self, name: &str) -> Option<std::sync::Arc<[u8]>> {
         self.lock().get(name).cloned()
     }
 
-    /// Replaces a shader's code, or with `None` goes back to the compiled-in one. What was there is
-    /// returned.
+    /// Replaces a shader's code, or with `None` goes back to the compiled-in code. Returns the code that replaced it
+    /// before.
     pub fn set(&self, shader: &Shader, spirv: Option<std::sync::Arc<[u8]>>) -> Option<std::sync::Arc<[u8]>> {
         match spirv {
             Some(spirv) => self.lock().insert(shader.name, spirv),

@@ -1,5 +1,5 @@
-//! Shaders compiled anew while the program runs: from the folder that a window watches, or from the one that the variable
-//! `SSCT_SHADERS` names, so that a change to a shader can be tried without building the program.
+//! Compiles shaders anew while the program runs, so that a change to a shader can be tried without building the
+//! program. The sources are in the folder that a window watches, or in the one that the variable `SSCT_SHADERS` names.
 
 use super::glsl::{self, CompiledStage};
 use super::interface::Interface;
@@ -20,7 +20,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Opens a folder; `flag` is what named it, for the errors.
+    /// Opens a folder; `flag` is the option or variable that named the folder, for the errors.
     ///
     /// # Errors
     /// [`Error::Usage`] if there are no shaders in it.
@@ -73,15 +73,15 @@ pub fn named() -> Option<PathBuf> {
     std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
 
-/// The code of one of the program's own shaders, compiled from the folder that [`VARIABLE`] names; none without that variable.
-/// Each is compiled once, whatever changes meanwhile.
+/// The code of one of the program's own shaders, compiled from the folder that [`VARIABLE`] names; none without that
+/// variable. Each shader is compiled once, even if its source changes meanwhile.
 ///
 /// # Errors
 /// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile or no longer fits.
 pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
     type CompiledSources = (Sources, HashMap<&'static str, Arc<[u8]>>);
     static OPENED: Mutex<Option<CompiledSources>> = Mutex::new(None);
-    // Methods of users have shaders of their own.
+    // A user's method has shaders of its own, which are not in that folder.
     let Some(folder) = named().filter(|_| ALL.iter().any(|own| own.name == shader.name)) else { return Ok(None) };
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let (sources, compiled) = match &mut *opened {

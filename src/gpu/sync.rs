@@ -1,5 +1,5 @@
-//! The one table from a use of an image or buffer to stage, access and layout, and the state that
-//! says which barrier the next use needs. Nothing else in the crate writes a barrier.
+//! The one table from a use of an image or buffer to stage, access and layout, and the state that says which barrier
+//! the next use needs. All barriers of the crate come from here, except the full barriers of timing mode (`frame.rs`).
 
 use ash::vk;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,7 +39,7 @@ pub enum Access {
     RayStructureBuild,
     /// A ray structure that another one is built over.
     RayStructureRead,
-    /// A ray structure that ray queries of compute shaders are followed through.
+    /// A ray structure that ray queries of compute shaders read.
     RayQuery,
     /// Read by the host after the submission.
     HostRead,
@@ -56,7 +56,7 @@ pub struct AccessInfo {
     pub access: vk::AccessFlags2,
     /// Image layout; undefined for a use that only buffers have.
     pub layout: vk::ImageLayout,
-    /// Whether it writes.
+    /// Whether the use writes.
     pub writes: bool,
 }
 
@@ -84,7 +84,7 @@ impl Access {
         Self::Present,
     ];
 
-    /// The table.
+    /// Looks up a use in the table.
     pub const fn info(self) -> AccessInfo {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let (stages, access, layout, writes) = match self {
@@ -154,14 +154,14 @@ impl Access {
     }
 }
 
-/// How somebody else uses an image: the layout in which it is, and the stages and accesses of the last or the next use.
+/// A caller's use of an image: the image's layout, and the stages and accesses of the last or the next use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ImageUse {
     /// The image's layout.
     pub layout: vk::ImageLayout,
-    /// Pipeline stages that touch it.
+    /// Pipeline stages that touch the image.
     pub stages: vk::PipelineStageFlags2,
-    /// How they access it.
+    /// Accesses of these stages.
     pub access: vk::AccessFlags2,
 }
 
@@ -206,15 +206,15 @@ pub struct Transition {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct State {
     layout: vk::ImageLayout,
-    /// The last write (or layout change, which counts as one), and what of it is not yet available.
+    /// Stages of the last write, and its accesses that are not yet available; a layout change counts as a write.
     write_stages: vk::PipelineStageFlags2,
     write_access: vk::AccessFlags2,
-    /// Reads that already see that write.
+    /// Stages and accesses of reads that already see the last write.
     read_stages: vk::PipelineStageFlags2,
     read_access: vk::AccessFlags2,
 }
 
-/// The state of an image's level or of a buffer. Clones share it: a frame keeps one to undo what it changed.
+/// The state of an image's level or of a buffer. Clones share the state: a frame keeps a clone to undo its changes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct TrackedState(Arc<Mutex<State>>);
 
@@ -242,13 +242,13 @@ impl Default for State {
 }
 
 impl State {
-    /// Just acquired from the presentation engine: the content is lost, and the first use must
-    /// follow the stages at which the submission waits for the acquisition.
+    /// The state of an image that was just acquired from the presentation engine: the content is lost, and the first
+    /// use must follow the stages at which the submission waits for the acquisition.
     pub(super) fn acquired(wait_stages: vk::PipelineStageFlags2) -> Self {
         Self { write_stages: wait_stages, ..Self::default() }
     }
 
-    /// The present layout.
+    /// The current layout.
     pub fn layout(&self) -> vk::ImageLayout {
         self.layout
     }
@@ -263,7 +263,7 @@ impl State {
         self.transition_to(next.info())
     }
 
-    /// Moves to somebody else's use, for which everything before must be done; returns the barrier that it needs.
+    /// Moves to a caller's use, for which everything before must be done; returns the barrier that the use needs.
     pub(super) fn hand_over(&mut self, to: ImageUse) -> Option<Transition> {
         let ImageUse { layout, stages, access } = to;
         self.transition_to(AccessInfo { stages, access, layout, writes: true })
@@ -288,7 +288,7 @@ impl State {
         }
         let needed = moves || (!untouched && (info.writes || !(sees || before.write_stages.is_empty())));
         needed.then(|| Transition {
-            // A write waits for the reads before it; the write before those is already ordered.
+            // A write waits for the reads before it; the write before these reads is already ordered.
             src_stages: before.write_stages
                 | if info.writes || moves { before.read_stages } else { vk::PipelineStageFlags2::NONE },
             src_access: before.write_access,

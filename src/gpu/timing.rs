@@ -9,19 +9,20 @@ use ash::vk;
 pub struct PassTime {
     /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
     pub name: String,
-    /// Milliseconds between the timestamps around it.
+    /// Milliseconds between the timestamps around the pass.
     pub ms: f64,
-    /// Milliseconds from the frame's first timestamp to the one before it.
+    /// Milliseconds from the frame's first timestamp to the timestamp before the pass.
     #[serde(default)]
     pub start_ms: f64,
     /// Whether the pass counts towards the method's total (docs/definitions.md, "Time").
     pub counted: bool,
 }
 
-/// Queries of one pool.
+/// Number of queries in a pool.
 const QUERIES: u32 = 512;
 
-/// Queries of one kind, which are taken in order: as many pools as a frame needs, kept for the next.
+/// Queries of one kind, which are taken in order. There are as many pools as a frame needs, and the next frame uses
+/// them again.
 struct Queries {
     gpu: Gpu,
     name: &'static str,
@@ -43,7 +44,7 @@ impl Queries {
         Ok(queries)
     }
 
-    /// Forgets the last frame's.
+    /// Forgets the queries of the last frame.
     fn reset(&mut self) {
         for pool in &self.pools {
             // SAFETY: hostQueryReset is enabled and no submission is under way.
@@ -52,7 +53,7 @@ impl Queries {
         self.taken = 0;
     }
 
-    /// The next query: its pool and its place there.
+    /// Takes the next query, and returns its pool and its number in the pool.
     fn take(&mut self) -> Result<(vk::QueryPool, u32)> {
         if self.taken == QUERIES * self.pools.len() as u32 {
             self.grow()?;
@@ -77,7 +78,7 @@ impl Queries {
         Ok(())
     }
 
-    /// The results of all that were taken, in order, after the submission that wrote them is done.
+    /// The results of all queries that were taken, in order, after the submission that wrote them is done.
     fn results<T: bytemuck::Zeroable + Copy>(&self) -> Result<Vec<T>> {
         let mut all = vec![T::zeroed(); self.taken as usize];
         for (results, pool) in all.chunks_mut(QUERIES as usize).zip(&self.pools) {
@@ -112,7 +113,7 @@ impl Timestamps {
         self.0.reset();
     }
 
-    /// Writes the next timestamp; the slots follow in the order of recording.
+    /// Writes the next timestamp; timestamps are numbered in the order of recording.
     pub fn stamp(&mut self, commands: vk::CommandBuffer) -> Result<()> {
         let (pool, query) = self.0.take()?;
         // SAFETY: the command buffer is recording; the query was reset and is written once.
@@ -146,7 +147,7 @@ pub struct PassWork {
     pub compute_invocations: u64,
 }
 
-/// One pipeline-statistics query a pass; a run of its own, since it disturbs the times.
+/// One pipeline-statistics query a pass. Work is counted in a frame of its own, since counting disturbs the times.
 pub(super) struct Statistics {
     queries: Queries,
     /// The query that was begun.
@@ -179,7 +180,7 @@ impl Statistics {
 
     pub fn end(&mut self, commands: vk::CommandBuffer) {
         if let Some((pool, query)) = self.begun.take() {
-            // SAFETY: it was begun in the same command buffer.
+            // SAFETY: the query was begun in the same command buffer.
             unsafe { self.queries.gpu.raw().cmd_end_query(commands, pool, query) };
         }
     }

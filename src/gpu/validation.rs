@@ -1,4 +1,4 @@
-//! What the validation layers say: collected, counted, and held against an allow-list.
+//! The messages of the validation layers: collected, counted, and compared with an allow-list.
 
 use crate::error::{Error, Result};
 use ash::vk;
@@ -7,34 +7,34 @@ use std::ffi::{CStr, c_void};
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// The name of the layer whose messages these are.
+/// The name of the layer that gives the messages.
 pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// A message that does not fail a run.
 #[derive(Debug)]
 pub struct AllowedMessage {
-    /// Its ID.
+    /// ID of the message.
     pub id: &'static str,
     /// The versions of the layer that give this message, as Vulkan encodes versions: from the first one up to the one
     /// that no longer does.
     pub versions: Range<u32>,
-    /// How the names of the drivers begin that are used in a way that gives it; "" for every driver.
+    /// Beginning of the names of the drivers whose use gives the message; "" for every driver.
     pub driver: &'static str,
-    /// Why it does not fail a run.
+    /// Reason why the message does not fail a run.
     pub reason: &'static str,
 }
 
 /// The first layers for Vulkan 1.4.
 const LAYER_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
 
-/// The layers that give two messages of best practices: those of Debian 13, 1.4.309, do. Those of the browser Chromium, which
-/// scripts/drivers.sh fetches and gives the version 1.4.0, do not.
+/// The layers that give two messages of best practices. The layers of Debian 13, 1.4.309, give them. The layers of the
+/// browser Chromium, which scripts/drivers.sh fetches and gives the version 1.4.0, do not.
 const LAYERS_1_4_309: Range<u32> = vk::make_api_version(0, 1, 4, 1)..vk::make_api_version(0, 1, 4, 310);
 
 /// Why stages are named ALL_COMMANDS.
 const FULL_BARRIERS: &str = "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours cannot overlap";
 
-/// How the name of the driver begins for which frame/quirks/settle.rs is.
+/// Beginning of the name of the driver that needs frame/quirks/settle.rs.
 pub(super) const MESA_22: &str = "llvmpipe Mesa 22.";
 
 /// Why dispatches have no workgroups.
@@ -91,7 +91,7 @@ pub const ALLOWED: &[AllowedMessage] = &[
     },
 ];
 
-/// The messages that do not fail a run with a window, and are given by chance.
+/// Messages that a run with a window may give by chance, and that do not fail it.
 pub const ALLOWED_OF_WINDOWS: &[AllowedMessage] = &[AllowedMessage {
     id: "BestPractices-vkCreateSharedSwapchainsKHR-SuboptimalSwapchain",
     versions: LAYER_1_4..u32::MAX,
@@ -108,9 +108,9 @@ pub struct ValidationLog {
 /// One message.
 #[derive(Debug, Clone)]
 pub struct Message {
-    /// Its ID, as in the allow-list.
+    /// ID of the message, as in the allow-list.
     pub id: String,
-    /// Its text.
+    /// Text of the message.
     pub text: String,
     /// Whether the allow-list names it.
     pub allowed: bool,
@@ -134,7 +134,7 @@ impl ValidationLog {
     }
 }
 
-/// An error that names the identifier of every message, if there are any.
+/// Returns an error that names the identifier of every message, if there are any messages.
 pub fn check(messages: &[Message]) -> Result<()> {
     let Some(first) = messages.first() else { return Ok(()) };
     let mut times = BTreeMap::<&str, usize>::new();
@@ -145,7 +145,8 @@ pub fn check(messages: &[Message]) -> Result<()> {
     Err(Error::Validation { ids, first: first.text.clone() })
 }
 
-/// What makes the layers write into a log, which must outlive whatever is created with it.
+/// The create info of a messenger that writes the layers' messages into a log. The log must outlive everything that is
+/// created with this info.
 pub(super) fn messenger(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
     vk::DebugUtilsMessengerCreateInfoEXT::default()
@@ -158,7 +159,7 @@ pub(super) fn messenger(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInf
 /// The debug-utils callback; its user data is a `ValidationLog` that outlives the messenger.
 ///
 /// # Safety
-/// Vulkan calls it with valid pointers; `user_data` must point to a live [`ValidationLog`].
+/// Vulkan calls this function with valid pointers; `user_data` must point to a live [`ValidationLog`].
 unsafe extern "system" fn callback(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _types: vk::DebugUtilsMessageTypeFlagsEXT,
@@ -192,7 +193,7 @@ mod tests {
     use crate::gpu::memory::{Buffer, MemoryPlace};
     use ash::vk;
 
-    /// Fills a buffer twice, with or without a barrier between; what the layers say of it.
+    /// Fills a buffer twice, with or without a barrier between, and returns the identifiers of the layers' messages.
     fn fill_twice(with_barrier: bool) -> (Gpu, Vec<String>) {
         let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).expect("a device");
         let buffer = Buffer::new(&gpu, "filled twice", 256, vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)

@@ -24,8 +24,8 @@ impl Frustum {
     }
 }
 
-/// The share of the screen that a triangle would cover if nothing hid it. `to_clip` has standard depth; the
-/// triangle is clipped against all planes but the far one, and counts whichever side it shows.
+/// The share of the screen that a triangle would cover if nothing hid it. `to_clip` has standard depth. The triangle is clipped
+/// against all planes but the far one, and counts from both sides.
 pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
     let planes = [Vec4::Z, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(-1.0, 0.0, 0.0, 1.0)];
     let planes = planes.into_iter().chain([Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(0.0, -1.0, 0.0, 1.0)]);

@@ -1,7 +1,6 @@
 //! Lattice noise and cells that repeat, from an integer hash, so that the bits are the same on every machine.
 //!
-//! Coordinates are in lattice units. Every function repeats after a whole number of them, so that the patterns
-//! tile.
+//! Coordinates are in lattice units. Every function repeats after a whole number of lattice units, so that the patterns tile.
 
 use glam::{IVec2, Vec2};
 
@@ -34,7 +33,7 @@ pub fn unit(point: IVec2, seed: u32) -> f32 {
 }
 
 fn unit_of(hash: u32) -> f32 {
-    // Its 24 bits fit a signed integer, which processors convert in fewer steps than an unsigned one.
+    // The upper 24 bits fit a signed integer, which processors convert in fewer steps than an unsigned one.
     (hash >> 8) as i32 as f32 / 16_777_216.0
 }
 
@@ -58,8 +57,8 @@ pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
     lower + (upper - lower) * fy
 }
 
-/// The lattice point below a coordinate, and the weight of the next one. Without `f32::floor`, which is a call on
-/// processors that may lack SSE 4.1; patterns are made of millions of these.
+/// The lattice point below a coordinate, and the weight of the next point. The code avoids `f32::floor`, since that is a call on
+/// processors that may lack SSE 4.1, and a pattern needs millions of these numbers.
 fn split(x: f32) -> (i32, f32) {
     let towards_zero = x as i32;
     let cell = towards_zero - i32::from(towards_zero as f32 > x);
@@ -67,12 +66,13 @@ fn split(x: f32) -> (i32, f32) {
     (cell, f * f * f * (f * (f * 6.0 - 15.0) + 10.0))
 }
 
-/// A lattice coordinate within the period. Most are already, and a division takes longer than all else here.
+/// A lattice coordinate within the period. Most coordinates lie there already, and are not divided, since a division takes longer
+/// than all else here.
 fn wrapped(cell: i32, period: i32) -> i32 {
     if (0..period).contains(&cell) { cell } else { cell.rem_euclid(period) }
 }
 
-/// A lattice point and the next one within the period: one further, and the first again after the last.
+/// A lattice coordinate within the period, and the next one. The first coordinate follows the last.
 fn neighbours(cell: i32, period: i32) -> (i32, i32) {
     let near = wrapped(cell, period);
     (near, if near + 1 == period { 0 } else { near + 1 })
@@ -104,7 +104,8 @@ pub struct VoronoiCell {
 pub fn cells(position: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
     let row = (position.y / cell_size.y).floor() as i32;
     let column = (position.x / cell_size.x).floor() as i32;
-    // The sites of two rows above and below; of a shifted row, one more to the left than to the right.
+    // The sites around the point: two rows above and below, and three columns to the left but two to the right, since odd rows are
+    // shifted to the right.
     let mut around = [[(IVec2::ZERO, Vec2::ZERO); 6]; 5];
     for (iy, sites) in (row - 2..).zip(&mut around) {
         let shift = if iy & 1 == 1 { 0.5 } else { 0.0 };

@@ -2,15 +2,15 @@
 
 use crate::parameter::{Domain, Field, Value};
 
-/// A version of the oracle (`reference::oracle`), which decides what a ray hits in screen space. The method `unified` can
-/// follow either.
+/// A version of the oracle (`reference::oracle`), which decides what a ray hits in screen space. The method `unified` can follow
+/// either version.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
     /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
     V1,
-    /// Version 1 with the condition that the ray comes from in front. It passes the first block if it leaves that surface;
-    /// if it meets a block from behind, or past the edge of a surface, it misses.
+    /// Version 1 with the condition that the ray comes from in front. A ray passes the first block if it leaves the surface of that
+    /// block. It misses if it meets a block from behind, or past the edge of a surface.
     V2,
 }
 

@@ -1,5 +1,5 @@
-//! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids with roughness (thesis §3.1.1). It
-//! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
+//! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids with roughness (thesis §3.1.1). The
+//! method reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
 use super::needs::Need;
 use super::{Input, Method, MethodInfo, MethodOutput, SceneInput, Setup};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::AreaLights],
     ..MethodInfo::scene(
@@ -18,7 +18,6 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// The pass.
 struct AreaLightMethod(AreaLightPass);
 
 impl AreaLightMethod {

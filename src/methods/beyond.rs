@@ -1,4 +1,4 @@
-//! What an effect looks into beyond the screen: captures of the scene, and its triangles.
+//! Captures and triangles of the scene, in which an effect looks beyond the screen.
 
 use super::capture::{CaptureImages, Renewal};
 use super::setup::{CaptureCount, Tracer};
@@ -12,7 +12,7 @@ use crate::scene::{Capture, Material};
 use glam::Vec3;
 
 impl Fallback {
-    /// The method that is behind.
+    /// The method that shows where a reflection fades or misses; `None` without a fallback.
     pub fn method(self) -> Option<&'static MethodInfo> {
         match self {
             Self::None => None,
@@ -31,10 +31,10 @@ pub(super) struct PreparedTriangles {
 }
 
 impl PreparedTriangles {
-    /// The triangles of a scene as they are now.
+    /// Returns the triangles of a scene where they stand now.
     ///
     /// # Errors
-    /// [`Error::Usage`] if they are not ready, and for more lights than the effect was made for.
+    /// [`Error::Usage`] if the triangles are not ready, and for more lights than the effect was made for.
     pub(super) fn bound<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
         let (lights, most) = (data.light_count(), self.reading.lights);
         if lights > most {
@@ -49,7 +49,7 @@ impl PreparedTriangles {
             let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
             Error::Usage(message.into())
         })?;
-        // What moves takes room of its own.
+        // Meshes that move take room of their own, so that there may be more triangles now.
         if self.reading.geometry_texels && !geometry.reading(images, lights).geometry_texels {
             let message =
                 "the scene's triangles are more now than this device can read as the effect does: make it anew";
@@ -59,7 +59,7 @@ impl PreparedTriangles {
     }
 }
 
-/// Captures, once they are made, and of what they were made.
+/// Captures of a scene, with the places, the size and the materials that they are made of.
 pub(super) struct CaptureSet {
     /// Where the scene is captured; empty for captures that come from elsewhere.
     pub(super) places: Vec<Capture>,
@@ -67,23 +67,23 @@ pub(super) struct CaptureSet {
     pub(super) face: [u32; 2],
     pub(super) images: Option<CaptureImages>,
     pub(super) materials: Vec<Material>,
-    /// `None` where the captures stay as and where they are.
+    /// The passes that draw captures again; `None` for captures that neither move nor change.
     pub(super) renewal: Option<Renewal>,
     /// True if the only capture follows the camera and is redrawn every frame.
     pub(super) at_camera: bool,
 }
 
 impl CaptureSet {
-    /// Captures that the caller brings along: their images at once, or with each input.
+    /// Makes the set for captures that the caller brings along: their images at once, or with each input.
     pub(super) fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
         Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, at_camera: false }
     }
 }
 
-/// The triangles of a scene, for a method that follows rays among them; `None` if it does not.
+/// Prepares the triangles of a scene for a method that follows rays among them; returns `None` for other methods.
 ///
 /// # Errors
-/// [`Error::Usage`] if it is to, and the scene's triangles are not known.
+/// [`Error::Usage`] if the method is to follow rays among triangles that are not known.
 pub(super) fn triangles_for(
     context: &mut FrameContext,
     info: &MethodInfo,
@@ -105,8 +105,8 @@ pub(super) fn triangles_for(
     Ok(Some(reading.ok_or_else(refused)?))
 }
 
-/// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place
-/// for one; and the milliseconds that finding their places took.
+/// Returns the captures of a scene that a method and its fallback look into, and the milliseconds that finding their places took.
+/// There are none if neither follows rays in captures, or if the scene has no place for a capture.
 ///
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene.
@@ -118,7 +118,7 @@ pub(super) fn captures_taken(
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let is_all = !info.is_screen_space() && info.takes_captures;
     let is_asked_for = effect.captures_wanted() != CaptureCount::None && (behind || info.takes_captures);
-    // Where captures are all that is looked into, they are taken without being asked for.
+    // A method that looks into captures alone takes them without being asked.
     if !is_asked_for && !behind && !is_all {
         return Ok((Vec::new(), 0.0));
     }
@@ -128,7 +128,7 @@ pub(super) fn captures_taken(
     let side = effect.capture_side.texels();
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
     if effect.captures_wanted() == CaptureCount::Camera {
-        // Each frame moves it.
+        // Each frame moves this capture to the camera.
         return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
     }
     let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(WantedCaptures::Auto));
@@ -136,7 +136,7 @@ pub(super) fn captures_taken(
 }
 
 /// # Errors
-/// [`Error::Usage`] if neither a method nor what is behind it follows rays in captures, or captures are to be drawn.
+/// [`Error::Usage`] if neither a method nor its fallback follows rays in captures, or if captures are to be drawn.
 pub(super) fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
     let effect = setup.effect();
     let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);

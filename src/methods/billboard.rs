@@ -1,6 +1,6 @@
-//! `billboard`: impostor quads that stand for what is bright or relevant, traced per pixel (Schmidt 2013,
-//! section 5.3). It reflects the impostors of a scene and nothing else, as mirrors do: the listings know
-//! no roughness, which `--billboard-blur` adds. An impostor is not lit and moves with nothing.
+//! `billboard`: impostor quads that stand for bright or relevant objects, traced per pixel (Schmidt 2013, section 5.3). The method
+//! reflects the impostors of a scene and nothing else, as mirrors do. The listings have no roughness; `--billboard-blur` adds it.
+//! An impostor is not lit, and does not move with any mesh.
 
 use super::needs::Need;
 use super::{Input, Method, MethodInfo, MethodOutput, SceneInput};
@@ -9,11 +9,11 @@ use crate::gpu::{Frame, FrameContext};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Impostors],
     parameters: BillboardParams::table,
-    // The sweeps try one thing at a time.
+    // The sweeps change one parameter at a time.
     combinations: |base| {
         vec![base.with(|p: &mut BillboardParams| {
             (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);

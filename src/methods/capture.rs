@@ -1,5 +1,5 @@
-//! Cube maps made at run time: the scene around a place, drawn by the scene passes, or the sky alone;
-//! both filtered by roughness. Not part of any frame's time.
+//! Cube maps made at run time and filtered by roughness: the scene around a place, drawn by the scene passes, or the sky alone.
+//! Making them is not part of any frame's time.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -22,7 +22,7 @@ use std::cell::Cell;
 /// Near plane of the faces of a cube map, in metres.
 const NEAR_M: f32 = 0.01;
 
-/// Draws the scene around some places, with its lighting, and filters what was drawn: one map a place.
+/// Draws the scene around some places, with its lighting, and filters the faces into one map for each place.
 pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
     let gpu: Gpu = context.gpu().clone();
     let gbuffer = GBufferPass::new(&gpu, [FACE_SIZE; 2])?;
@@ -54,7 +54,7 @@ pub struct CaptureFacePass {
 }
 
 impl CaptureFacePass {
-    /// For faces of some texels a side.
+    /// Makes the passes for faces of some texels a side.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
@@ -78,12 +78,12 @@ impl CaptureFacePass {
     }
 }
 
-/// The near plane of the faces of some captures, which have one in common: the nearest of all.
+/// Returns the near plane that the faces of all captures share, which is the nearest of all.
 pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
 }
 
-/// Captures of a scene with all that rays are followed by in them (docs/definitions.md, "Images").
+/// Captures of a scene, with the images in which rays are followed (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
     normal: Image,
@@ -91,13 +91,13 @@ pub struct CaptureImages {
     places: Vec<Cell<Vec3>>,
     face: UnifiedBlock,
     face_unit: f32,
-    /// A box in the world outside of which nothing stands: the scene's when a face was last drawn.
+    /// A box in the world outside of which nothing stands: the bounds of the scene when a face was last drawn.
     bounds: Cell<Aabb>,
 }
 
 impl CaptureImages {
-    /// Draws the scene around the places of some captures, at least one and at most `MAX_CAPTURES`, with the size of the
-    /// first and the nearest of their near planes.
+    /// Draws the scene around the places of some captures, at least one and at most `MAX_CAPTURES`. All have the size of the first
+    /// capture, and the nearest of their near planes.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
@@ -123,22 +123,22 @@ impl CaptureImages {
 
     /// Draws every face.
     fn draw(&self, context: &mut FrameContext, scene: &SceneInput, passes: &FacePasses) -> Result<()> {
-        // A frame for each face, so that none is long enough for a driver to take it for hung.
+        // Each face has a frame of its own, so that no frame is long enough for a driver to take it for hung.
         for face in 0..self.faces() {
             context.once(|frame| passes.record(frame, scene, self, face))?;
         }
         self.make_ready(context)
     }
 
-    /// With a box in the world, in metres, outside of which nothing stands, so that a ray that is lost there ends in the sky.
-    /// Captures that are drawn from a scene have the scene's; others have no bounds without this.
+    /// Sets the bounds: a box in the world, in metres, outside of which nothing stands, so that a ray that is lost there ends in
+    /// the sky. Captures that are drawn from a scene have the scene's bounds; others have no bounds without this call.
     pub fn within(self, bounds: Aabb) -> Self {
         self.bounds.set(bounds);
         self
     }
 
-    /// Makes captures of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
-    /// [`face_camera`] sees it, and is asked for each once.
+    /// Makes captures of faces that come from elsewhere. `face` is called once for each face 0…5 of each capture, and returns the
+    /// images that [`face_camera`] sees.
     ///
     /// # Errors
     /// Errors of [`Self::new`], and what `face` returns.
@@ -160,7 +160,7 @@ impl CaptureImages {
         Ok(made)
     }
 
-    /// Images for some captures, without content.
+    /// Makes the images for some captures, without content.
     fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
         let forward = face_camera(Vec3::ZERO, 4, common_near_m(taken));
@@ -234,7 +234,7 @@ impl CaptureImages {
         self.color.extent()
     }
 
-    /// The captures as methods take them.
+    /// Returns the captures in the form in which methods read them.
     pub fn captures(&self) -> Captures<'_> {
         let Self { pyramid, normal, color, places, face, face_unit, bounds } = self;
         Captures { pyramid, normal, color, places, face, face_unit: *face_unit, bounds: bounds.get() }
@@ -248,7 +248,7 @@ pub(crate) struct FaceKeeper {
 }
 
 impl FaceKeeper {
-    /// For faces of a size in texels.
+    /// Makes the passes for faces of a size in texels.
     pub(crate) fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let pyramid = PyramidPass::new(gpu, extent)?.labelled("capture/pyramid");
         Ok(Self { pyramid, normal: KeepNormalPass::new(gpu)? })
@@ -281,9 +281,9 @@ impl FacePasses {
     }
 }
 
-/// Draws captures again: all of them where they are moved, and while frames are drawn so many faces a frame, in turn over
-/// all faces of all captures, so that what moves is seen in them, if late. A face is at most as old as there are faces over
-/// those of a frame, rounded up.
+/// Draws captures again: all faces of captures that move, and in each frame a few faces, in turn over all captures, so that
+/// captures show moving objects, if late. The age of a face, in frames, is at most the number of all faces over the number for each
+/// frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
@@ -292,8 +292,8 @@ pub struct Renewal {
 }
 
 impl Renewal {
-    /// What renews the captures of [`CaptureImages::new`] of the same places, by so many faces a frame, of which none
-    /// is renewed twice in one.
+    /// Makes the passes that renew the captures of [`CaptureImages::new`] at the same places, by some faces in each frame. No face
+    /// is renewed twice in a frame.
     ///
     /// # Errors
     /// Errors of the device.
@@ -301,8 +301,8 @@ impl Renewal {
         Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
     }
 
-    /// Moves captures to other places, as many as there are, and draws all of their faces there. Not part of any frame's
-    /// time.
+    /// Moves captures to other places, as many as there are, and draws all of their faces there. The call is not part of any
+    /// frame's time.
     ///
     /// # Errors
     /// Errors of the device.
@@ -320,8 +320,8 @@ impl Renewal {
         captures.draw(context, scene, &self.passes)
     }
 
-    /// Passes "capture/…", for each face that it is the turn of: scene passes, pyramid, copies and colour chain.
-    /// Draws `scene` as it is now.
+    /// Records the passes "capture/…" of each face whose turn it is: scene passes, pyramid, copies and colour chain. They draw
+    /// `scene` as it is now.
     ///
     /// # Errors
     /// Errors of the device.
@@ -336,7 +336,7 @@ impl Renewal {
     }
 }
 
-/// Filters the sky: what is seen at infinity, from everywhere the same.
+/// Filters the sky, which looks the same from every place.
 pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Image> {
     let gpu: Gpu = context.gpu().clone();
     let filter = CubeFilterPass::new(&gpu)?;
@@ -349,8 +349,8 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
     Ok(map)
 }
 
-/// The materials with all that a capture does not show set to nothing: a map stays right while this
-/// stays the same.
+/// Returns the materials without the properties that a capture does not show. A map stays right as long as the result stays the
+/// same.
 pub fn captured_of(materials: &[Material]) -> Vec<Material> {
     let bare = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
     materials.iter().map(bare).collect()

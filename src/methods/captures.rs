@@ -1,6 +1,6 @@
-//! `captures`: mirror rays followed through captures of the scene alone, from where they begin; a lobe is seen as one
-//! cone around the mirror ray. It is what stands behind a screen-space method (`--fallback captures`), which then is
-//! compared fairly with `unified`, whose every ray goes on in the captures.
+//! `captures`: mirror rays that are followed through captures of the scene alone, from where they begin. A lobe is seen as one cone
+//! around the mirror ray. Behind a screen-space method (`--fallback captures`), the method allows a fair comparison with `unified`,
+//! whose rays all go on in the captures.
 
 use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
@@ -9,7 +9,7 @@ use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, NO_HIT, Reflection, pyramid, stored_target};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     takes_captures: true,
     takes_orthographic: true,

@@ -10,10 +10,10 @@ use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::dda_trace::DdaTracePass;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: DdaParams::table,
-    // The march without what is added to it, at the other two strides.
+    // The march without the refinement that is added to it, at the other two strides.
     combinations: |base| {
         let plain = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
         vec![plain(1), plain(16)]
@@ -26,7 +26,7 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// The source of what the paper leaves to its user.
+/// The source of values that the paper leaves to its user.
 const TUNED: &str = "McGuire and Mara 2014 leave it open; tuned (docs/findings.md)";
 
 parameters! {

@@ -1,4 +1,4 @@
-//! The whole effect: a method and what every method has around it, down to the composite.
+//! The whole effect: a method, and the passes around every method, down to the composite.
 
 use super::beyond::{CaptureSet, PreparedTriangles, captures_taken, takes_captures, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::time::Instant;
 
-/// Faces of the capture at the camera, all of which each frame draws.
+/// Faces of the capture at the camera. Each frame draws all of them.
 const FACES_OF_A_CUBE: u32 = 6;
 
 /// What an effect made in a frame.
@@ -34,7 +34,7 @@ pub struct Output<'a> {
     pub composite: &'a Image,
 }
 
-/// A method of one size on one device, with what surrounds it.
+/// A method of one size on one device, with the passes around it.
 pub struct Effect {
     method: Box<dyn Method>,
     projection: ProjectionKind,
@@ -45,32 +45,32 @@ pub struct Effect {
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
-    /// How often light is reflected, and what makes the image that bounces after the first reflect.
+    /// How often light is reflected, and the pass that makes the image that later bounces reflect.
     bounces: Option<(u32, CompositePass)>,
-    /// None where no image with the reflection in it is wanted.
+    /// `None` if no image with the reflection in it is wanted, or if the history makes that image.
     composite: Option<CompositePass>,
     captures: Option<CaptureSet>,
     triangles: Option<PreparedTriangles>,
     prepared: Prepared,
 }
 
-/// What a method made of its scene once, and is counted in no frame: captures and their pyramids, cube maps, filtered skies.
+/// The images that a method makes of its scene once, outside of any frame: captures and their pyramids, cube maps, filtered skies.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Prepared {
     /// Milliseconds on the host until the device was done, the search for places of captures included.
     pub time_ms: f64,
     /// Bytes of device memory that stay.
     pub device_bytes: u64,
-    /// Where captures stand that rays go on in: x, y and z in world axes, in metres.
+    /// The places of the captures in which rays go on: x, y and z in world axes, in metres.
     pub captures: Vec<[f32; 3]>,
-    /// Milliseconds in which the device built the structure for ray queries, of those above; `None` without ray queries.
+    /// Milliseconds, among those of `time_ms`, in which the device built the structure for ray queries; `None` without ray queries.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ray_structure_ms: Option<f64>,
 }
 
 impl Effect {
-    /// Makes the method and what surrounds it. `scene` is the scene that it will be shown in; a method
-    /// that sees only the screen does without.
+    /// Makes the method and the passes around it. `scene` is the scene that the method reflects; a method that sees only the screen
+    /// needs none.
     ///
     /// # Errors
     /// [`Error::Usage`] if the method or its fallback needs a scene and there is none, or if there is a
@@ -114,11 +114,11 @@ impl Effect {
         Ok(made)
     }
 
-    /// Makes the method and what surrounds it for a G-buffer without its scene, beside captures that come from elsewhere.
+    /// Makes the method and the passes around it for a G-buffer without its scene, and for captures that come from elsewhere.
     ///
     /// # Errors
-    /// [`Error::Usage`] as for [`Self::new`], but that rays may go on in the captures; and if neither the method nor its
-    /// fallback follows rays in captures.
+    /// Errors of [`Self::new`], but none for a method that needs no more of the scene than captures; [`Error::Usage`] if neither
+    /// the method nor its fallback follows rays in captures.
     pub fn with_captures(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -131,8 +131,8 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (false, Some(captured), None))
     }
 
-    /// Makes the method and what surrounds it for captures that each input brings along ([`Input::captures`]), with faces of
-    /// a size in texels.
+    /// Makes the method and the passes around it for captures that each input brings along ([`Input::captures`]), with faces of a
+    /// size in texels.
     ///
     /// # Errors
     /// Errors of [`Self::with_captures`].
@@ -147,8 +147,8 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (false, Some(CaptureSet::from_elsewhere(face, None)), None))
     }
 
-    /// Makes the method and what surrounds it for a G-buffer without its scene, and triangles that each input brings along
-    /// ([`Input::triangles`]) and that are read in a way.
+    /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input brings along
+    /// ([`Input::triangles`]). `reading` says how shaders read them.
     ///
     /// # Errors
     /// [`Error::Usage`] as for [`Self::new`], and for a method that follows no rays among triangles.
@@ -258,7 +258,7 @@ impl Effect {
         let mut scaled = None;
         let mut inner = MethodRequest {
             setup: setup.clone(),
-            // The hits of smaller pixels compare with nothing at full size.
+            // Hits of a lower resolution cannot be compared with those of the full size.
             hits: wants.hits && divisor == 1,
             reflection: wants.reflection || !composite,
             composite,
@@ -303,7 +303,7 @@ impl Effect {
         Ok(effect)
     }
 
-    /// Makes what outlives frames anew, after the scene's materials changed.
+    /// Makes the images that outlive frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         if let Some(captured) = &mut self.captures {
             let materials = captured_of(scene.materials);
@@ -327,7 +327,8 @@ impl Effect {
         self.method.prepare(context, scene)
     }
 
-    /// Makes ready the triangles of a scene for a frame, where its meshes stand now; nothing if rays do not go among them.
+    /// Makes the triangles of a scene ready for a frame, where its meshes stand now. Does nothing if no rays are followed among
+    /// triangles.
     ///
     /// # Errors
     /// Returns the errors of [`SceneData::prepare_triangles`].
@@ -341,23 +342,23 @@ impl Effect {
         self.triangles.is_some()
     }
 
-    /// How many frames of a camera at rest an image of it takes: one, but with a history.
+    /// Number of frames that an image of a camera at rest takes: as many as a history averages, or one without a history.
     pub fn frames_at_rest(&self) -> u32 {
         self.history.as_ref().map_or(1, HistoryPass::averaged)
     }
 
-    /// Forgets the frames that the history averages: the next one is the first.
+    /// Forgets the frames that the history averages, so that the next frame is the first.
     pub fn restart_history(&self) {
         self.history.iter().for_each(HistoryPass::restart);
     }
 
-    /// What was made for the scene before the first frame.
+    /// Returns time, memory and captures of the images that were made before the first frame.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
-    /// The captures in which rays go on, once they are made, and where the scene was captured for them: the one at the
-    /// camera as the last frame was recorded.
+    /// The captures in which rays go on, once they are made, and the places where they were captured. A capture that moves with the
+    /// camera is where the camera was when the last frame was recorded.
     pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
         let images = self.captures.as_ref()?.images.as_ref()?.captures();
         Some((images, self.places().collect()))
@@ -381,15 +382,15 @@ impl Effect {
         images.map_or(0, CaptureImages::faces)
     }
 
-    /// Moves the captures, in their order, to other places, and draws the scene around these; places beyond the number of
-    /// captures are left out, and captures without a place stay, as does the one at the camera. Not part of any frame's time.
+    /// Moves the captures, in their order, to other places, and draws the scene around these. Spare places are left out. Captures
+    /// without a place stay, and so does the capture at the camera. The call is not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
         let Some(captured) = self.captures.as_mut().filter(|c| !c.at_camera) else { return Ok(()) };
         for (capture, place) in captured.places.iter_mut().zip(places) {
             capture.position = *place;
         }
         let Some(images) = &mut captured.images else { return self.prepare(context, scene) };
-        // Who moves captures once does so again: what draws them is kept.
+        // The passes that draw captures are kept, since a caller that moves captures once does so again.
         let renewal = match &mut captured.renewal {
             Some(kept) => kept,
             none => none.insert(Renewal::new(context.gpu(), &captured.places, 0)?),
@@ -400,12 +401,12 @@ impl Effect {
         Ok(())
     }
 
-    /// Records every pass after lighting; first of them those that renew captures, if some are renewed in each frame, or
-    /// that draw the one at the camera.
+    /// Records every pass after lighting. The first passes renew captures, if some are renewed in each frame, or draw the capture
+    /// at the camera.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none; and for a camera of
-    /// another projection than the setup's.
+    /// [`Error::Usage`] if the input has no scene, but the method needs one or captures are renewed; and for a camera of another
+    /// projection than the setup's.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
         input.camera.check_kind(self.projection)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
@@ -442,14 +443,14 @@ impl Effect {
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
-            // Each bounce adds its reflection to the same light: that of the surfaces themselves.
+            // Each bounce adds its reflection to the lit colour without reflections.
             let color = pass.record(frame, &gbuffer, reflection)?;
             frame.stage(Some(&format!("bounce {}", bounce + 1)));
             input = Input { bounce, gbuffer: GBuffer { color, ..gbuffer }, ..input };
             traced = self.reflect(frame, &input, &shading)?;
         }
         if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
-            // The ends of smaller pixels are of another grid.
+            // Ends of rays at a lower resolution lie on another grid than the history.
             let ends = traced.ends.filter(|_| self.scaled.is_none());
             let (averaged, composite) =
                 history.record(frame, &gbuffer, input.camera, reflection, (ends, input.motion))?;
@@ -464,8 +465,8 @@ impl Effect {
         Ok(Output { traced, composite })
     }
 
-    /// Records the method's passes of one bounce, and what brings its reflection to full size, displaces it, and stands
-    /// behind it. `shading` has the normals of shading.
+    /// Records one bounce: the passes of the method, then those that scale its reflection to full size, displace it, and add the
+    /// fallback. `shading` has the normals of shading.
     fn reflect<'a>(
         &'a self,
         frame: &mut Frame,

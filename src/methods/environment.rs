@@ -1,10 +1,10 @@
 //! `environment`: a pre-filtered cube map, looked up by the reflection's direction (thesis §3.1.3), and
 //! as the fallback of §4.2.11 the skybox behind a screen-space method.
 //!
-//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. That
-//! is the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
-//! things is right from one point only, except for light from infinitely far. `local-map` looks
-//! captured maps up so, and `pccm` corrects them. Level by level the map is blurred by the lobe of a roughness.
+//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. The sky is the
+//! only content for which a lookup by direction is right everywhere. A map captured among objects is right from one point only,
+//! except for light from infinitely far (§3.1.3). `local-map` looks up captured maps by direction nevertheless, and `pccm` corrects
+//! the direction. Each level of the map is blurred by the lobe of a roughness.
 
 use super::capture::filtered_sky;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
@@ -13,7 +13,7 @@ use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::environment::EnvironmentPass;
 use crate::passes::{Content, CubeMap};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     takes_orthographic: true,
     ..MethodInfo::scene(
@@ -31,7 +31,7 @@ pub struct EnvironmentMethod {
 }
 
 impl EnvironmentMethod {
-    /// Without a map; preparing makes it.
+    /// Makes the method without a map, which `prepare` makes.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         Ok(Self { pass: EnvironmentPass::new(gpu, setup.stage(), setup.extent, setup.projection)?, map: None })
     }

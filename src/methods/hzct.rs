@@ -1,5 +1,5 @@
-//! `hzct`: Hi-Z cone tracing as the thesis describes its base (§4.2; Uludag, GPU Pro 5): `ssct`
-//! without the linear fallback, and with a fade of rays towards the camera.
+//! `hzct`: Hi-Z cone tracing as the thesis describes the method that it extends (§4.2; Uludag, GPU Pro 5): `ssct` without the
+//! linear fallback, and with a fade of rays towards the camera.
 
 use super::MethodInfo;
 use super::ssct::{ThesisDrawing, ThesisMethod};
@@ -7,7 +7,7 @@ use super::thesis::{ConeParams, FadeParams, HiZParams};
 use crate::gpu::shader::ThesisBlock;
 use crate::parameter::{Parameter, Parameters, parameters};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     traces_hi_z: true,
     parameters: HzctParams::table,

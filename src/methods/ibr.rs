@@ -1,9 +1,9 @@
-//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene: what stands in it is drawn, lit, into an
-//! image on the box's middle plane, and each pixel's mirror ray is tested against these planes. The image is read in the
-//! level of the cone that the ray has become, so that gloss costs nothing.
+//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene. Its content is drawn, lit, into an image on the
+//! box's middle plane, and each pixel's mirror ray is tested against these planes. The image is read in the level that fits the
+//! width of the ray's cone, so that gloss costs nothing.
 //!
-//! The boxes are the scene's impostors (`[[impostor]]`) with a depth. What tells the method from `billboard` is that no
-//! artist paints an image: a box shows what is in it, as the scene passes light it, from its front alone.
+//! The boxes are the scene's impostors (`[[impostor]]`) with a depth. The method differs from `billboard` in that no artist paints
+//! an image: a box shows its content as the scene passes light it, from its front alone.
 
 use super::capture::captured_of;
 use super::needs::Need;
@@ -19,7 +19,7 @@ use crate::scene::{Camera, Impostor, Lens, Material};
 use ash::vk;
 use glam::camera::lh::view::look_to_mat4;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Impostors],
     parameters: IbrParams::table,
@@ -65,8 +65,8 @@ struct IbrMethod {
     captured: Vec<Material>,
 }
 
-/// The camera stands so many times as far away as a box is large, so that its rays are nearly parallel, as if they were
-/// projected onto the plane.
+/// Distance of the camera from a box, in multiples of the box's greatest half side. The distance makes the rays nearly parallel, as
+/// if they were projected onto the plane.
 const EYE_DISTANCE: f32 = 200.0;
 
 /// A camera that sees a box and nothing else, from its front.
@@ -91,8 +91,7 @@ fn size(proxy: &Impostor, side: u32) -> [u32; 2] {
 }
 
 impl IbrMethod {
-    /// Draws what stands in a box. Colours are multiplied by alpha, which is 0 where nothing stands and where the sky
-    /// shows.
+    /// Draws the content of a box. Colours are multiplied by alpha, which is 0 where nothing stands and where the sky shows.
     fn draw(&self, context: &mut FrameContext, scene: &SceneInput, proxy: &Impostor) -> Result<Image> {
         let gpu: Gpu = context.gpu().clone();
         let extent = size(proxy, self.parameters.ibr_side);

@@ -35,7 +35,7 @@ impl LayerParams {
     }
 }
 
-/// The scene passes of the second layer, and what makes it smaller where rays are traced at a lower resolution.
+/// The scene passes of the second layer, and the pass that scales the layer down if rays are traced at a lower resolution.
 pub struct SecondLayer {
     gbuffer: GBufferPass,
     lighting: LightingPass,
@@ -44,7 +44,7 @@ pub struct SecondLayer {
 }
 
 impl SecondLayer {
-    /// For G-buffers of a size in pixels, of which rays are traced by blocks of `divisor` × `divisor` pixels.
+    /// Makes the passes for G-buffers of a size in pixels. Rays are traced for blocks of `divisor` × `divisor` pixels.
     ///
     /// # Errors
     /// Errors of the device.
@@ -58,8 +58,8 @@ impl SecondLayer {
         })
     }
 
-    /// Passes "layer/g-buffer" and "layer/lighting": what lies behind the surfaces of a G-buffer, of the size that rays
-    /// are traced at.
+    /// Records the passes "layer/g-buffer" and "layer/lighting", which draw what lies behind the surfaces of a G-buffer. The result
+    /// has the size that rays are traced at.
     ///
     /// # Errors
     /// Errors of the device.

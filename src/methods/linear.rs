@@ -10,10 +10,10 @@ use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::linear_trace::{LinearMarch, LinearTracePass};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: LinearParams::table,
-    // A hundred steps that span the screen.
+    // The march of a hundred steps that span the screen.
     combinations: |base| {
         vec![base.with(|p: &mut LinearParams| {
             (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);

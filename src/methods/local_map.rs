@@ -1,12 +1,12 @@
-//! `local-map`: cube maps captured in the scene and looked up by direction alone (thesis §3.1.3; the left of Schmidt
-//! 2013, figure 29). A lookup is right only at the place where its map was captured, and for what is infinitely far
-//! away. Maps and blending are those of `pccm`, so that the two differ by the correction of parallax and nothing else.
+//! `local-map`: cube maps captured in the scene and looked up by direction alone (thesis §3.1.3; the left of Schmidt 2013, figure
+//! 29). A lookup is right only at the place where its map was captured, and for what is infinitely far away. Maps and blending are
+//! those of `pccm`, so that the two methods differ in the correction of parallax alone.
 
 use super::MethodInfo;
 use super::needs::Need;
 use super::pccm::PccmMethod;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Probes],
     takes_orthographic: true,

@@ -1,5 +1,5 @@
-//! What a method needs of a scene. Without it the method shows nothing: its reflection is black everywhere, and its time is
-//! that of an empty loop.
+//! The parts of a scene that methods need. If a part is missing, its method shows nothing: its reflection is black everywhere, and
+//! its time is that of an empty loop.
 
 use crate::scene::{Scene, planes};
 
@@ -10,7 +10,7 @@ pub enum Need {
     Impostors,
     /// Lights with an extent ([`Scene::area_lights`]).
     AreaLights,
-    /// Flat surfaces that are lit; which of them reflect, the materials of a view say.
+    /// Flat surfaces that are lit. The materials of a view say which of them reflect.
     Planes,
     /// Places where cube maps are captured ([`Scene::probes`]).
     Probes,
@@ -27,7 +27,7 @@ impl Need {
         }
     }
 
-    /// Whether a scene has it.
+    /// Whether a scene has this part.
     pub fn is_met(self, scene: &Scene) -> bool {
         match self {
             Self::Impostors => !scene.impostors.is_empty(),

@@ -11,7 +11,7 @@ use crate::passes::{Content, CubeMap};
 use crate::scene::{Material, Probe};
 use glam::Vec3;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Probes],
     takes_orthographic: true,
@@ -32,7 +32,7 @@ pub struct PccmMethod {
 }
 
 impl PccmMethod {
-    /// Without maps; preparing captures them. Whether they are corrected for parallax tells `pccm` from `local-map`.
+    /// Makes the method without maps, which `prepare` captures. `corrected` is true for `pccm`, and false for `local-map`.
     pub fn new(gpu: &Gpu, setup: &Setup, corrected: bool) -> Result<Self> {
         let pass = PccmPass::new(gpu, setup.stage(), setup.extent, setup.projection, corrected)?;
         Ok(Self { pass, maps: Vec::new(), captured: Vec::new() })
@@ -63,8 +63,8 @@ impl Method for PccmMethod {
     }
 }
 
-/// The two maps of a frame: those whose box the camera is in, or is nearest to; among equals those
-/// captured nearest to the camera. Twice the same if there is one; `None` if there is none.
+/// Returns the two maps of a frame: those whose boxes the camera is in or nearest to, and among equals those that were captured
+/// nearest to the camera. A single map is returned twice; `None` without maps.
 fn two_nearest<T>(maps: &[T], probe: impl Fn(&T) -> &Probe, eye: Vec3) -> Option<[&T; 2]> {
     let distances = |map: &T| {
         let Probe { position, bounds, .. } = probe(map);

@@ -1,11 +1,10 @@
-//! `planar`: a mirrored camera draws the scene once more for each mirror (thesis §3.1.2), by the stencil or
-//! by a render target. Mirrors are planes found in the scene: the coplanar reflecting triangles that cover
-//! most of the screen, hidden or not. Each further plane costs another scene, so there are few.
+//! `planar`: a mirrored camera draws the scene once more for each mirror (thesis §3.1.2), by the stencil or by a render target.
+//! Mirrors are planes found in the scene: the coplanar reflecting triangles that cover most of the screen, hidden or not. Each
+//! further plane draws the scene once more, so that there are few.
 //!
-//! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the
-//! mirrored matrix "does not allow any distortions". Mirrors in the mirror don't reflect. What the
-//! mirrored camera sees nothing of is a miss. The stencil spares the drawing outside the mirror, not the
-//! vertices, and the lighting runs over the whole image either way.
+//! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the mirrored matrix "does not allow
+//! any distortions". Mirrors in the mirror don't reflect. A pixel for which the mirrored camera sees nothing is a miss. The stencil
+//! saves the drawing outside the mirror, but not the vertices. The lighting runs over the whole image in both variants.
 
 use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
@@ -21,7 +20,7 @@ use crate::scene::planes::{CoplanarGroup, merged};
 use crate::scene::{Camera, GBufferData};
 use glam::Vec4;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Planes],
     parameters: PlanarParams::table,
@@ -45,14 +44,14 @@ parameters! {
     }
 }
 
-/// Planes that are looked at in every frame: the largest of the scene.
+/// Number of planes that are considered in every frame: the largest of the scene.
 const CANDIDATES: usize = 64;
-/// Nearer than this to a plane, the camera sees it edge on (metres).
+/// Distance from a plane, in metres, below which the camera sees the plane edge on.
 const EDGE_ON_M: f32 = 1e-3;
-/// A plane that covers less of the screen is no mirror worth a scene: a share of the screen.
+/// Share of the screen below which a plane is not worth another drawing of the scene.
 const AREA_MIN: f32 = 1e-4;
 
-/// The passes, and the planes of the present materials.
+/// The passes, and the planes that reflect with the present materials.
 struct PlanarMethod {
     scene: GBufferPass,
     lighting: LightingPass,

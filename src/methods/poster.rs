@@ -1,5 +1,5 @@
-//! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster): a cone that
-//! marches through the pre-filtered G-buffer. Ray trace and cone trace are one here, not two.
+//! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster): a cone that marches through the
+//! pre-filtered G-buffer. One march does the work of both ray trace and cone trace.
 
 use super::layers::LayerParams;
 use super::thesis::FadeParams;
@@ -12,7 +12,7 @@ use crate::passes::cone_march::{ConeMarchPass, MarchSteps};
 use crate::passes::filtered_gbuffer::FilteredGBufferPass;
 use crate::passes::{Content, PosterFilter};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: PosterParams::table,
     ..MethodInfo::screen(

@@ -1,4 +1,4 @@
-//! How methods are set up: the size, and the values of their parameters. All of it is in every record.
+//! How methods are set up: the size, and the values of their parameters. Every record contains the whole setup.
 
 use super::{METHODS, MethodInfo};
 use crate::error::{Error, Result};
@@ -51,7 +51,7 @@ choices! {
 }
 
 impl StageChoice {
-    /// The stage that passes have on a device, where all of the frame are asked for in some stage.
+    /// Returns the stage of passes on a device. `all` is the stage that is asked for all passes of the frame.
     pub(super) fn on(self, gpu: &Gpu, all: Stage) -> ShaderStage {
         match (self, all) {
             (Self::Fragment, _) | (Self::Auto, Stage::Fragment) => ShaderStage::Fragment,
@@ -129,7 +129,7 @@ choices! {
 }
 
 impl OwnRays {
-    /// The number on a device, among triangles or on the screen alone.
+    /// Returns the number of rays on a device, for rays among triangles or on the screen alone.
     pub fn on(self, gpu: &Gpu, among_triangles: bool) -> i32 {
         match self {
             Self::Auto if !among_triangles || gpu.info().is_cpu() => 0,
@@ -151,7 +151,7 @@ pub enum CaptureCount {
     Auto,
     /// A single capture at the camera, drawn anew in each frame.
     Camera,
-    /// So many captures, the scene file's first; from 1 to [`MAX_CAPTURES`].
+    /// This number of captures, from 1 to [`MAX_CAPTURES`]; the scene file's come first.
     Number(u32),
 }
 
@@ -172,7 +172,7 @@ choices! {
 }
 
 impl CaptureSide {
-    /// The side in texels; `None` as the scene says.
+    /// The side in texels; `None` if the scene decides.
     pub fn texels(self) -> Option<u32> {
         self.name().parse().ok()
     }
@@ -185,7 +185,7 @@ impl CaptureCount {
         Choice { name: "camera", help: "A single capture at the camera, drawn anew in each frame." },
     ];
 
-    /// Returns what to ask of the scene's places; `None` if no capture stands at a place of the scene.
+    /// Returns which captures of the scene are wanted; `None` if no capture stands at a place of the scene.
     pub fn wanted(self) -> Option<WantedCaptures> {
         match self {
             Self::None | Self::Camera => None,
@@ -289,7 +289,8 @@ parameters! {
 }
 
 impl EffectParams {
-    /// Where a method that can do either follows the rays that the screen loses, with the scene or without.
+    /// Returns where a method that takes both captures and triangles follows the rays that the screen loses, with the scene or
+    /// without it.
     pub fn beyond(&self, has_scene: bool) -> BeyondScreen {
         match self.beyond {
             BeyondScreen::Auto if self.captures != CaptureCount::None => BeyondScreen::Captures,
@@ -301,15 +302,15 @@ impl EffectParams {
         }
     }
 
-    /// Whether a method's rays end among the triangles of the scene: those that the screen loses, or all of a method that sees
-    /// nothing else.
+    /// Whether a method's rays end among the triangles of the scene: the rays that the screen loses, or all rays of a method that
+    /// looks at nothing else.
     pub fn is_among_triangles(&self, method: &MethodInfo, has_scene: bool) -> bool {
         let is_all = !method.is_screen_space();
         method.takes_triangles && (is_all || self.beyond(has_scene) == BeyondScreen::Triangles)
     }
 
-    /// The captures that are asked for: those of `--captures`, and as many as the scene needs where rays are to go on in
-    /// captures and nobody says in how many.
+    /// The captures that are asked for: the value of `--captures`, or as many as the scene needs if rays are to go on in captures
+    /// and no number is given.
     pub fn captures_wanted(&self) -> CaptureCount {
         match (self.beyond, self.captures) {
             (BeyondScreen::Captures, CaptureCount::None) => CaptureCount::Auto,
@@ -317,25 +318,25 @@ impl EffectParams {
         }
     }
 
-    /// Full pixels a side of a pixel that is traced: 1, 2 or 4.
+    /// Full pixels along a side of one traced pixel: 1, 2 or 4.
     pub fn divisor(&self) -> u32 {
         (1.0 / self.resolution_scale).round() as u32
     }
 }
 
-/// How methods are set up. One setup may be of several methods: each reads the parameters that it has.
+/// How methods are set up. One setup may serve several methods, each of which reads the parameters that it has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The projection of the cameras that images are seen from.
+    /// The projection of the cameras.
     pub projection: ProjectionKind,
     /// The values of parameters.
     pub values: Values,
 }
 
 impl Setup {
-    /// The published values at a size, for perspectives.
+    /// Makes a setup of the published values at a size, for perspective cameras.
     pub fn new(extent: [u32; 2]) -> Self {
         Self { extent, projection: ProjectionKind::Perspective, values: Values::default() }
     }
@@ -346,7 +347,7 @@ impl Setup {
         Self { projection, ..self.clone() }
     }
 
-    /// The published values at a size, for methods whose rays all end on the screen.
+    /// Makes a setup of the published values at a size, for methods whose rays all end on the screen.
     pub fn on_screen(extent: [u32; 2]) -> Self {
         Self::new(extent).with(|p: &mut EffectParams| p.beyond = BeyondScreen::None)
     }
@@ -365,7 +366,7 @@ impl Setup {
         of_preset
     }
 
-    /// Returns this setup with what a function changes in [`EffectParams`] or in a method's own parameters.
+    /// Returns this setup after a function changed values of [`EffectParams`] or of a method's own parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         Self { values: self.values.with(change), ..*self }
@@ -376,7 +377,7 @@ impl Setup {
         P::of(&self.values)
     }
 
-    /// The parameters of what surrounds a method.
+    /// The parameters of the effect around a method.
     pub fn effect(&self) -> EffectParams {
         self.of()
     }
@@ -411,7 +412,7 @@ pub(super) fn takes_projection(info: &MethodInfo, setup: &Setup) -> Result<()> {
     )))
 }
 
-/// What is wanted of an effect.
+/// The outputs that are wanted of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wants {
     /// Where each ray ended, if the method can say it. The rays are traced by the same program either way.
@@ -423,10 +424,10 @@ pub struct Wants {
 }
 
 impl Wants {
-    /// The image alone: what is timed.
+    /// The composite alone, as it is timed.
     pub const IMAGE: Self = Self { hits: false, reflection: false, composite: true };
-    /// The reflection, too.
+    /// The composite and the reflection.
     pub const REFLECTION: Self = Self { hits: false, reflection: true, composite: true };
-    /// All there is.
+    /// All outputs.
     pub const HITS: Self = Self { hits: true, reflection: true, composite: true };
 }

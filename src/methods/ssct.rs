@@ -14,7 +14,7 @@ use crate::passes::visibility::VisibilityPass;
 use crate::passes::{Content, GBuffer, Hits, MarchNumbers, Reflection};
 use crate::scene::Camera;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     traces_hi_z: true,
     parameters: SsctParams::table,
@@ -85,7 +85,7 @@ pub struct ThesisMethod {
 }
 
 impl ThesisMethod {
-    /// With a linear march as the fallback (`ssct`) or without (`hzct`).
+    /// Makes the method with a linear march as the fallback (`ssct`) or without one (`hzct`).
     pub(super) fn new(
         gpu: &Gpu,
         request: &MethodRequest,
@@ -110,7 +110,7 @@ impl ThesisMethod {
         })
     }
 
-    /// The chains and the cone of a setup, which [`Self::record_cone`] runs from hits of any origin.
+    /// Makes the chains and the cone trace of a setup, which [`Self::record_cone`] runs over hits that any tracer may have found.
     ///
     /// # Errors
     /// Errors of the device.
@@ -129,7 +129,7 @@ impl ThesisMethod {
         Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.filling())
     }
 
-    /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].
+    /// Records the cone trace over hits that any tracer may have found, for a method made by [`Self::cone_alone`].
     pub fn record_cone<'a>(
         &'a self,
         frame: &mut Frame,
@@ -141,7 +141,7 @@ impl ThesisMethod {
         self.trace.record_cone(frame, &input, &parameters, hits)
     }
 
-    /// The chains that ray trace and cone trace read, and their parameters.
+    /// Records the chains that ray trace and cone trace read, and returns them with the parameters.
     fn chains<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<(TraceInput<'a>, ThesisBlock)> {
         let (gbuffer, camera) = (&input.gbuffer, input.camera);
         let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;

@@ -1,5 +1,5 @@
-//! `sslr`: screen space local reflections as the thesis sets them against its own method (§4.3, after
-//! Killzone Shadow Fall): uniform march, mask, blurred chain.
+//! `sslr`: screen space local reflections as the thesis compares them with its own method (§4.3, after Killzone Shadow Fall):
+//! uniform march, mask, blurred chain.
 
 use super::thesis::{self, UniformMarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
@@ -12,9 +12,9 @@ use crate::passes::mask_chain::{MaskChainPass, MaskFilter};
 use crate::passes::sslr_reflection::SslrReflectionPass;
 use crate::passes::sslr_trace::SslrTracePass;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
-    // It keeps no hit whose distance from the border could be known.
+    // The method keeps no hits, so that it does not know how far they are from the border.
     fades: false,
     parameters: SslrParams::table,
     ..MethodInfo::screen(

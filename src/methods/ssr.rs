@@ -11,7 +11,7 @@ use crate::passes::LIT_COLOR;
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::schmidt_trace::{SchmidtMarch, SchmidtTracePass};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: SsrParams::table,
     ..MethodInfo::screen(
@@ -39,9 +39,9 @@ parameters! {
     }
 }
 
-/// Schmidt's screen-space reflections. They know no roughness: every reflection is a mirror's.
+/// Schmidt's screen-space reflections. They ignore roughness: every reflection is a mirror's.
 pub struct SchmidtMethod {
-    /// The blur reads a coarse level of the lit colour; without it there is no chain.
+    /// The colour chain, of which the blur reads a coarse level; `None` without the blur.
     chain: Option<ColorChainPass>,
     /// The chain of the second layer; `None` if there is one layer, or no chain.
     behind_chain: Option<ColorChainPass>,
@@ -50,8 +50,8 @@ pub struct SchmidtMethod {
 }
 
 impl SchmidtMethod {
-    /// With the march of listing 4 or 5. Of the two, listing 5 alone has the blur, which reads a chain of the lit colour
-    /// that is filtered in some way.
+    /// Makes the method with the march of listing 4 or 5. Listing 5 alone has the blur, which reads a chain of the lit colour.
+    /// `blur` says how the chain is filtered.
     pub(super) fn new(
         gpu: &Gpu,
         request: &MethodRequest,

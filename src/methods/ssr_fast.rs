@@ -1,5 +1,5 @@
-//! `ssr-fast`: the optimised march of Schmidt 2013 (section 5.4, listing 5): ten pixels forward while
-//! before the surface, a tenth of one back while behind.
+//! `ssr-fast`: the optimised march of Schmidt 2013 (section 5.4, listing 5). It goes ten pixels forward while it is before the
+//! surface, and a tenth of a pixel back while it is behind.
 
 use super::MethodInfo;
 use super::layers::LayerParams;
@@ -8,7 +8,7 @@ use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::schmidt_trace::SchmidtMarch;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: SsrFastParams::table,
     ..MethodInfo::screen(

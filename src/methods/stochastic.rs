@@ -1,7 +1,7 @@
-//! `stochastic`: rays drawn from each pixel's lobe, resolved over the pixels around it by ratios, and, with `--history
-//! on`, averaged over frames: what engines ship as stochastic screen-space reflections (Stachowiak, "Stochastic
-//! Screen-Space Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for the
-//! ratio estimator). With many rays and without neighbours it is the average of several rays of thesis §3.1.5.
+//! `stochastic`: rays drawn from each pixel's lobe, resolved over the pixels around it by ratios, and, with `--history on`,
+//! averaged over frames. Engines ship this as stochastic screen-space reflections (Stachowiak, "Stochastic Screen-Space
+//! Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for the ratio estimator). With
+//! many rays and without neighbours, the result is the average of several rays of thesis §3.1.5.
 
 use super::ssct::SsctParams;
 use super::thesis::FadeParams;
@@ -17,11 +17,11 @@ use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::stochastic::{Rays, StochasticResolvePass, StochasticTrace};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     parameters: StochasticParams::table,
-    // Rays without neighbours, as many as the filter would gather.
+    // Rays of the pixel alone, as many as the filter would gather from neighbours.
     combinations: |base| {
         let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
         vec![alone(4), alone(16)]
@@ -44,7 +44,7 @@ choices! {
     }
 }
 
-/// The source of what is tuned.
+/// The source of values that are tuned.
 const TUNED: &str = "tuned (docs/findings.md)";
 
 parameters! {
@@ -85,7 +85,7 @@ parameters! {
 struct StochasticMethod {
     walk: Walk,
     resolve: StochasticResolvePass,
-    /// It loses none, and has the sky.
+    /// Holds no ray, since this method loses none, but gives shaders the sky.
     lost: LostRays,
     parameters: StochasticParams,
     fade: bool,
@@ -120,7 +120,7 @@ impl StochasticMethod {
         Ok(Self { walk, resolve, lost, parameters, fade: effect.fade })
     }
 
-    /// Traces and resolves, ray after ray of each pixel.
+    /// Traces and resolves one ray of every pixel after the other.
     fn turns<'r>(
         &self,
         frame: &mut Frame,

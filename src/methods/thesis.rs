@@ -1,5 +1,5 @@
-//! The parameters of the thesis's methods, in the groups that several of them share: which number stands in print,
-//! and which is the author's. Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
+//! The parameters of the thesis's methods, in groups that several methods share, with the published and the author's numbers.
+//! Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
 
 use crate::gpu::shader::ThesisBlock;
 use crate::math::constants::{MIRROR_ALPHA, XI};
@@ -10,7 +10,7 @@ use crate::scene::Camera;
 /// A bound for loops that the thesis leaves unbounded (docs/definitions.md, "Time").
 pub const UNBOUNDED: u32 = 1024;
 
-/// The source of what the thesis does not print.
+/// The source of numbers that the thesis does not print.
 const UNPRINTED: &str = "not printed; the author's program";
 
 parameters! {
@@ -112,8 +112,8 @@ parameters! {
     }
 }
 
-/// What depends on a camera and a size in pixels alone. `levels` is the length of the Hi-Z chain; `fade` says whether
-/// reflections fade at the screen's border. The groups of parameters fill in the rest.
+/// Returns a block with the members that depend on a camera and a size in pixels alone. `levels` is the length of the Hi-Z chain;
+/// `fade` says whether reflections fade at the screen's border. The groups of parameters fill in the rest.
 pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> ThesisBlock {
     let projection = camera.view_to_clip().as_dmat4();
     ThesisBlock {
@@ -123,7 +123,7 @@ pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> Thes
         near_plane: camera.lens.near_m,
         far_plane: camera.lens.far_m,
         max_level: levels as i32 - 1,
-        // Not printed: the author's.
+        // The thesis does not print this number; it is the author's.
         reflection_offset: camera.lens.near_m,
         fade: i32::from(fade),
         ..FadeParams::default().fill(ThesisBlock::default())
@@ -150,12 +150,12 @@ impl Default for FadeParams {
 }
 
 impl FadeParams {
-    /// Start and end of the fade. The end lies beyond the start, since Eq. 4.7 divides by what is between them.
+    /// Start and end of the fade. The end lies beyond the start, since Eq. 4.7 divides by their distance.
     pub fn ends(&self) -> [f32; 2] {
         [self.fade_start, self.fade_end.max(self.fade_start + 1e-6)]
     }
 
-    /// Fills in what the fade reads of the block.
+    /// Fills in the members of the block that the fade reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         let [fade_start, fade_end] = self.ends();
         ThesisBlock { fade_start, fade_end, ..block }
@@ -163,7 +163,7 @@ impl FadeParams {
 }
 
 impl HiZParams {
-    /// Fills in what the Hi-Z traversal reads.
+    /// Fills in the members of the block that the Hi-Z traversal reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock {
             iterations: self.iterations as i32,
@@ -176,7 +176,7 @@ impl HiZParams {
 }
 
 impl MarchParams {
-    /// Fills in what the linear march reads of the block.
+    /// Fills in the members of the block that the linear march reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock { linear_march_stride: self.march_stride, binary_search_first: self.search_first, ..block }
     }
@@ -194,7 +194,7 @@ impl MarchParams {
 }
 
 impl ConeParams {
-    /// Fills in what the cone trace reads.
+    /// Fills in the members of the block that the cone trace reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock {
             cone_samples: self.cone_samples as i32,
@@ -210,7 +210,7 @@ impl ConeParams {
 }
 
 impl UniformMarchParams {
-    /// Fills in what the uniform march reads of the block.
+    /// Fills in the members of the block that the uniform march reads.
     pub fn fill(&self, block: ThesisBlock) -> ThesisBlock {
         ThesisBlock {
             uniform_stride_min: self.uniform_stride_min,

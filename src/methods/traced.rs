@@ -1,11 +1,11 @@
-//! `traced`: every ray of every reflecting pixel followed through the triangles of the scene, by a tree in compute shaders:
-//! mirrors by their one ray, lobes by the rays that `unified` shares among neighbours. No ray walks over the screen. It is
-//! what a renderer with ray tracing would do, and the baseline that screen-space methods are held against.
+//! `traced`: compute shaders follow every ray of every reflecting pixel through a tree over the triangles of the scene. Mirrors
+//! have one ray each, and lobes have the rays that `unified` shares among neighbours. No ray walks over the screen. A renderer with
+//! ray tracing would do the same, and screen-space methods are compared with this baseline.
 
 use super::MethodInfo;
 use super::unified::UnifiedMethod;
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     takes_triangles: true,
     takes_orthographic: true,

@@ -1,78 +1,71 @@
-//! `unified`: this project's own method. One exact traversal for every ray, and only the work that the
-//! frame needs. What was measured on the way, and what was tried and left out: `docs/unified.md`.
+//! `unified`: this project's own method, with one exact traversal for every ray, and only the work that the frame needs.
+//! `docs/unified.md` has what was measured on the way, and what was tried and left out.
 //!
 //! # The idea
 //!
-//! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth
-//! and whose back lies a thickness T behind it. A reflection ray, projected, is a straight line over
-//! this field. The truth of screen space (`reference::oracle`) is the first block on
-//! the line that the ray's depth meets. Walking every pixel finds it, in hundreds of steps. The thesis
-//! and the engines that followed it skip, and lose hits on the way: at odd sizes, towards the camera,
-//! behind objects, far away. This method skips and loses none.
+//! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth and whose back lies a
+//! thickness T behind its front. A reflection ray, projected, is a straight line over this field. The true hit of screen space
+//! (`reference::oracle`) is the first block on the line that the ray's depth meets. A walk over every pixel finds this block in
+//! hundreds of steps. The thesis and the engines that followed it skip pixels, and lose hits on the way: at odd sizes, towards the
+//! camera, behind objects, far away. This method skips pixels and loses no hit.
 //!
-//! **The ray** is followed in (pixel x, pixel y, reversed depth), where it is straight and the frustum is
-//! a box. Its direction there is the exact derivative of the projection. For a mirror it has a form in
-//! which nothing cancels: the direction v in which the pixel is seen projects to a point and drops out,
-//! and of the reflected direction v + a n only the normal's share remains (`traverse.glsl`). Reversed depth
-//! in f32 keeps its precision at any ratio of near to far.
+//! **The ray** is followed in the space of (pixel x, pixel y, reversed depth), where it is straight and the frustum is a box. Its
+//! direction in this space is the exact derivative of the projection. A mirror reflects the direction v, in which the pixel is
+//! seen, to v + a n. Since v projects to a point, the derivative depends on a n alone, and nothing cancels (`traverse.glsl`).
+//! Reversed depth in f32 keeps its precision at any ratio of near to far.
 //!
 //! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
 //! back to the nearest front of its blocks. Sides are padded so that cell = pixel >> n at every size.
 //! T follows the slope of the surface (docs/definitions.md, "Oracle", item 3). As depth plus a constant is
 //! proportional to 1 / z, the back is found from differences of stored depths (`pyramid.comp`).
 //!
-//! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval,
-//! whichever way it runs. Where the two intervals don't meet, the ray leaves the cell at once: before
-//! objects, behind them, away from the camera or towards it. Where they meet it goes down a level, and
-//! in a pixel that is a hit. Cells are integers, the side by which the ray leaves is crossed exactly, and
-//! each step goes forward or down, so that no ray can run out of steps.
+//! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval, whichever way the ray runs. If
+//! the intervals of ray and cell don't meet, the ray leaves the cell at once: before objects, behind them, away from the camera or
+//! towards it. If they meet, the walk goes down a level; in a pixel, the ray hits. Cells are integers, the side by which the ray
+//! leaves is crossed exactly, and each step goes forward or down, so that no ray can run out of steps.
 //!
-//! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. So a ray that
-//! comes from behind meets it as well, or one that passes an edge, and a ray meets the pixel beside its own, whose
-//! surface it leaves: of the hits that the world does not have, these are most. Version 2 of the oracle (`--oracle 2`)
-//! asks where a ray can have come from: of the first pixel by the normal there, and after the walk by one more look at
-//! the pyramid, at the pixel before. A miss is black, and a wrong hit is often a better guess than that, so that it is
-//! a choice.
+//! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. Therefore a block also
+//! stops rays that come from behind it and rays that pass an edge, and the block beside a ray's own pixel stops a ray that leaves
+//! its surface. Most hits that the world does not have are of these kinds. Version 2 of the oracle (`--oracle 2`) asks where a ray
+//! can have come from. The normal tells this for the first pixel; after the walk, one more look at the pyramid, at the pixel before
+//! the hit, tells it for the hit. Version 2 is a choice, since a miss is black, and a wrong hit is often a better guess than black.
 //!
 //! **Beyond the screen.** With captures (`--captures`) the screen is one image of the scene among several. A ray that the
 //! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
 //! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures the method hits only what it meets
 //! from in front, and nothing fades at the screen's border.
 //!
-//! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
-//! the image. Else [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and
-//! wide ones, and each list is drawn indirectly by the passes for it, over the lit colour; where every lit
-//! material reflects in one way there is nothing to find out, and the image is drawn at once. Composites are
-//! part of the passes that know the reflection, which is stored as an image of its own only for those who
-//! ask for it.
+//! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is the image. Otherwise
+//! [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and wide lobes, and the passes for each
+//! list draw its tiles indirectly, over the lit colour. If every lit material reflects in one way, nothing is classified, and the
+//! whole image is drawn at once. The passes that know the reflection also composite it, and store it as an image of its own only if
+//! that is wanted.
 //!
-//! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) is a ray a pixel for narrow lobes, and one
-//! for 2 × 2 pixels for wide ones, in directions that neighbours have dealt out among them: each pixel
-//! gathers the rays around it as samples of its own lobe, 9 narrow ones or 25 wide ones. Of these it loads 4 or 9:
-//! the four of a block of 2 × 2, which are shaded in step, hand on what they loaded (`gloss_resolve.frag`); in compute
-//! shaders a workgroup loads its rays once into memory that its threads share (`gloss_resolve.comp`). Where a
-//! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
-//! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
-//! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
-//! is no randomness. Among triangles, pixels whose neighbours say little of their reflection can have rays of their own
-//! (`--own-rays`). Over the frames of a history (`--history on`) the directions are dealt out anew at rest. Over a fallback
-//! ([`Fallback`]) the share of the rays that miss is not black but not there: what is behind shows through it.
+//! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) takes one ray a pixel for narrow lobes, and one ray for 2 × 2 pixels
+//! for wide lobes. Neighbours have different directions of one pattern, and each pixel gathers the rays around it as samples of its
+//! own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of them, since the four pixels of a block of 2
+//! × 2, which are shaded in step, exchange what they loaded (`gloss_resolve.frag`). In compute shaders a workgroup loads its rays
+//! once into shared memory (`gloss_resolve.comp`). Where a map turns the normals, the wide lobes of neighbours have little in
+//! common, and the footprint of each ray covers more of its own lobe. A pixel with a wide lobe interpolates between the cells
+//! around it that show its own surface. The pixels that stand for the cells lie on a chequerboard, so that not all of them miss a
+//! joint between tiles that is one pixel wide. Nothing is random. Among triangles, pixels whose neighbours say little of their
+//! reflection can have rays of their own (`--own-rays`). With a history (`--history on`), each frame of a camera at rest deals out
+//! new directions. Over a fallback ([`Fallback`]) the share of the rays that miss is not black but transparent, and the fallback
+//! shows through.
 //!
-//! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
-//! The two make the same images to the bit on a device that computes alike in both stages; which is faster depends on
-//! the device. [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, or `--stage` one for all, and only the
-//! pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute program runs in
-//! as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
+//! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source. Both make
+//! the same image to the bit on a device that computes alike in both stages; which is faster depends on the device.
+//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and `--stage` chooses one for all. Only
+//! the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute program runs in as many
+//! workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
-//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles;
-//! `traverse.glsl`; `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`,
-//! `resolve_cells.glsl` and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
-//! `follow.comp`. Beside `mirror.glsl`
-//! and `gloss_trace.glsl` stand a `.frag` and a `.comp` of the same stem, which include them, as `gloss_resolve.frag` and
-//! `gloss_resolve.comp` include those that resolve;
-//! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
-//! plain twins in `reference::unified`.
+//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `traverse.glsl`;
+//! `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl`
+//! and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. A `.frag`
+//! and a `.comp` of the same stem include `mirror.glsl` and `gloss_trace.glsl`; `gloss_resolve.frag` and `gloss_resolve.comp`
+//! include the files that resolve. The `.comp` files that show pixels share `store.glsl`. The pyramid, the traversal and the passes
+//! of gloss have plain twins in `reference::unified`.
 
 mod beyond;
 
@@ -99,7 +92,7 @@ use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
 use crate::scene::Camera;
 use beyond::{BeyondInput, BeyondPass};
 
-/// The table's row.
+/// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     takes_captures: true,
@@ -114,8 +107,8 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// The greatest number of triangles with which they answer every ray on a device that is a CPU, where the parameter `first` leaves
-/// it to the program. On a GPU they answer every ray in any scene (docs/unified.md).
+/// The greatest number of triangles with which they answer every ray on a device that is a CPU, if the parameter `first` is `auto`.
+/// On a GPU triangles answer every ray in any scene (docs/unified.md).
 const FIRST_UP_TO: u32 = 60_000;
 
 choices! {
@@ -144,7 +137,7 @@ choices! {
 }
 
 impl HitColor {
-    /// Whether the colour is the screen's, among triangles of whose colours so much is known.
+    /// Whether hits on these triangles have the screen's colour. With `auto`, they have it if the triangles are unlit.
     fn is_of_screen(self, triangles: TriangleReading) -> bool {
         match self {
             Self::Auto => triangles.unlit,
@@ -175,7 +168,7 @@ parameters! {
     }
 }
 
-/// The passes in their order, and what the last of them draw into.
+/// The passes in their order, and the images that the last of them draw into.
 pub struct UnifiedMethod {
     pyramid: PyramidPass,
     color: ColorChainPass,
@@ -187,9 +180,9 @@ pub struct UnifiedMethod {
     beyond: Option<BeyondPass>,
     /// Whether rays walk over the screen before they go beyond it.
     screen: bool,
-    /// Whether what rays meet among triangles has the screen's colours.
+    /// Whether hits on triangles have the screen's colours.
     screen_colors: bool,
-    /// Where the image is finished by the passes that know the reflection.
+    /// The finished image, which the passes that know the reflection draw.
     composite: Option<Image>,
     reflection: Option<Image>,
     /// Whether a history asks where rays ended.
@@ -197,7 +190,7 @@ pub struct UnifiedMethod {
     fade: bool,
     /// Where reflections fade.
     border: FadeParams,
-    /// How far a pixel's point may lie beside the surface that it shows, in pixels.
+    /// Greatest distance of a pixel's point from the surface that the pixel shows, in pixels.
     max_point_offset_px: f32,
 }
 
@@ -217,7 +210,7 @@ impl UnifiedMethod {
         Self::with(gpu, request, (screen, triangles), stages)
     }
 
-    /// Makes it without a walk over the screen: every ray goes among the triangles.
+    /// Makes the method without a walk over the screen: every ray goes among the triangles.
     pub(super) fn among_triangles(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         Self::with(gpu, request, (false, request.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
     }
@@ -231,14 +224,14 @@ impl UnifiedMethod {
         let Setup { extent, projection, .. } = request.setup;
         let (effect, hits) = (request.setup.effect(), request.hits);
         let followed = request.captures.is_some() || triangles.is_some();
-        // Hits are an image beside both.
+        // A program that writes hits writes composite and reflection, too.
         let (composite, reflection) = (request.composite || hits, request.reflection || hits);
         let tells = effect.history == HistoryUse::On;
         let parts = UnifiedSetup {
             extent,
             projection,
             strip: pyramid::strip(extent),
-            // A hit from behind is a worse guess than what a capture sees.
+            // A hit from behind is a worse guess than the end that captures or triangles give.
             oracle: if followed { OracleVersion::V2 } else { effect.oracle },
             over: effect.fallback != Fallback::None,
             composite,
@@ -262,7 +255,7 @@ impl UnifiedMethod {
                 let wanted = FollowWants { over, composite, reflection, hits, tells, behind: false, projection };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
-            // What goes among the triangles at once stands on no list.
+            // Rays that go among the triangles at once are on no list.
             _ => None,
         };
         let listed = match &beyond {
@@ -284,7 +277,7 @@ impl UnifiedMethod {
             tells,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
-            // Where the screen ends, rays go on.
+            // Rays go on where the screen ends, so that nothing fades there.
             fade: effect.fade && !followed,
             border: request.setup.of(),
             max_point_offset_px: max_point_offset_px(gpu.precision(), effect.divisor()),
@@ -299,13 +292,13 @@ impl UnifiedMethod {
     }
 }
 
-/// What a frame needs, by what the materials that are drawn say of its reflections.
+/// The passes that a frame needs, by the kinds of reflectors that its materials have.
 #[derive(Clone, Copy)]
 struct Plan {
     mirrors: bool,
     narrow: bool,
     wide: bool,
-    /// All that is lit reflects in one way: there is nothing to classify, and no tile to draw over.
+    /// Every lit surface reflects in one way, so that nothing is classified, and passes draw over the whole image.
     whole: bool,
 }
 
@@ -315,7 +308,7 @@ impl Plan {
         Self { mirrors, narrow, wide, whole: everywhere && reflectors.kinds() == 1 }
     }
 
-    /// Tells the frame which passes it does without, and why.
+    /// Tells the frame which passes are left out, and why.
     fn skip(self, frame: &mut Frame) {
         let left_out: [(bool, &[&str], &str); 4] = [
             (self.whole, &["classify"], "every material that is drawn and lit reflects, and in one way"),
@@ -347,7 +340,7 @@ impl Method for UnifiedMethod {
         let block = capture_block(input.camera, input.captures.as_ref());
         let lit = input.triangles.zip(input.scene);
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
-        // A pixel's sides are twice what `pixel_to_view` is for.
+        // The sides of a pixel are twice as long as `pixel_to_view`, which is for half a pixel.
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
         let placed = input.triangles.map(|t| t.block(input.camera, self.max_point_offset_px * width.hypot(height)));
         let placed = placed.unwrap_or_default();
@@ -444,21 +437,20 @@ impl Method for UnifiedMethod {
     }
 }
 
-/// How far a pixel's point may lie beside the surface that it shows, in pixels along each axis of the screen. A rasteriser rounds
-/// corners to parts of a pixel: this device's, or that of whoever drew the G-buffer, which may have fewer bits. And a pixel that
-/// stands for a block has the depth of the block's first.
+/// Returns how far a pixel's point may lie beside the surface that the pixel shows, in pixels along each axis of the screen. A
+/// rasteriser rounds corners to parts of a pixel; whoever drew the G-buffer may have fewer bits for this than the device. A pixel
+/// that stands for a block has the depth of the first pixel of the block.
 fn max_point_offset_px(precision: Precision, divisor: u32) -> f32 {
     let rounded = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
     rounded + 0.5 * (divisor - 1) as f32 / divisor as f32
 }
 
-/// The parameters of a camera for a size in pixels. What of the projection is needed is computed in
-/// f64 and rounded once.
+/// Returns the parameters of a camera for a size in pixels. Numbers of the projection are computed in f64 and rounded once.
 pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock {
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];
     let side = extent.map(f64::from);
-    // The image is shifted by z or by 1, whichever w is.
+    // A shift of the image goes with w, which is z in a perspective and 1 in an orthographic projection.
     let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
     let [fade_start, fade_end] = FadeParams::default().ends();
     UnifiedBlock {

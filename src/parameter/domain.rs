@@ -1,4 +1,4 @@
-//! The values that a parameter takes: which there are, how they are read, and how a reader is told of them.
+//! The values that a parameter takes, how they are read from text, and how they are described to a user.
 
 use super::Value;
 use std::fmt;
@@ -6,9 +6,9 @@ use std::fmt;
 /// One of the choices of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
-    /// Its name.
+    /// The choice's name.
     pub name: &'static str,
-    /// What it does.
+    /// What the choice does.
     pub help: &'static str,
 }
 
@@ -19,7 +19,7 @@ pub enum Domain {
     Switch,
     /// Whole numbers from the first to the second, both included.
     Count(u32, u32),
-    /// Numbers between two bounds, of which the second is included, and the first if `with_least`.
+    /// Numbers between two bounds. The upper bound is included, and the lower bound is if `with_least` is true.
     Number {
         /// Lower bound.
         least: f32,
@@ -30,14 +30,14 @@ pub enum Domain {
     },
     /// These numbers alone.
     Numbers(&'static [f32]),
-    /// One of these.
+    /// One of these choices.
     Choices(&'static [Choice]),
-    /// One of these, or a whole number from the first to the second, both included.
+    /// One of these choices, or a whole number from the first to the second, both included.
     ChoicesOrCount(&'static [Choice], u32, u32),
 }
 
 impl Domain {
-    /// Whether it has a value.
+    /// Whether a value is in the domain.
     pub fn has(&self, value: Value) -> bool {
         match (self, value) {
             (Self::Switch, Value::Switch(_)) => true,
@@ -54,7 +54,7 @@ impl Domain {
         }
     }
 
-    /// Reads a value of the domain from text; `None` if it has no such value.
+    /// Reads a value of the domain from text; `None` if the domain has no such value.
     pub(super) fn read(&self, text: &str) -> Option<Value> {
         let value = match self {
             Self::Switch => match text {
@@ -70,7 +70,7 @@ impl Domain {
         value.filter(|v| self.has(*v))
     }
 
-    /// True if the values are on and off, whether a type of its own names them or not.
+    /// True if the values are on and off, even if a type of its own names them.
     pub fn is_switch(&self) -> bool {
         match self {
             Self::Switch => true,
@@ -79,7 +79,7 @@ impl Domain {
         }
     }
 
-    /// Every value, if they are few: the choices of a list.
+    /// Every value, if there are few enough for a list of choices.
     pub fn few(&self) -> Option<Vec<Value>> {
         match self {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),

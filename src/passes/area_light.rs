@@ -1,5 +1,5 @@
-//! Highlights of lights with an extent (thesis §3.1.1): which share of each pixel's reflection lobe the
-//! light fills, in closed form. `area_light/share.glsl` says how, `tests/suite/area_light.rs` how well.
+//! Highlights of lights with an extent (thesis §3.1.1): the share of each pixel's reflection lobe that the light fills, in closed
+//! form. `area_light/share.glsl` has the formulas, and `tests/suite/area_light.rs` tests their accuracy.
 
 use super::scene_data::{SceneData, check_at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
@@ -19,7 +19,7 @@ pub struct AreaLightPass {
 }
 
 impl AreaLightPass {
-    /// An image of a size in pixels.
+    /// Makes the pass and its image of a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
@@ -27,15 +27,15 @@ impl AreaLightPass {
         })
     }
 
-    /// Whether a scene has no more area lights than the pass can take.
+    /// Checks that a scene has no more area lights than the pass can take.
     ///
     /// # Errors
-    /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_AREA_LIGHTS`].
+    /// [`Usage`](crate::error::Error::Usage) if the scene has more than [`MAX_AREA_LIGHTS`].
     pub fn check(scene: &SceneData) -> Result<()> {
         check_at_most("area lights", scene.area_lights.len(), MAX_AREA_LIGHTS, "area-light")
     }
 
-    /// Pass "area lights".
+    /// Records pass "area lights".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -61,7 +61,7 @@ impl AreaLightPass {
     }
 }
 
-/// Lights in view space.
+/// Returns the lights in view space.
 fn light_block(lights: &[AreaLight], camera: &Camera) -> AreaLightBlock {
     let mut block = AreaLightBlock { count: lights.len().min(MAX_AREA_LIGHTS) as u32, ..AreaLightBlock::default() };
     let place = |p| camera.world_to_view.transform_point3(p);

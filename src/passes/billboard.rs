@@ -1,6 +1,6 @@
-//! Billboard reflections: impostor quads that each pixel's mirror ray is traced against (Schmidt 2013,
-//! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack and a blur. The method
-//! `ibr` draws its planes by it, too.
+//! Billboard reflections: impostor quads that each pixel's mirror ray is traced against (Schmidt 2013, section 5.3, listings 2 and
+//! 3). The pass adds what the listings lack, a test of the depth buffer for occlusion, and a blur. The method `ibr` draws its
+//! planes with this pass, too.
 
 use super::scene_data::{SceneData, check_at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
@@ -55,16 +55,16 @@ choices! {
 /// How billboards are drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct Drawing {
-    /// Which of several on a ray shows.
+    /// Which of several billboards on a ray shows.
     pub order: Order,
-    /// What hides one.
+    /// What hides a billboard.
     pub occlusion: Occlusion,
-    /// How wide the ray is there.
+    /// How wide a ray is at a billboard.
     pub blur: Blur,
-    /// How bright the glow beside an edge is, as a share of the image's colour there, and how far it reaches, in metres.
-    /// Only a pass that was made for it has one.
+    /// How bright the glow beside an edge is, as a share of the image's colour there, and how far it reaches, in metres. Only a
+    /// pass that was made with a glow draws it.
     pub glow: (f32, f32),
-    /// Whether the images' colours are multiplied by their alpha already; only [`Order::Nearest`] asks.
+    /// Whether the images' colours are multiplied by their alpha already; read with [`Order::Nearest`] only.
     pub premultiplied: bool,
 }
 
@@ -76,7 +76,7 @@ pub struct BillboardPass {
 }
 
 impl BillboardPass {
-    /// An image of a size in pixels; with a glow ([`Drawing::glow`]) or without.
+    /// Makes the pass and its image of a size in pixels. `glow` says whether the pass can draw a glow ([`Drawing::glow`]).
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], glow: bool) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &BillboardConstants { glow })?,
@@ -85,21 +85,21 @@ impl BillboardPass {
         })
     }
 
-    /// Under another name.
+    /// Returns the pass with another label.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
 
-    /// Whether a scene has no more impostors than the pass can take.
+    /// Checks that a scene has no more impostors than the pass can take.
     ///
     /// # Errors
-    /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_IMPOSTORS`].
+    /// [`Usage`](crate::error::Error::Usage) if the scene has more than [`MAX_IMPOSTORS`].
     pub fn check(scene: &SceneData, method: &str) -> Result<()> {
         check_at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
     }
 
-    /// Pass "billboards", or by its label, of a scene's impostors, of which at most [`MAX_IMPOSTORS`] are drawn, with
-    /// their own images or with others in the same order.
+    /// Records pass "billboards", or the pass of its label. It draws at most [`MAX_IMPOSTORS`] of a scene's impostors, with their
+    /// own images or with `images`, in the same order.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -146,8 +146,8 @@ impl BillboardPass {
     }
 }
 
-/// The standard quad (figure 37: 1 × 1 in x and z) to an impostor's rectangle. Its texture coordinates
-/// run along +x and −z; ours begin at the image's top left.
+/// Returns the matrix from the standard quad (figure 37: 1 × 1 in x and z) to an impostor's rectangle. The quad's texture
+/// coordinates run along +x and −z; ours begin at the image's top left.
 fn model_matrix(impostor: &Impostor) -> Mat4 {
     Mat4::from_cols(
         (2.0 * impostor.half_u).extend(0.0),

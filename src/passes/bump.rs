@@ -14,7 +14,7 @@ pub struct BumpPass {
 }
 
 impl BumpPass {
-    /// For a size in pixels; the strength is in screen heights for a deviation of 1.
+    /// Makes the pass for a size in pixels. `strength` is in screen heights for a deviation of 1.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], strength: f32) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
@@ -23,7 +23,7 @@ impl BumpPass {
         })
     }
 
-    /// Pass "bump", from the G-buffer of shading and the one that was traced.
+    /// Records pass "bump". `shading` has the normals of shading, and `traced` those that rays were reflected at.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -1,5 +1,5 @@
-//! Classification (docs/numerics.md, "What a robust method does", item 7): which tiles of an image hold mirrors,
-//! narrow lobes and wide ones, so that each is traced where it is and by what it needs.
+//! Classification (docs/numerics.md, "What a robust method does", item 7): which tiles of an image hold mirrors, narrow lobes and
+//! wide lobes, so that each kind has its own passes, over its tiles alone.
 
 use super::GBuffer;
 use super::tiles::{self, Tiles};
@@ -20,7 +20,7 @@ pub struct ClassifyPass {
 }
 
 impl ClassifyPass {
-    /// For images of a size in pixels.
+    /// Makes the pass for images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         let tiles = tiles::count(extent);
@@ -49,7 +49,7 @@ impl ClassifyPass {
         })
     }
 
-    /// Passes "classify/clear" and "classify/tiles".
+    /// Records passes "classify/clear" and "classify/tiles".
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, parameters: &UnifiedBlock) -> Result<Tiles<'a>> {
         let [x, y] = tiles::count(gbuffer.material.extent());
         frame.fill("classify/clear", &self.arguments, 0)?;
@@ -64,12 +64,12 @@ impl ClassifyPass {
         Ok(self.made())
     }
 
-    /// The lists as they were recorded last.
+    /// Returns the lists as they were recorded last.
     pub fn made(&self) -> Tiles<'_> {
         self.tiles(false)
     }
 
-    /// Nothing is classified, since all that reflects does so in one way.
+    /// Returns the tiles of an image whose reflecting pixels all reflect in one way, so that nothing is classified.
     pub fn whole(&self) -> Tiles<'_> {
         self.tiles(true)
     }

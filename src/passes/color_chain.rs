@@ -38,24 +38,25 @@ choices! {
 
 /// How the levels are made.
 enum LevelPipelines {
-    /// A blit each.
+    /// One blit for each level.
     Blits,
-    /// A blit each, the last [`COARSE`] of them in one dispatch; the first in one of its own where the sky is seen apart.
+    /// One blit for each level, but one dispatch for the last [`COARSE`] levels, and one for the first if the sky is left out.
     Coarse(ComputePipeline<ColorFirst<'static>>, ComputePipeline<ColorCoarse<'static>>),
-    /// Two passes each, with the image between the two directions.
+    /// Two passes for each level, with the image between the two directions.
     Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
-    /// Two masked passes each, with the greatest difference of depths that counts as one surface, as a part of the lesser.
+    /// Two masked passes for each level, with the greatest difference of depths that counts as one surface, as a part of the lesser
+    /// depth.
     Masked(PixelPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
 /// Levels that `color_coarse.comp` makes.
 const COARSE: u32 = 7;
 
-/// What makes the levels.
+/// The pass that makes the levels.
 pub struct ColorChainPass(LevelPipelines);
 
 impl ColorChainPass {
-    /// For lit colours of a size and format.
+    /// Makes the pass for lit colours of a size and format.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -72,8 +73,8 @@ impl ColorChainPass {
         }))
     }
 
-    /// By the Gaussian with a mask, which reads the Hi-Z buffer ([`Self::record_masked`]); without one, as
-    /// [`Self::new`] has it. `tolerance` is how far depths of one surface differ, as a part of the lesser one.
+    /// Makes the pass with the masked Gaussian, which reads the Hi-Z buffer ([`Self::record_masked`]); without a mask, does the
+    /// same as [`Self::new`]. `tolerance` is how far depths of one surface differ, as a part of the lesser depth.
     pub fn masked(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -94,7 +95,8 @@ impl ColorChainPass {
         Ok(Self(LevelPipelines::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
     }
 
-    /// Passes "color/1" to the coarsest level, or "color/coarse" for several, written into the colour image itself.
+    /// Records passes "color/1" to the coarsest level, or "color/coarse" for several levels. They write into the colour image
+    /// itself.
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {
@@ -111,7 +113,7 @@ impl ColorChainPass {
         Ok(ColorChain(chain))
     }
 
-    /// Records the chain as [`Self::record`] does, but that sky is black in all levels above the first.
+    /// Records the chain as [`Self::record`] does, but with black for the sky in all levels above the first.
     ///
     /// # Errors
     /// [`Error::Usage`] for a chain that is not made in few passes, whose levels hold the sky.
@@ -171,13 +173,13 @@ fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: v
     Ok(Box::new(Image::new(gpu, &described)?))
 }
 
-/// Levels of a chain, each from the one below it.
+/// Records blits of some levels of a chain, each from the level below it.
 fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
-/// The levels of a chain from one on: blits, and the last [`COARSE`] of them in one dispatch if none of these is below that one. The
-/// shader has one format.
+/// Records the levels of a chain from level `from` on, as blits. The last [`COARSE`] levels are one dispatch instead, if none of them
+/// is below `from` and the chain has the one format that the shader writes.
 fn record_levels(
     frame: &mut Frame,
     chain: &Image,
@@ -193,7 +195,7 @@ fn record_levels(
     }
 }
 
-/// The levels of a chain from one on, of which there are [`COARSE`].
+/// Records the last [`COARSE`] levels of a chain, from level `first` on, in one dispatch.
 fn coarse(
     frame: &mut Frame,
     chain: &Image,
@@ -214,7 +216,7 @@ fn coarse(
     frame.compute("color/coarse", pipeline, &program, [1; 3])
 }
 
-/// A level from the one below it, by way of a third.
+/// Records one level from the level below it, by way of the image between the two directions.
 fn gaussian(
     frame: &mut Frame,
     level: u32,

@@ -12,7 +12,7 @@ pub struct CompositePass {
 }
 
 impl CompositePass {
-    /// An image of a size in pixels.
+    /// Makes the pass and its image of a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &programs::CompositeConstants { lit: false })?,
@@ -20,7 +20,7 @@ impl CompositePass {
         })
     }
 
-    /// An image of a size in pixels that stands for the lit colour of another bounce, with room for its chain.
+    /// Makes the pass with an image that is the lit colour of the next bounce, with room for its chain.
     pub fn for_bounces(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = stage.target_usage() | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -32,7 +32,7 @@ impl CompositePass {
         })
     }
 
-    /// Pass "composite"; the image is linear, in level 0.
+    /// Records pass "composite"; the image is linear, in level 0.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, reflection: Reflection) -> Result<&'a Image> {
         frame.pixels(
             "composite",

@@ -11,17 +11,17 @@ use crate::scene::Camera;
 /// The numbers of the march that the poster prints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarchSteps {
-    /// What each step of the march is longer by than the one before, as a factor.
+    /// Factor from the length of one step of the march to the next.
     pub step_increase: f32,
     /// Steps of the march at most.
     pub step_count: i32,
     /// Steps of the binary search at most.
     pub search_count: i32,
-    /// What each step of the search is shorter by than the one before, as a factor.
+    /// Factor from the length of one step of the search to the next.
     pub search_decrease: f32,
 }
 
-/// Pipeline and images of one size, by the kind of images that it goes through.
+/// Pipeline and images of one size, for either kind of filtered images.
 pub enum ConeMarchPass {
     /// Through mip chains.
     Mip(TracedPass<ConeMarchMip<'static>>),
@@ -30,7 +30,7 @@ pub enum ConeMarchPass {
 }
 
 impl ConeMarchPass {
-    /// With an image of the hits, or without; through two layers of depth, or one.
+    /// Makes the pass with an image of the hits or without, for two layers of depth or one.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -41,7 +41,7 @@ impl ConeMarchPass {
         layers: bool,
     ) -> Result<Self> {
         let MarchSteps { step_increase, step_count, search_count, search_decrease } = steps;
-        // Two types with the same fields, as they are two programs.
+        // The two programs have types of their own, with the same fields.
         macro_rules! pass {
             ($constants:ident) => {{
                 let constants = $constants { hits, layers, step_increase, step_count, search_count, search_decrease };
@@ -54,7 +54,7 @@ impl ConeMarchPass {
         })
     }
 
-    /// Pass "cone march". `behind` is the second layer, filtered, where there are two.
+    /// Records pass "cone march". `behind` is the second layer, filtered, where there are two.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -70,12 +70,12 @@ impl ConeMarchPass {
         let filtered_depth = Sampled::trilinear(filtered.depth.all());
         let filtered_normal = Sampled::trilinear(filtered.normal.all());
         let filtered_color = Sampled::trilinear(filtered.color.all());
-        // A program without layers reads nothing of the second one.
+        // A program for one layer does not read the bindings of the second.
         let behind = behind.unwrap_or(filtered);
         let behind_depth = Sampled::trilinear(behind.depth.all());
         let behind_normal = Sampled::trilinear(behind.normal.all());
         let behind_color = Sampled::trilinear(behind.color.all());
-        // Two types with the same fields, as they are two programs.
+        // The two programs have types of their own, with the same fields.
         macro_rules! march {
             ($pass:expr, $program:ident) => {{
                 $pass.draw(

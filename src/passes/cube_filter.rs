@@ -12,8 +12,8 @@ use ash::vk;
 /// Side of a face in texels.
 pub const FACE_SIZE: u32 = 256;
 
-/// Levels of a filtered map. The coarsest has 8 texels a side for the roughest lobe, whose cone is
-/// about five of them wide; each finer level halves both.
+/// Levels of a filtered map. The coarsest has 8 texels a side for the roughest lobe, whose cone is about five of them wide. In each
+/// finer level the texels and the cone are half as wide.
 pub const LEVELS: u32 = 6;
 
 /// Directions of a lobe that are averaged, at every level.
@@ -36,20 +36,20 @@ impl CubeFilterPass {
         Ok(Self { pipeline: ComputePipeline::new(gpu)? })
     }
 
-    /// A cube map whose level 0 is to be filled, then handed to [`Self::record`].
+    /// Makes a cube map for the caller to fill in level 0, and then to hand to [`Self::record`].
     pub fn source(gpu: &Gpu) -> Result<Image> {
         use vk::ImageUsageFlags as U;
         let usage = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         cube(gpu, "cube source", image::full_chain([FACE_SIZE; 2]), usage)
     }
 
-    /// An image for the result.
+    /// Makes an image for the result.
     pub fn target(gpu: &Gpu, name: &str) -> Result<Image> {
         use vk::ImageUsageFlags as U;
         cube(gpu, name, LEVELS, U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST)
     }
 
-    /// Passes "cube/1" … (the source's own chain) and "cube filter/0" …, down to the coarsest level.
+    /// Records passes "cube/1" … (the source's own chain) and "cube filter/0" …, down to the coarsest level.
     pub fn record(&self, frame: &mut Frame, source: &Image, target: &Image) -> Result<()> {
         for level in 1..source.levels() {
             frame.blit(&format!("cube/{level}"), source.level(level - 1), source.level(level))?;

@@ -12,8 +12,8 @@ use crate::scene::Camera;
 pub struct DdaTracePass(TracedPass<Dda<'static>>);
 
 impl DdaTracePass {
-    /// With samples that are shifted from pixel to pixel (`jitter`), with a search for each hit within its step
-    /// (`refine`), through so many layers of depth (1 or 2), with an image of the hits, or without.
+    /// Makes the pass. `jitter` shifts samples from pixel to pixel, `refine` searches for each hit within its step, `layers` is the
+    /// number of layers of depth (1 or 2), and `hits` asks for an image of the hits.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -26,7 +26,7 @@ impl DdaTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Pass "ray march". `behind` is the second layer, where there are two.
+    /// Records pass "ray march". `behind` is the second layer, where there are two.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -36,7 +36,7 @@ impl DdaTracePass {
         parameters: &DdaBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
-        // A program of one layer reads nothing of the second one.
+        // A program for one layer does not read the bindings of the second.
         let behind = behind.unwrap_or(gbuffer);
         let program = Dda {
             camera: &camera,

@@ -12,7 +12,7 @@ pub struct EnvironmentPass {
 }
 
 impl EnvironmentPass {
-    /// For a size in pixels and a projection.
+    /// Makes the pass for a size in pixels and a kind of projection.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
         let constants = programs::EnvironmentConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
@@ -21,7 +21,7 @@ impl EnvironmentPass {
         })
     }
 
-    /// Pass "environment". Nothing fades.
+    /// Records pass "environment", whose reflection does not fade.
     pub fn record(
         &self,
         frame: &mut Frame,

@@ -1,5 +1,5 @@
-//! A reflection with another behind it, faded in where the first fades out (thesis §4.2.11; Schmidt
-//! 2013, section 5.4.2).
+//! Puts a fallback behind a reflection: another reflection, which fades in where the first fades out (thesis §4.2.11; Schmidt 2013,
+//! section 5.4.2).
 
 use super::{LIT_COLOR, Reflection};
 use crate::error::Result;
@@ -12,7 +12,7 @@ pub struct FallbackPass {
 }
 
 impl FallbackPass {
-    /// For a size in pixels.
+    /// Makes the pass for a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
@@ -20,7 +20,7 @@ impl FallbackPass {
         })
     }
 
-    /// Pass "fallback". Fade is 1 wherever the fallback has a colour, and elsewhere that of the reflection.
+    /// Records pass "fallback". The fade is 1 where the fallback has a colour, and that of the first reflection elsewhere.
     pub fn record(&self, frame: &mut Frame, reflection: Reflection, behind: Reflection) -> Result<Reflection<'_>> {
         let program = programs::Fallback {
             reflection_buffer: Sampled::nearest(reflection.0.all()),

@@ -1,6 +1,5 @@
-//! The poster's pre-filtered G-buffer: linear depth, normal and colour, as mip chains by the hardware's
-//! filter or by one that keeps to one surface, or as volumes whose slices are ever wider Gaussians of the original at its
-//! full size.
+//! The poster's pre-filtered G-buffer of linear depth, normal and colour. It has mip chains, made by the hardware's filter or by a
+//! filter that averages one surface alone, or volumes, whose slices are ever wider Gaussians of the original at its full size.
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
@@ -13,11 +12,11 @@ use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use crate::scene::Camera;
 use ash::vk;
 
-/// Slices of a volume at most: the widest is as wide as a texel of the mip chain's level 7. Each costs as
-/// much memory as the whole G-buffer.
+/// The most slices of a volume. The last slice is blurred as wide as a texel of the mip chain's level 7. Each slice costs as much
+/// memory as the whole G-buffer.
 pub const MAX_SLICES: u32 = 8;
 
-// Depth, normal, colour: those of the G-buffer, so that they can be copied.
+// Formats of depth, normal and colour. Normal and colour have the formats of the G-buffer, so that they can be copied.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::R32_SFLOAT, vk::Format::R16G16B16A16_SFLOAT, vk::Format::R16G16B16A16_SFLOAT];
 const NAMES: [&str; 3] = ["filtered depth", "filtered normal", "filtered color"];
@@ -26,7 +25,7 @@ const NAMES: [&str; 3] = ["filtered depth", "filtered normal", "filtered color"]
 pub struct FilteredGBufferPass {
     linear_depth: LinearDepths,
     images: Images,
-    /// What the names of its passes begin with.
+    /// The beginning of the names of the passes.
     prefix: &'static str,
 }
 
@@ -45,7 +44,7 @@ enum Images {
 
 struct EdgeAwareChains {
     pipeline: PixelPipeline<EdgeAware<'static>>,
-    /// How far depths of one surface differ, as a part of the lesser one.
+    /// How far depths of one surface differ, as a part of the lesser depth.
     tolerance: f32,
     chains: [Image; 3],
 }
@@ -53,13 +52,13 @@ struct EdgeAwareChains {
 struct Volumes {
     across: PixelPipeline<PosterBlurAcross<'static>>,
     down: PixelPipeline<PosterBlurDown<'static>>,
-    /// Between the two directions.
+    /// The images between the two directions of the blur.
     between: [Image; 3],
     volumes: [Image; 3],
 }
 
 impl FilteredGBufferPass {
-    /// For a size in pixels; the tolerance is that of the edge-aware filter, as a part of the depth.
+    /// Makes the pass for a size in pixels. `tolerance` is that of the edge-aware filter, as a part of the depth.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter 32-bit depth.
@@ -84,8 +83,8 @@ impl FilteredGBufferPass {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
                 let plain = |n| Image::new(gpu, &desc(n));
                 let volumes = [volume(0)?, volume(1)?, volume(2)?];
-                // A sample in the middle of a slice weighs its neighbours with 0, and the next slice is not written yet
-                // in the first frame: what memory held before may be no number, and 0 times that is none either.
+                // A sample in the middle of a slice weighs the next slice by 0, but that slice is not written yet in the first
+                // frame. Its memory may hold NaN, and 0 times NaN is NaN.
                 FrameContext::new(gpu)?
                     .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
@@ -103,12 +102,12 @@ impl FilteredGBufferPass {
         Ok(Self { linear_depth, images, prefix: "" })
     }
 
-    /// With passes whose names begin otherwise, for a G-buffer beside another one.
+    /// Returns the pass with another beginning of its passes' names, for a second G-buffer in a frame.
     pub fn labelled(self, prefix: &'static str) -> Self {
         Self { prefix, ..self }
     }
 
-    /// Passes "linear depth" and "filter/0", then "filter/1" to the coarsest level or slice.
+    /// Records passes "linear depth" and "filter/0", then "filter/1" to the coarsest level or slice.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -168,7 +167,7 @@ impl FilteredGBufferPass {
 }
 
 impl EdgeAwareChains {
-    /// A level from the one below it.
+    /// Records one level from the level below it.
     fn reduce(&self, frame: &mut Frame, level: u32, prefix: &str) -> Result<()> {
         let [depth_source, normal_source, color_source] =
             self.chains.each_ref().map(|chain| Sampled::nearest(chain.level(level - 1)));
@@ -180,7 +179,7 @@ impl EdgeAwareChains {
 }
 
 impl Volumes {
-    /// A slice from the one below it.
+    /// Records one slice from the slice below it.
     fn blur(&self, frame: &mut Frame, slice: u32, prefix: &str) -> Result<()> {
         let inverse_size = self.volumes[0].extent().map(|v| 1.0 / v as f32);
         let step = tap_distance(slice);
@@ -212,8 +211,8 @@ impl Volumes {
 /// Variance of the seven taps of thesis §4.3.2, in squares of their distance.
 const TAP_VARIANCE: f32 = 2.0 * (GAUSSIAN_1 as f32 * 1.0 + GAUSSIAN_2 as f32 * 4.0 + GAUSSIAN_3 as f32 * 9.0);
 
-/// Pixels between the taps that make a slice from the one below it, so that each slice is as wide as the
-/// texels of its mip level: a box of 2^n pixels has the variance 4^n / 12, and variances add up.
+/// Pixels between the taps that make a slice from the slice below it, so that each slice is as wide as the texels of its mip level.
+/// A box of 2^n pixels has the variance 4^n / 12, and variances add up.
 fn tap_distance(slice: u32) -> f32 {
     let variance = |n: u32| 4_f32.powi(n as i32) / 12.0;
     ((variance(slice) - variance(slice - 1)) / TAP_VARIANCE).sqrt()

@@ -1,5 +1,5 @@
-//! Following the rays that the screen lost ([`lost`](super::lost)) through the captures of a scene (docs/definitions.md,
-//! "Images"), over as many rays as there are.
+//! Passes that follow the rays that the screen lost ([`lost`](super::lost)) through the captures of a scene (docs/definitions.md,
+//! "Images"). The number of rays on the list sizes their dispatches.
 
 use super::lost::LostRayBindings;
 use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
@@ -17,7 +17,7 @@ pub struct FollowPass {
     unwanted_hits: Option<Image>,
 }
 
-/// What is written of the pixels of mirrors, and where rays begin.
+/// The outputs that are wanted, and where rays begin.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowWants {
     /// Another reflection shows where no image knows what a ray sees.
@@ -36,10 +36,10 @@ pub struct FollowWants {
     pub projection: ProjectionKind,
 }
 
-/// What every pass here reads.
+/// The inputs of every pass of this file.
 #[derive(Clone, Copy)]
 pub struct FollowInput<'a> {
-    /// Where rays go on.
+    /// The captures in which rays go on.
     pub captures: Captures<'a>,
     /// The rays, the camera among the captures, and the sky.
     pub beyond: LostRayBindings<'a>,
@@ -48,8 +48,8 @@ pub struct FollowInput<'a> {
 impl FollowPass {
     /// Compiles the pipelines, for faces whose pyramids have strips of 2^`strip` columns.
     ///
-    /// Mirrors have their composite, their reflection and their hits written as these are wanted; `behind` says that what is
-    /// followed from its beginning stands behind another reflection.
+    /// Composite, reflection and hits of mirrors are written if they are wanted. `behind` says that rays that are followed from
+    /// where they begin make a fallback behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
         let FollowWants { over, composite, reflection, hits, tells, behind, projection } = wanted;
@@ -64,7 +64,7 @@ impl FollowPass {
         })
     }
 
-    /// Pass "begin": puts the ray of every pixel that reflects on the list, from where it begins.
+    /// Records pass "begin": puts the ray of every pixel that reflects on the list, from where it begins.
     pub fn record_begin(
         &self,
         frame: &mut Frame,
@@ -88,7 +88,7 @@ impl FollowPass {
         frame.compute("begin", &self.begin, &program, [width, height, 1])
     }
 
-    /// Pass "follow/mirrors": finishes the pixels whose mirror rays the screen lost.
+    /// Records pass "follow/mirrors": finishes the pixels whose mirror rays the screen lost.
     pub fn record_mirrors(
         &self,
         frame: &mut Frame,
@@ -97,7 +97,7 @@ impl FollowPass {
         canvas: Canvas,
         hits: Option<Hits>,
     ) -> Result<()> {
-        // What is not wanted is not written, and needs an image all the same.
+        // An image that is not wanted is not written, but its binding needs some image.
         let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
         let Some((any, hits)) = stored else { return Ok(()) };
         let program = programs::FollowMirrors {
@@ -118,7 +118,7 @@ impl FollowPass {
         frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (beyond.counts, 0))
     }
 
-    /// Pass "follow/narrow": writes into the records what the rays of narrow lobes see that the screen lost.
+    /// Records pass "follow/narrow", which writes into the records what the rays of narrow lobes see after the screen lost them.
     pub fn record_narrow(
         &self,
         frame: &mut Frame,
@@ -140,7 +140,7 @@ impl FollowPass {
         frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
 
-    /// Pass "follow/wide": the same for the rays of cells with wide lobes.
+    /// Records pass "follow/wide", which does the same for the rays of cells with wide lobes.
     pub fn record_wide(
         &self,
         frame: &mut Frame,

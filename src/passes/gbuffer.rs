@@ -29,7 +29,7 @@ pub struct GBufferImages {
     color: Image,
 }
 
-/// What stands in the image of triangles where nothing stands.
+/// The texel of the image of triangles for a pixel in which nothing stands.
 const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
 /// Pipeline and images of one size.
@@ -47,20 +47,20 @@ enum GBufferPipeline {
     Nearest(GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>),
     /// Draws the nearest surfaces, and which triangle each pixel shows.
     Numbered(GraphicsPipeline<GBufferNumbered<'static>, GBufferVertex<'static>>),
-    /// Draws the nearest of what lies behind another depth buffer.
+    /// Draws the nearest surfaces behind another depth buffer.
     Peeled(GraphicsPipeline<GBufferPeeled<'static>, GBufferVertex<'static>>),
 }
 
 /// The layer behind which a pass of [`GBufferPass::behind`] draws.
 #[derive(Clone, Copy)]
 pub struct Peel<'a> {
-    /// Its reversed depth, of the pass's size and from its camera.
+    /// The layer's reversed depth, of the pass's size and from the same camera.
     pub depth: &'a Image,
-    /// By how much a surface must lie behind it, in metres of view depth.
+    /// Least distance of a surface behind the layer, in metres of view depth.
     pub separation_m: f32,
 }
 
-/// A fragment program with what it reads of a surface, and of nothing else what it has of its own.
+/// Makes a fragment program from the bindings that every program has for a surface, and from its own.
 macro_rules! drawn_by {
     ($program:ident, $view:expr, $surface:expr $(, $field:ident: $value:expr)*) => {
         $program {
@@ -76,7 +76,7 @@ macro_rules! drawn_by {
     };
 }
 
-/// What was drawn.
+/// Counts of what was drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename = "Drawn")]
 pub struct DrawnCounts {
@@ -86,7 +86,7 @@ pub struct DrawnCounts {
     pub culled: usize,
     /// Triangles drawn.
     pub triangles: usize,
-    /// What their materials say of reflections.
+    /// The kinds of reflectors among the materials of the drawn meshes.
     #[serde(skip)]
     pub reflectors: Reflectors,
 }
@@ -98,7 +98,7 @@ const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 pub const DEPTH_STENCIL: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 
 impl GBufferImages {
-    /// Images of a size in pixels, without content.
+    /// Makes images of a size in pixels, without content.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::with_depth(gpu, extent, DEPTH)
     }
@@ -117,8 +117,8 @@ impl GBufferImages {
         })
     }
 
-    /// Images with the content of a G-buffer on the host, rounded to their formats. What is no number in a colour is no
-    /// light, as where the images of another renderer are taken over: a blurred chain would spread it over the image.
+    /// Makes images with the content of a G-buffer on the host, rounded to their formats. NaN in a colour becomes 0, as in the
+    /// import of another renderer's images, since a blurred chain would spread NaN over the image.
     pub fn upload(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         if data.color.iter().all(|color| !color.is_nan()) {
             return Self::upload_unsound(context, data);
@@ -128,21 +128,21 @@ impl GBufferImages {
         Self::upload_unsound(context, &GBufferData { color, ..data.clone() })
     }
 
-    /// Uploads as [`GBufferImages::upload`] does, with what is no number in colours: to try how methods stand it.
+    /// Uploads as [`GBufferImages::upload`] does, but keeps NaN in colours, to test how methods bear it.
     pub fn upload_unsound(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half_bits)).collect();
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
         let shown = data.surface.iter().zip(&data.depth);
         for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(shown) {
-            // The lighting pass stores the same.
+            // The lighting pass stores the same alpha.
             color[3] = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
         }
         let images = Self::new(context.gpu(), [data.width, data.height])?;
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
-    /// Uploads as [`GBufferImages::upload`] does, with colours and normals in 32-bit floats, which round nothing: to try other formats
-    /// than these by their values. The device must filter such images linearly.
+    /// Uploads as [`GBufferImages::upload`] does, but with colours and normals in 32-bit floats, which round nothing, so that
+    /// values can stand for other formats. The device must filter such images linearly.
     pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
         let wide = |v: &[Vec3], w: f32| -> Vec<u8> {
@@ -152,7 +152,7 @@ impl GBufferImages {
         images.filled(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
     }
 
-    /// The images with depth and material of a G-buffer, and normals and colour as bytes of their formats.
+    /// Fills the images with depth and material of a G-buffer, and with normals and colour as bytes of their formats.
     fn filled(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
         let images = self;
         let material: Vec<u16> =
@@ -170,7 +170,7 @@ impl GBufferImages {
         Ok(images)
     }
 
-    /// The images as methods take them.
+    /// Returns the images in the form in which methods read them.
     pub fn gbuffer(&self) -> GBuffer<'_> {
         GBuffer {
             depth: &self.depth,
@@ -197,7 +197,7 @@ fn vertex_input() -> VertexInput<'static> {
     }
 }
 
-/// The bits of a 16-bit float; what is beyond the greatest of these counts as it.
+/// Returns the bits of a 16-bit float. Greater values become the greatest such float.
 fn half_bits(v: f32) -> u16 {
     let most = half::f16::MAX.to_f32();
     half::f16::from_f32(v.clamp(-most, most)).to_bits()
@@ -217,12 +217,12 @@ fn image_of(
 }
 
 impl GBufferPass {
-    /// Images of a size in pixels.
+    /// Makes the pass and its images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::of(gpu, extent, DEPTH, false)
     }
 
-    /// A pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), where the device numbers them.
+    /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device numbers triangles.
     pub fn numbered(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let plain = Self::new(gpu, extent)?;
         if !gpu.numbers_triangles() {
@@ -237,12 +237,12 @@ impl GBufferPass {
         })
     }
 
-    /// A pass that draws what lies behind another one's surfaces: the next layer of depth peeling (Everitt 2001).
+    /// Makes a pass that draws what lies behind the surfaces of another pass: the next layer of depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::of(gpu, extent, DEPTH, true)
     }
 
-    /// A pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
+    /// Makes a pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
     pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::of(gpu, extent, DEPTH_STENCIL, false)
     }
@@ -266,7 +266,7 @@ impl GBufferPass {
         })
     }
 
-    /// Under another name, for a scene that a method draws for itself.
+    /// Returns the pass with another label, for a scene that a method draws for itself.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
@@ -349,7 +349,7 @@ impl GBufferPass {
     }
 }
 
-/// What a fragment program reads of a surface.
+/// The inputs of a fragment program from a surface.
 struct SurfaceInput<'a> {
     albedo_map: Sampled<'a>,
     normal_map: Sampled<'a>,
@@ -359,7 +359,7 @@ struct SurfaceInput<'a> {
     draw: &'a DrawBlock,
 }
 
-/// What a camera may see of a scene.
+/// The part of a scene that a camera may see.
 struct SceneView<'a> {
     scene: &'a SceneData,
     materials: &'a [Material],
@@ -390,7 +390,7 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// Draws it; `bind` binds the programs for each surface that differs from the one before.
+    /// Draws the seen meshes. `bind` binds the programs for each surface that differs from the one before.
     fn draw<'r, 'f, F: Fragment>(
         &self,
         raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
@@ -424,7 +424,7 @@ impl<'a> SceneView<'a> {
     }
 }
 
-/// What some materials can reflect, in the precision of the material image: a map only ever lowers a
+/// Returns the kinds of reflectors that some materials may be, in the precision of the material image. A map can only lower a
 /// reflectivity or a roughness.
 fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     let stored = |v: f32| half::f16::from_f32(v).to_f32();

@@ -8,9 +8,9 @@ use crate::gpu::shader::HiZBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
 use ash::vk;
 
-/// The minimum alone.
+/// Format of the minimum alone.
 const MINIMUM: vk::Format = vk::Format::R32_SFLOAT;
-/// The minimum, and in g the maximum.
+/// Format of the minimum in r and the maximum in g.
 const BOTH: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// Pipelines and the chain of one size.
@@ -21,12 +21,12 @@ pub struct HiZPass {
 }
 
 impl HiZPass {
-    /// A full chain over a size in pixels, with or without maxima.
+    /// Makes the pass with a full chain over a size in pixels, with or without maxima.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], maximum: bool) -> Result<Self> {
         Self::with_levels(gpu, stage, extent, image::full_chain(extent), if maximum { BOTH } else { MINIMUM })
     }
 
-    /// Level 0 alone: the depth buffer of the linear marches, which filter it.
+    /// Makes the pass with level 0 alone: the depth buffer that linear marches filter.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter its format.
@@ -54,7 +54,7 @@ impl HiZPass {
         })
     }
 
-    /// Passes "depth" and "hi-z/1" to the coarsest level.
+    /// Records passes "depth" and "hi-z/1" to the coarsest level.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<HiZ<'a>> {
         frame.pixels(
             "depth",
@@ -75,13 +75,13 @@ impl HiZPass {
         Ok(self.made())
     }
 
-    /// The chain as it was recorded last.
+    /// Returns the chain as it was recorded last.
     pub fn made(&self) -> HiZ<'_> {
         HiZ(&self.chain)
     }
 }
 
-/// Eq. 4.1 of the thesis for one side of the level below, in texels: how far apart the texels are that a level reads of it.
+/// Eq. 4.1 of the thesis for one side of the level below, in texels: the distance between the texels that a level reads there.
 pub fn offset(side: u32) -> i32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }

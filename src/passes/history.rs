@@ -1,4 +1,4 @@
-//! Temporal filtering (thesis §4.2.11): the reflection of earlier frames, found again in this one, and averaged with it.
+//! Temporal filtering (thesis §4.2.11): finds the reflection of earlier frames again in this frame, and averages both.
 
 use super::scene_data::MovableObject;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
@@ -12,34 +12,35 @@ use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
 use std::cell::{Cell, OnceCell, RefCell};
 
-/// Format of what guides the search: `Guide` of `shaders-glsl/common/history_guide.glsl`, packed.
+/// Format of the guide of the search: `Guide` of `shaders-glsl/common/history_guide.glsl`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
-/// Frames that are averaged at most at rest.
+/// The most frames that are averaged at rest.
 const MOST_AT_REST: f32 = 128.0;
 
 /// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
     gpu: Gpu,
     variant: Variant,
-    /// Where nothing has moved since the frame before: each pixel has its own history.
+    /// The program for a frame in which nothing has moved, so that each pixel has its own history.
     at_rest: Pipeline,
-    /// By [`HistorySearch::index`]. That of a camera alone is made at once, the others when a frame first needs them.
+    /// The other programs, by [`HistorySearch::index`]. The program for a moving camera alone is made at once, the others when a
+    /// frame first needs them.
     searching: [OnceCell<Pipeline>; 4],
     history_images: [HistoryImages; 2],
     composite: Option<Image>,
-    /// In place of the ends of rays, where the method does not know them.
+    /// An image of one texel, bound if the method does not know the ends of rays.
     no_ends: Image,
-    /// In place of the triangles of a G-buffer that has none: one texel, which says so.
+    /// An image of one texel, `NO_TRIANGLE`, bound if the G-buffer has no triangle numbers.
     no_triangle: Image,
-    /// What is known of the frames so far.
+    /// The state that one frame leaves to the next.
     previous_frame: RefCell<PreviousFrame>,
     frames: Cell<u32>,
     averaged: u32,
     deviations: f32,
 }
 
-/// Which program of the history it is.
+/// The variant of the history's program.
 #[derive(Clone, Copy)]
 struct Variant {
     stage: ShaderStage,
@@ -50,43 +51,43 @@ struct Variant {
 /// What may have moved since the frame before, beside the camera.
 #[derive(Clone, Copy, Default)]
 struct HistorySearch {
-    /// Things of the scene.
+    /// Whether objects of the scene moved.
     movers: bool,
-    /// What a caller's motion says.
+    /// Whether the caller gives the motion of surfaces.
     motion: bool,
 }
 
 impl HistorySearch {
-    /// Its place among four.
+    /// The index among the four programs.
     fn index(self) -> usize {
         usize::from(self.movers) | usize::from(self.motion) << 1
     }
 }
 
-/// The program of the stage that was chosen. Both make the same images.
+/// The program of the chosen stage. The programs of both stages make the same images.
 enum Pipeline {
     Fragment(GraphicsPipeline<programs::History<'static>>),
     Compute(ComputePipeline<programs::HistoryCompute<'static>>),
 }
 
-/// How the surfaces that pixels show have moved since the frame before, by somebody who knows it.
+/// The motion of the surfaces that pixels show since the frame before, as the caller knows it.
 #[derive(Clone, Copy)]
 pub struct SurfaceMotion<'a> {
-    /// In red and green the way over the screen from where a surface is seen to where it was seen.
+    /// The way over the screen from where a surface is seen to where it was seen, in red and green.
     pub image: &'a Image,
-    /// Pixels to a unit of it, x to the right and y down.
+    /// Pixels in one unit of the image, x to the right and y down.
     pub scale: [f32; 2],
-    /// Whether the way holds the difference of the shifts of the two frames' projections.
+    /// Whether the motion contains the difference of the shifts of the two frames' projections.
     pub shifted: bool,
 }
 
-/// What is kept of a frame.
+/// The images that are kept of a frame.
 struct HistoryImages {
     reflection: Image,
     guide: Image,
 }
 
-/// What the last frame was seen from and showed, and how long that has been so.
+/// Camera and objects of the last frame, and how long they have been at rest.
 #[derive(Default)]
 struct PreviousFrame {
     camera: Option<Camera>,
@@ -94,34 +95,35 @@ struct PreviousFrame {
     /// Whether something moved in the last frame.
     moved: bool,
     turns: Turns,
-    /// What this frame says, until it is recorded.
+    /// The changes of this frame, until it is recorded.
     movers: Vec<Mover>,
     change: CameraChange,
     repeats: bool,
     before: Option<Camera>,
 }
 
-/// A thing that moved since the frame before.
+/// An object that moved since the frame before.
 struct Mover {
     triangles: [u32; 2],
-    /// From where it stands now to where it stood, in the world.
+    /// The matrix from where the object stands now to where it stood, in the world.
     back: DMat4,
 }
 
-/// In which directions the rays of a frame leave.
+/// The directions in which the rays of a frame leave, by counts of frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Turns {
-    /// Frames with other directions before this one since the history began. It no longer grows once the picture has been at rest
-    /// for as many frames as are averaged.
+    /// Number of frames with other directions before this one since the history began. The number stops growing once the picture
+    /// has been at rest for as many frames as are averaged.
     pub drawn: u32,
-    /// Such frames since the camera last moved: 0 while it moves.
+    /// Number of frames with other directions since the camera last moved; 0 while the camera moves.
     pub rested: u32,
-    /// Frames with other directions that are still to come if nothing moves.
+    /// Number of frames with other directions that are still to come if nothing moves.
     left: u32,
 }
 
 impl Turns {
-    /// The frame after this one: whether the camera moved since, and whether the last thing that moved has come to rest.
+    /// Returns the turns of the next frame. `change` says how the camera moved, and `has_stopped` whether the last moving object
+    /// came to rest.
     fn next(self, change: CameraChange, has_stopped: bool, averaged: u32) -> Self {
         let Self { drawn, rested, left } = self;
         let most = averaged.saturating_sub(1);
@@ -130,7 +132,7 @@ impl Turns {
         match (change, left) {
             (CameraChange::Moves, _) => Self { rested: 0, ..turned },
             (_, 0) => self,
-            // No frame of a jittered camera is as the one before, so that there is no end to what other directions bring.
+            // Each frame of a jittered camera differs from the one before, so that its directions never stop changing.
             (CameraChange::Shifts, _) => turned,
             (CameraChange::None, _) => Self { left: left - 1, ..turned },
         }
@@ -141,7 +143,7 @@ impl Turns {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum CameraChange {
     None,
-    /// By the shift of its projection alone, as cameras do that are jittered.
+    /// The shift of the projection alone differs, as in jittered cameras.
     Shifts,
     #[default]
     Moves,
@@ -160,8 +162,8 @@ impl CameraChange {
 }
 
 impl PreviousFrame {
-    /// What the search has to look for; `motion` if a caller says how surfaces moved. `None` where nothing can have moved, and in the
-    /// first frame, before which there is none.
+    /// Returns what the search has to look for; `None` if nothing can have moved, and in the first frame. `motion` says whether the
+    /// caller gives the motion of surfaces.
     fn search(&self, motion: bool) -> Option<HistorySearch> {
         let movers = !self.movers.is_empty();
         let moves = self.change == CameraChange::Moves || motion || movers;
@@ -170,8 +172,9 @@ impl PreviousFrame {
 }
 
 impl HistoryPass {
-    /// For a size in pixels and a projection: how many frames are averaged at most, and how many standard deviations of what is seen
-    /// around a pixel its history may lie from their mean. With `composite` the pass also makes the finished image.
+    /// Makes the pass for a size in pixels and a projection. `averaged` is the most frames that are averaged. `deviations` is how
+    /// many standard deviations a history may lie from the mean of the reflections around its pixel. With `composite` the pass also
+    /// makes the finished image.
     ///
     /// # Errors
     /// Errors of the device.
@@ -210,14 +213,14 @@ impl HistoryPass {
         self.averaged
     }
 
-    /// Forgets all frames: the next one is the first.
+    /// Forgets all frames, so that the next frame is the first.
     pub fn restart(&self) {
         self.frames.set(0);
         self.previous_frame.take();
     }
 
-    /// Begins a frame that is seen from a camera, with things where they stand now; `may_move` if others may move that are not
-    /// among them. Says in which directions its rays leave.
+    /// Begins a frame that is seen from a camera, with the objects where they stand now. `may_move` says whether other objects may
+    /// move, too. Returns the directions in which the frame's rays leave.
     pub fn begin(&self, camera: &Camera, standing: Vec<MovableObject>, may_move: bool) -> Turns {
         let mut previous_frame = self.previous_frame.borrow_mut();
         previous_frame.movers = movers(&previous_frame.standing, &standing);
@@ -234,9 +237,9 @@ impl HistoryPass {
         turns
     }
 
-    /// Pass "history", of the frame that [`Self::begin`] began: the averaged reflection, and the finished image if it makes
-    /// one. `ends` says where the rays of each pixel ended, in units of [`unit()`], where the method knows it, and `motion` how
-    /// surfaces moved, where the caller knows it.
+    /// Records pass "history" of the frame that [`Self::begin`] began. Returns the averaged reflection, and the finished image if
+    /// the pass makes it. `ends` says where the rays of each pixel ended, in units of [`unit()`], and `motion` how surfaces moved;
+    /// `None` where unknown.
     ///
     /// # Errors
     /// Errors of the device.
@@ -253,7 +256,7 @@ impl HistoryPass {
         self.frames.set(self.frames.get().wrapping_add(1));
         let [now, earlier] = [&self.history_images[turn], &self.history_images[1 - turn]];
         if previous_frame.before.is_none() {
-            // Read by nobody, and yet bound.
+            // The images of an earlier frame are bound in the first frame, too, but not read.
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
             frame.clear("history/no triangle", self.no_triangle.all(), [f32::from_bits(NO_TRIANGLE); 4])?;
@@ -274,7 +277,7 @@ impl HistoryPass {
                     color_before: earlier.reflection.all(),
                     guide_before: earlier.guide.all(),
                     color_buffer: gbuffer.color.level(0),
-                    // Not read where they are not known.
+                    // Images that stand for unknown ones are not read.
                     ends_image: ends.unwrap_or(&self.no_ends).all(),
                     triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
                     motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
@@ -322,8 +325,8 @@ impl HistoryPass {
         motion: Option<SurfaceMotion>,
     ) -> HistoryBlock {
         let before = previous_frame.before.as_ref().unwrap_or(camera);
-        // What a pixel of a jittered camera at rest shows is that pixel's, wherever in it the surface was seen: its history is
-        // not moved by parts of a pixel, which would blur it.
+        // At rest, a pixel of a jittered camera keeps its own history, wherever in the pixel the surface was seen. Moving the
+        // history by parts of a pixel would blur it.
         let earlier = if previous_frame.change == CameraChange::Shifts { camera } else { before };
         let rests = previous_frame.change != CameraChange::Moves;
         let settles = previous_frame.change == CameraChange::None;
@@ -381,7 +384,7 @@ impl Pipeline {
     }
 }
 
-/// How far a camera's projection shifts the image, in pixels, x to the right and y down: by its jitter, for one.
+/// How far a camera's projection shifts the image, in pixels, x to the right and y down: for example by jitter.
 fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
     let projection = camera.view_to_clip_reversed();
     let column = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
@@ -389,7 +392,7 @@ fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
     column.xy() * Vec2::new(width, -height)
 }
 
-/// The things that stand elsewhere than before. Of more than a block has room for, only the first.
+/// Returns the objects that stand elsewhere than before; the first of them, if a block has no room for all.
 fn movers(before: &[MovableObject], now: &[MovableObject]) -> Vec<Mover> {
     let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.placement != b.placement);
     let back = |a: &MovableObject, b: &MovableObject| {

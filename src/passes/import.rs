@@ -1,5 +1,5 @@
-//! Takes over the G-buffer of another renderer, in whatever conventions it has, as images that every method reads. Not
-//! counted: a renderer that draws such images itself does without.
+//! Takes over the G-buffer of another renderer, in whatever conventions it has, as images that every method reads. The time of the
+//! pass is not counted, since a renderer that draws such images itself needs no import.
 
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, PerProjection, Reflectors, camera_block};
 use crate::error::Result;
@@ -14,7 +14,7 @@ use glam::{Mat3, Mat4};
 /// Pipelines and images of one size.
 pub struct ImportPass {
     gpu: Gpu,
-    /// For each way to store normals (`NORMAL_*`), once a frame has it.
+    /// The pipeline for each way to store normals (`NORMAL_*`), made when a frame first needs it.
     pipelines: [PerProjection<ComputePipeline<Import<'static>>>; NORMAL_OF_DEPTH as usize + 1],
     depth: Image,
     normal: Image,
@@ -28,21 +28,21 @@ pub struct ImportPass {
 pub struct ForeignImages<'a> {
     /// Depth, in R.
     pub depth: &'a Image,
-    /// What reversed depth is of it: the first number times it plus the second.
+    /// Factor and offset that turn the depth into reversed depth.
     pub to_reversed: [f32; 2],
-    /// Normals, if there are any, how they are stored (`NORMAL_*`), and what turns them into our view space.
+    /// Normals, if there are any, the code of their encoding (`NORMAL_*`), and the matrix that turns them into our view space.
     pub normal: Option<(&'a Image, i32, Mat3)>,
     /// Reflectivity and roughness.
     pub material: [Factor<'a>; 2],
     /// Lit colour, linear.
     pub color: &'a Image,
-    /// What reflects, as far as is known.
+    /// The kinds of reflecting surface that the frame may have, as the caller knows them.
     pub reflectors: Reflectors,
-    /// Whether the colour is black where nothing stands, since the sky is known apart.
+    /// Whether the colour is to be black where nothing stands, since the sky is given apart.
     pub leaves_sky_out: bool,
 }
 
-/// A number a pixel.
+/// A number for each pixel.
 #[derive(Clone, Copy)]
 pub enum Factor<'a> {
     /// One value for all pixels.
@@ -58,7 +58,7 @@ impl Factor<'_> {
 }
 
 impl ImportPass {
-    /// Images of a size in pixels.
+    /// Makes the pass and its images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let make = |name, format, levels| {
@@ -76,7 +76,7 @@ impl ImportPass {
         })
     }
 
-    /// Under another name.
+    /// Returns the pass with another label.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
@@ -86,7 +86,7 @@ impl ImportPass {
         self.depth.extent()
     }
 
-    /// Pass "import". What reflects is known where reflectivity or roughness is the same everywhere.
+    /// Records pass "import". A constant reflectivity or roughness rules out kinds of reflectors.
     pub fn record(&self, frame: &mut Frame, from: &ForeignImages, camera: &Camera) -> Result<GBuffer<'_>> {
         let (kind, to_view) =
             from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
@@ -122,7 +122,7 @@ impl ImportPass {
         })
     }
 
-    /// The pipeline for a way to store normals, made when a frame first has it.
+    /// The pipeline for a way to store normals, made when a frame first needs it.
     fn pipeline(&self, normal_kind: i32, kind: ProjectionKind) -> Result<&ComputePipeline<Import<'static>>> {
         let constants = ImportConstants { normal_kind, orthographic: kind.is_orthographic() };
         self.pipelines[normal_kind as usize].get(kind, || ComputePipeline::with(&self.gpu, &constants))

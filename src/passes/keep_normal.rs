@@ -17,7 +17,7 @@ impl KeepNormalPass {
         Ok(Self { pipeline: ComputePipeline::new(gpu)? })
     }
 
-    /// Pass "capture/keep normal": into a layer of `normals`, an array of RGBA8 snorm images of the face's size.
+    /// Records pass "capture/keep normal", which writes a layer of `normals`, an array of RGBA8 snorm images of the face's size.
     pub fn record(&self, frame: &mut Frame, face: &GBuffer, normals: &Image, layer: u32) -> Result<()> {
         let [width, height] = normals.extent();
         let program = programs::KeepNormal {

@@ -26,7 +26,7 @@ impl LightingPass {
         Self::with(gpu, stage, false)
     }
 
-    /// Makes a lighting pass that is black where the sky is seen. In both passes, a is 1 for what is lit and 0 for sky.
+    /// Makes a lighting pass that writes black for the sky. With and without the sky, a is 1 for lit surfaces and 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
         Self::with(gpu, ShaderStage::Fragment, true)
     }
@@ -42,7 +42,7 @@ impl LightingPass {
         self.pipelines.get(kind, || PixelPipeline::new(&self.gpu, self.stage, [LIT_COLOR], &constants))
     }
 
-    /// Under another name, for a scene that a method draws for itself.
+    /// Returns the pass with another label, for a scene that a method draws for itself.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }

@@ -22,7 +22,7 @@ choices! {
 pub struct LinearTracePass(TracedPass<Linear<'static>>);
 
 impl LinearTracePass {
-    /// With an image of the hits, or without.
+    /// Makes the pass with an image of the hits or without.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -35,7 +35,7 @@ impl LinearTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Pass "ray trace".
+    /// Records pass "ray trace".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

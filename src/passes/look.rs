@@ -1,5 +1,5 @@
-//! What a window shows of the methods' images: copies of them that last ([`KeepPass`]), and the one
-//! picture that is made of the copies ([`LookPass`]).
+//! Passes for a window that shows the methods' images: copies that outlast a frame ([`KeepPass`]), and the one picture that is made
+//! of the copies ([`LookPass`]).
 
 use super::Content;
 use crate::error::Result;
@@ -9,17 +9,17 @@ use crate::math::constants::*;
 use crate::scene::Lens;
 use ash::vk;
 
-/// Format of what is kept: wide enough for every image that a method makes.
+/// Format of the copies, wide enough for every image that a method makes.
 const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// A copy of an image's level, at a size of its own.
+/// Copies a level of an image, at a size of its own.
 pub struct KeepPass {
     pipeline: GraphicsPipeline<programs::Keep<'static>>,
     image: Image,
 }
 
 impl KeepPass {
-    /// An image of a size in pixels.
+    /// Makes the pass and its image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, [KEPT])?,
@@ -27,7 +27,7 @@ impl KeepPass {
         })
     }
 
-    /// Pass "keep": each pixel takes the texel of the level that it lies in.
+    /// Records pass "keep": each pixel takes the texel of the level in which the pixel lies.
     pub fn record(&self, frame: &mut Frame, level: ImageSlice) -> Result<()> {
         let (from, to) = (level.extent(), self.image.extent());
         let keep = KeepBlock { scale: [0, 1].map(|i| from[i] as f32 / to[i] as f32) };
@@ -53,20 +53,20 @@ pub enum Compare {
     One = COMPARE_ONE as isize,
     /// The first left of a line, the second right of it.
     Split = COMPARE_SPLIT as isize,
-    /// The magnitude of their difference.
+    /// The magnitude of the difference between both.
     Difference = COMPARE_DIFFERENCE as isize,
 }
 
 /// How numbers are shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tone {
-    /// What they are.
+    /// The kind of the numbers.
     pub content: Content,
     /// One channel as grey; `None` shows all.
     pub channel: Option<u32>,
     /// Factor, in powers of two.
     pub exposure_stops: f32,
-    /// What is shown black, and what white.
+    /// The number that is shown black, and the number that is shown white.
     pub range: [f32; 2],
 }
 
@@ -80,13 +80,13 @@ impl Tone {
 pub struct PictureDisplay {
     /// Left, top, width and height of the pictures on the screen, in pixels.
     pub area: [u32; 4],
-    /// One or two.
+    /// How one or two pictures are shown.
     pub compare: Compare,
-    /// Where the line is, as a share of the width.
+    /// Place of the line between two pictures, as a share of the width.
     pub split: f32,
     /// Factor of the difference.
     pub gain: f32,
-    /// How their numbers are shown.
+    /// How the numbers of the pictures are shown.
     pub tone: Tone,
     /// The lens, for depths.
     pub lens: Lens,
@@ -98,12 +98,12 @@ pub struct LookPass {
 }
 
 impl LookPass {
-    /// For screens of an sRGB format, which does the encoding.
+    /// Makes the pass for screens of an sRGB format, which encodes the colours.
     pub fn new(gpu: &Gpu, screen: vk::Format) -> Result<Self> {
         Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, [screen])? })
     }
 
-    /// Pass "look". Both pictures have the area's size; where one is shown, it is given twice.
+    /// Records pass "look". Both pictures have the area's size; a single picture is given twice.
     pub fn record(
         &self,
         frame: &mut Frame,

@@ -1,4 +1,4 @@
-//! What the passes that trace the screen share with those that follow rays through captures: the list of rays that the
+//! Inputs that the passes that trace the screen share with those that follow rays through captures: the list of rays that the
 //! screen lost, the camera among the captures, and the sky.
 
 use super::tiles::{self, TILE};
@@ -18,39 +18,39 @@ const RAY_BYTES: u64 = 48;
 /// Bytes of a pixel in a list (`Doubt` of `shaders-glsl/triangles/doubt.glsl`).
 const DOUBT_BYTES: u64 = 16;
 
-/// What stands on a list.
+/// The kind of elements on a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListContent {
     /// Nothing: no ray is followed beyond the screen.
     Nothing,
     /// Pixels that get rays of their own ([`own_rays`](super::own_rays)).
     Pixels,
-    /// Rays that the screen lost, and then such pixels.
+    /// Rays that the screen lost; once these have been followed, pixels that get rays of their own.
     Rays,
 }
 
-/// What the passes that trace the screen need to show the sky along a ray, and to hand on rays that the screen lost.
+/// The buffers and images with which passes that trace the screen show the sky along a ray, and hand on rays that the screen lost.
 pub struct LostRays {
     counts: Buffer,
     rays: Buffer,
-    /// In place of a scene's sky, where there is no scene: black.
+    /// A black cube map, bound if there is no sky of a scene.
     no_sky: Image,
-    /// In place of the triangles of a G-buffer that has none: one texel, which says so.
+    /// An image of one texel, `NO_TRIANGLE`, bound if the G-buffer has no triangle numbers.
     no_triangle: Image,
 }
 
-/// What those passes bind.
+/// The bindings of [`LostRays`] in a frame.
 #[derive(Clone, Copy)]
 pub struct LostRayBindings<'a> {
     /// The camera among the captures.
     pub block: &'a CaptureBlock,
     /// The faces of the sky's cube map in world axes.
     pub sky: Sampled<'a>,
-    /// How many rays there are.
+    /// The number of rays on the list.
     pub counts: &'a Buffer,
     /// The rays.
     pub rays: &'a Buffer,
-    /// In place of the triangles of a G-buffer that has none.
+    /// An image bound if the G-buffer has no triangle numbers.
     no_triangle: &'a Image,
 }
 
@@ -65,13 +65,13 @@ impl<'a> LostRayBindings<'a> {
 }
 
 impl LostRays {
-    /// Room for what is listed of each pixel.
+    /// Makes the buffers, with room for what the list holds of each pixel.
     pub fn new(gpu: &Gpu, extent: [u32; 2], content: ListContent) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         // Tiles at the border overlap, so that a ray may be on the list twice.
         let tiles: u64 = tiles::count(extent).into_iter().map(u64::from).product();
         let pixels = tiles * u64::from(TILE * TILE);
-        // A shader's list has an element of each kind at least.
+        // The buffer has room for one element of each kind at least, since shaders declare both.
         let bytes = match content {
             ListContent::Nothing => RAY_BYTES,
             ListContent::Pixels => DOUBT_BYTES * pixels,
@@ -96,13 +96,13 @@ impl LostRays {
         })
     }
 
-    /// Pass "lost/clear", where rays are followed: there are none yet.
+    /// Records pass "lost/clear", which empties the list.
     pub fn clear(&self, frame: &mut Frame) -> Result<()> {
         frame.fill("lost/clear", &self.counts, 0)
     }
 
-    /// What a pass binds, with the scene's sky; without a scene it is black, by the pass "no sky". `wants_triangle` says that
-    /// rays begin on triangles that the G-buffer does not know, which the pass "no triangle" says to shaders.
+    /// Returns the bindings of a pass. Without a scene's sky, the pass "no sky" makes a black one. `wants_triangle` says that rays
+    /// begin on triangles that the G-buffer does not know; the pass "no triangle" then tells shaders so.
     pub fn beyond<'a>(
         &'a self,
         frame: &mut Frame,
@@ -141,12 +141,12 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     block
 }
 
-/// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`): how far away, in units of
-/// [`unit()`], as the bits of a float, and 0 for nothing; and the number of a triangle.
+/// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`): the distance in units of
+/// [`unit()`], as the bits of a float, 0 for none; and the number of a triangle.
 pub const ENDS: vk::Format = vk::Format::R32G32_UINT;
 
-/// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): near (1 + k) of a perspective, k = near / (far - near),
-/// since reversed depth plus k is this over z; else 1.
+/// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): 1 for an orthographic projection. For a perspective the
+/// unit is near (1 + k) with k = near / (far - near), since reversed depth plus k is near (1 + k) / z.
 pub fn unit(camera: &Camera) -> f32 {
     match camera.kind() {
         ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,

@@ -30,7 +30,7 @@ struct Gaussian {
 }
 
 impl MaskChainPass {
-    /// For ray trace colours of a size in pixels and the formats of their images.
+    /// Makes the pass for ray trace colours of a size in pixels and the formats of their images.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -46,7 +46,7 @@ impl MaskChainPass {
         let image = |name, format, usage| {
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED })
         };
-        // What compute programs store is encoded by a pass of its own.
+        // A pass of its own encodes the colour that compute programs store.
         let (color, encoded) = match stage {
             ShaderStage::Fragment => (formats[0], U::COLOR_ATTACHMENT),
             ShaderStage::Compute => (UNENCODED_COLOR, U::TRANSFER_DST),
@@ -59,8 +59,8 @@ impl MaskChainPass {
         Ok(Self { gaussian: Some(gaussian) })
     }
 
-    /// Passes "blur/1" to the coarsest level, written into the images themselves. In compute shaders each is followed by a pass
-    /// that encodes the colour, such as "blur/1h/encode".
+    /// Records passes "blur/1" to the coarsest level, which write into the images themselves. In compute shaders a pass that
+    /// encodes the colour follows each of them, such as "blur/1h/encode".
     pub fn record<'a>(&self, frame: &mut Frame, traced: RayTraceColor<'a>) -> Result<RayTraceColor<'a>> {
         let RayTraceColor { color, mask, .. } = traced;
         for level in 1..color.levels() {

@@ -1,6 +1,6 @@
-//! Rays of their own for pixels whose neighbours' rays say little of their reflection, followed through the triangles of a scene or over
-//! the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the buffers of
-//! [`lost`](super::lost), whose rays have been followed by then.
+//! Rays of their own for pixels whose neighbours' rays say little of their reflection, followed through the triangles of a scene or
+//! over the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the
+//! buffers of [`lost`](super::lost), after the lost rays have been followed.
 
 use super::lost::{LostRayBindings, LostRays};
 use super::tiles::UnifiedSetup;
@@ -12,14 +12,14 @@ use crate::gpu::programs::{OwnRays, OwnRaysOnScreen, OwnRaysOnScreenConstants, O
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Sampled};
 
-/// What the pass reads, and where it stores.
+/// The inputs of the pass, and the images that it stores to.
 #[derive(Clone, Copy)]
 pub struct OwnRaysInput<'a> {
     /// Depth, normals, materials and lit colour with its chain.
     pub gbuffer: GBuffer<'a>,
-    /// Blocks to walk over, where rays go over the screen alone.
+    /// The pyramid, for rays that walk over the screen alone.
     pub pyramid: Pyramid<'a>,
-    /// Where the passes that gather have stored.
+    /// The images that the passes that gather have stored to.
     pub canvas: Canvas<'a>,
     /// The sky, and the list.
     pub beyond: LostRayBindings<'a>,
@@ -27,7 +27,7 @@ pub struct OwnRaysInput<'a> {
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
-/// The pipeline, where pixels get rays of their own.
+/// The pipeline; `None` if no pixel gets rays of its own.
 pub struct OwnRaysPass(Option<Pipeline>);
 
 enum Pipeline {
@@ -36,7 +36,7 @@ enum Pipeline {
 }
 
 impl OwnRaysPass {
-    /// Compiles the pipeline for scenes that are read in a way, or for the screen alone.
+    /// Compiles the pipeline for triangles, read as `setup` says, or for the screen alone.
     ///
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
@@ -62,7 +62,7 @@ impl OwnRaysPass {
         }))))
     }
 
-    /// Pass "lost/clear", where pixels get rays of their own: none stands on the list yet.
+    /// Records pass "lost/clear", which empties the list, if pixels get rays of their own.
     pub fn clear(&self, frame: &mut Frame, list: &LostRays) -> Result<()> {
         if self.0.is_some() { list.clear(frame) } else { Ok(()) }
     }

@@ -1,4 +1,4 @@
-//! How rays end, as [`Hits`](super::Hits) have it.
+//! How rays end, as [`Hits`](super::Hits) tell.
 
 use crate::math::constants;
 
@@ -19,7 +19,7 @@ pub enum PathCode {
     Exhausted = constants::PATH_EXHAUSTED as isize,
     /// Towards the camera, and the method has no fallback.
     Untraced = constants::PATH_UNTRACED as isize,
-    /// `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
+    /// `unified`: out of steps. This cannot happen and is never a hit, but it is counted.
     Unfinished = constants::PATH_UNFINISHED as isize,
     /// `unified`: left by a side of the screen.
     MissScreen = constants::PATH_MISS_SCREEN as isize,
@@ -73,7 +73,7 @@ impl PathCode {
         (0..constants::CAPTURE_SLOTS).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
     }
 
-    /// How such a ray ends, as the end of a sentence about it.
+    /// Returns words that end a sentence about a ray with this code.
     pub fn words(self) -> &'static str {
         match self {
             Self::None => "does not exist",

@@ -1,5 +1,5 @@
-//! The lookup of `pccm`: two cube maps, each corrected for parallax by its proxy box, blended (Schmidt
-//! 2013, section 5.2, listing 1, and section 6); and that of `local-map`, which leaves the correction out.
+//! The lookup of `pccm`: two cube maps, each corrected for parallax by its proxy box, blended (Schmidt 2013, section 5.2, listing
+//! 1, and section 6). The lookup of `local-map` leaves the correction out.
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -15,7 +15,7 @@ pub struct PccmPass {
 }
 
 impl PccmPass {
-    /// For a size in pixels and a projection, with the correction or without.
+    /// Makes the pass for a size in pixels and a kind of projection, with the correction of parallax or without.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, corrected: bool) -> Result<Self> {
         let constants = programs::PccmConstants { corrected, orthographic: kind.is_orthographic() };
         let label = if corrected { "pccm" } else { "local map" };
@@ -26,7 +26,7 @@ impl PccmPass {
         })
     }
 
-    /// Pass "pccm" or "local map" with two maps, or twice the same. Nothing fades.
+    /// Records pass "pccm" or "local map" with two maps, which may be the same. The reflection does not fade.
     pub fn record(
         &self,
         frame: &mut Frame,

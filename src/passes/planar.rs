@@ -1,5 +1,5 @@
-//! Planar reflections: what stands around the mirrored scene (thesis §3.1.2). The scene itself is drawn and
-//! lit by the passes that draw and light it anyway, with a mirrored camera.
+//! Planar reflections (thesis §3.1.2): the passes before and after the mirrored scene is drawn. The scene itself is drawn and
+//! lit by the passes that draw and light every scene, with a mirrored camera.
 
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -21,7 +21,7 @@ choices! {
     }
 }
 
-/// The most planes that one frame mirrors the scene at: each costs a scene of its own.
+/// The most planes that one frame mirrors the scene at. Each plane draws the scene once more.
 pub const MAX_PLANES: u32 = 8;
 
 /// Pipelines and the image of one size.
@@ -33,7 +33,7 @@ pub struct PlanarPass {
 }
 
 impl PlanarPass {
-    /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
+    /// Makes the pass and its image of a size in pixels. `stencil` is the format of the depth target that is marked.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
         Ok(Self {
             mark: GraphicsPipeline::marking(gpu, stencil)?,
@@ -48,12 +48,12 @@ impl PlanarPass {
         Reflection(&self.reflection)
     }
 
-    /// Pass "mirror clear": no reflection anywhere.
+    /// Records pass "mirror clear", which clears the reflection.
     pub fn record_clear(&self, frame: &mut Frame) -> Result<()> {
         frame.clear("mirror clear", self.reflection.all(), [0.0; 4])
     }
 
-    /// Pass "mirror mark": marks the pixels of a plane (world space) in the stencil of `marked`.
+    /// Records pass "mirror mark": marks the pixels of a plane (world space) in the stencil of `marked`.
     pub fn record_mark(
         &self,
         frame: &mut Frame,
@@ -76,7 +76,7 @@ impl PlanarPass {
         )
     }
 
-    /// Pass "mirror copy": the mirrored scene that was drawn inside the stencil.
+    /// Records pass "mirror copy", which takes over the mirrored scene that was drawn inside the stencil.
     pub fn record_copy(&self, frame: &mut Frame, mirrored: &GBuffer) -> Result<()> {
         frame.pixels(
             "mirror copy",
@@ -89,7 +89,7 @@ impl PlanarPass {
         )
     }
 
-    /// Pass "mirror lookup": the mirrored scene as a texture on the pixels of a plane (world space).
+    /// Records pass "mirror lookup", which shows the mirrored scene as a texture on the pixels of a plane (world space).
     pub fn record_lookup(
         &self,
         frame: &mut Frame,

@@ -10,7 +10,7 @@ use crate::math::constants::PYRAMID_TILE_SIDE;
 use crate::scene::ProjectionKind;
 use ash::vk;
 
-/// Pixels along a side of what a workgroup of the shader makes.
+/// Side of the square that a workgroup of the shader makes, in pixels.
 const TILE: u32 = PYRAMID_TILE_SIDE as u32;
 
 /// The coarsest level that is ever made: cells of 64 pixels. Coarser ones gain nothing (docs/unified.md).
@@ -23,7 +23,7 @@ pub struct PyramidPass {
     label: &'static str,
 }
 
-/// The coarsest level that rays in an image of some pixels can use: the first of one cell, at most
+/// The coarsest level that rays in an image of some pixels can use: the first level that is a single cell, but at most
 /// [`COARSEST`].
 pub fn top_level(extent: [u32; 2]) -> u32 {
     extent[0].max(extent[1]).next_power_of_two().ilog2().min(COARSEST)
@@ -35,15 +35,15 @@ pub fn padded(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
 }
 
-/// Log2 of the columns to a strip of the image (`pyramid.glsl`): four, fewer where a side of the image would be longer
-/// than 8192 texels, which some devices have for a limit. Where it is with any, the longer side is as short as can be.
+/// Log2 of the columns in a strip of the image (`pyramid.glsl`). There are four, or fewer if a side of the image would be longer
+/// than 8192 texels, the limit of some devices. If a side is longer with any number, the longer side is as short as possible.
 pub fn strip(extent: [u32; 2]) -> u32 {
     let longer = |strip: &u32| size(extent, *strip).into_iter().max();
     let fits = (0..=2).rev().find(|strip| longer(strip) <= Some(8192));
     fits.or_else(|| (0..=2).min_by_key(longer)).unwrap_or(0)
 }
 
-/// Width and height of the image with strips of so many columns, as their log2.
+/// Width and height of the image with strips of 2^`strip` columns.
 pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
     let top = top_level(extent);
@@ -51,8 +51,8 @@ pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
 }
 
-/// The levels of a pyramid that was read back, finest first: front and back of each cell that has a pixel of the picture, whose
-/// width and height are `extent`.
+/// Returns the levels of a pyramid that was read back, finest first: front and back of each cell that has a pixel of the picture.
+/// `extent` is the picture's width and height.
 ///
 /// # Panics
 /// If the image is smaller than [`size`] says for the picture.
@@ -70,12 +70,12 @@ pub fn levels(image: &Pixels, extent: [u32; 2]) -> Vec<Pixels> {
 }
 
 impl PyramidPass {
-    /// For images of a size in pixels that a perspective made.
+    /// Makes the pass for perspective images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::of(gpu, extent, ProjectionKind::Perspective)
     }
 
-    /// For images of a size in pixels that a projection made.
+    /// Makes the pass for images of a size in pixels and a kind of projection.
     pub fn of(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let strip = strip(extent);
@@ -97,12 +97,12 @@ impl PyramidPass {
         })
     }
 
-    /// Under another name, for another image than the screen.
+    /// Returns the pass with another label, for another image than the screen.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
 
-    /// Pass "pyramid".
+    /// Records pass "pyramid".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -122,7 +122,7 @@ impl PyramidPass {
         Ok(self.made())
     }
 
-    /// The pyramid as it was recorded last.
+    /// Returns the pyramid as it was recorded last.
     pub fn made(&self) -> Pyramid<'_> {
         Pyramid(&self.image)
     }

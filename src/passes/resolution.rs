@@ -10,7 +10,7 @@ use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-/// Not a depth format: it is written as a colour, and read as a number like any depth.
+/// The format is no depth format, since depth is written as a colour here. Shaders read it like any depth.
 const DEPTH: vk::Format = vk::Format::R32_SFLOAT;
 
 /// Width and height of the smaller G-buffer: divided, rounded up.
@@ -18,7 +18,7 @@ pub fn divided(extent: [u32; 2], divisor: u32) -> [u32; 2] {
     extent.map(|v| v.div_ceil(divisor))
 }
 
-/// The smaller G-buffer of a full one.
+/// Makes a smaller G-buffer of a full one.
 pub struct DownsamplePass {
     pipeline: PixelPipeline<programs::Downsample<'static>>,
     divisor: u32,
@@ -26,13 +26,13 @@ pub struct DownsamplePass {
     normal: Image,
     material: Image,
     color: Image,
-    /// Which triangle each pixel shows, with the pipeline that writes this as well; where it is asked for.
+    /// The image of which triangle each pixel shows, with the pipeline that writes it, too; `None` if nobody asked for it.
     numbered: Option<(PixelPipeline<programs::DownsampleNumbered<'static>>, Image)>,
     label: &'static str,
 }
 
 impl DownsamplePass {
-    /// For G-buffers of a size in pixels, with blocks of `divisor` × `divisor` pixels.
+    /// Makes the pass for G-buffers of a size in pixels, with blocks of `divisor` × `divisor` pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], divisor: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = divided(extent, divisor);
@@ -53,7 +53,8 @@ impl DownsamplePass {
     }
 
     /// Returns the pass for G-buffers that say which triangle each pixel shows ([`GBuffer::triangle`]). A ray among triangles
-    /// begins on that of its pixel: the depth of a block's corner would place it beside the surface at the block's middle.
+    /// begins on the triangle of its pixel, since the depth of a block's corner would place the ray beside the surface at the
+    /// block's middle.
     pub fn numbered(self, gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
         let pipeline = PixelPipeline::new(gpu, stage, [DEPTH, NORMAL, MATERIAL, LIT_COLOR, TRIANGLE], &())?;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
@@ -62,12 +63,12 @@ impl DownsamplePass {
         Ok(Self { numbered: Some((pipeline, Image::new(gpu, &desc)?)), ..self })
     }
 
-    /// Under another name, for a G-buffer beside another one.
+    /// Returns the pass with another label, for a second G-buffer in a frame.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
 
-    /// Pass "downsample".
+    /// Records pass "downsample".
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<GBuffer<'a>> {
         let [depth, normal, material] = [&self.depth, &self.normal, &self.material].map(|image| image.all());
         let targets = [depth, normal, material, self.color.level(0)].map(Target::overwrite);
@@ -109,7 +110,7 @@ impl DownsamplePass {
     }
 }
 
-/// A reflection brought to full size.
+/// Scales a reflection to full size.
 pub struct UpsamplePass {
     pipeline: PixelPipeline<programs::Upsample<'static>>,
     divisor: u32,
@@ -117,7 +118,7 @@ pub struct UpsamplePass {
 }
 
 impl UpsamplePass {
-    /// For reflections of a full size in pixels, and a projection.
+    /// Makes the pass for reflections of a full size in pixels, and a kind of projection.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, divisor: u32) -> Result<Self> {
         let constants = programs::UpsampleConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
@@ -127,7 +128,7 @@ impl UpsamplePass {
         })
     }
 
-    /// Pass "upsample".
+    /// Records pass "upsample".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

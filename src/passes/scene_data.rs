@@ -28,7 +28,7 @@ pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
 /// Side of a face of the sky's cube map, in texels.
 const SKY_SIZE: u32 = 256;
 
-/// What the scene passes draw from.
+/// A scene on the device, from which the scene passes draw.
 pub struct SceneData {
     pub(super) meshes: Vec<MeshData>,
     pub(super) textures: Vec<Image>,
@@ -45,11 +45,11 @@ pub struct SceneData {
     trees: Option<Box<dyn BuildTrees>>,
     /// The meshes that have moved, whose triangles have a tree of their own.
     moving: Vec<String>,
-    /// Whether they have moved since that tree was built.
+    /// Whether these meshes have moved since their tree was built.
     has_moved: Cell<bool>,
-    /// Milliseconds in which it was built for the next frame.
+    /// Milliseconds that building the tree of moving meshes took, until the next frame reports them.
     moving_ms: Cell<Option<f64>>,
-    /// Built when rays are first followed among them, and again when a mesh moves that never has.
+    /// Built when rays are first followed among triangles, and again when a mesh moves for the first time.
     triangle_geometry: OnceCell<TriangleGeometry>,
     triangle_images: OnceCell<TriangleImages>,
     /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
@@ -61,24 +61,24 @@ pub struct SceneData {
     planes: Vec<CoplanarGroup>,
 }
 
-/// Finds the captures of a scene that are wanted, given those that it names itself.
+/// Finds the captures of a scene that are wanted, given the captures that the scene names itself.
 pub type FindCaptures = Box<dyn Fn(&[Capture], WantedCaptures) -> Vec<Capture>>;
 
-/// Where captures of a scene stand.
+/// Captures of a scene at their places.
 #[derive(Debug, Clone)]
 pub struct PlacedCaptures {
-    /// The captures, in the order in which they help.
+    /// The captures: first those that the scene names, then those that show most of what the ones before do not.
     pub captures: Rc<[Capture]>,
     /// Milliseconds that finding the places took.
     pub time_ms: f64,
 }
 
-/// A thing of the scene that may move: the numbers of its triangles, and where it stands.
+/// An object of the scene that may move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovableObject {
-    /// The numbers of its triangles: the first, and the one behind the last.
+    /// The number of the object's first triangle, and the number behind its last.
     pub triangles: [u32; 2],
-    /// Where it stands, seen from where it stood at first.
+    /// Where the object stands, relative to where it stood at first.
     pub placement: Placement,
 }
 
@@ -87,12 +87,12 @@ pub(super) struct MeshData {
     pub vertices: Buffer,
     pub indices: Buffer,
     pub index_count: u32,
-    /// The number of its first triangle among those of the scene.
+    /// The number of the mesh's first triangle among those of the scene.
     pub first_triangle: u32,
     pub material: usize,
     pub bounds: Aabb,
     name: String,
-    /// Where it stands, seen from where it was uploaded.
+    /// Where the mesh stands, relative to where it was uploaded.
     pub placement: Placement,
 }
 
@@ -160,8 +160,8 @@ impl SceneData {
         })
     }
 
-    /// A box in the world, in metres, outside of which nothing stands: that around all meshes where they stand now, grown by
-    /// [`BOUNDS_MARGIN`]. All there is if the scene has no mesh.
+    /// A box in the world, in metres, outside of which nothing stands: the box around all meshes where they stand now, grown by
+    /// [`BOUNDS_MARGIN`]. Without meshes the box is all of space.
     pub fn bounds(&self) -> Aabb {
         let all = self.meshes.iter().map(|m| m.bounds.placed(&m.placement));
         all.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)
@@ -172,8 +172,8 @@ impl SceneData {
         &self.sky
     }
 
-    /// Where the scene is captured for rays to be followed in: the captures that it names itself, or what
-    /// [`Self::find_captures_by`] was given finds the first time they are asked for. Empty if there is no such place.
+    /// Returns the captures in which rays are followed: those that the scene names itself, or those that the function of
+    /// [`Self::find_captures_by`] finds at the first call. Empty if the scene has no place for a capture.
     pub fn captures(&self, wanted: WantedCaptures) -> PlacedCaptures {
         let mut placed = self.placed.borrow_mut();
         if let Some((_, known)) = placed.iter().find(|(request, _)| *request == wanted) {
@@ -190,7 +190,7 @@ impl SceneData {
         found
     }
 
-    /// The lights in a space that world space is turned and moved into, no more than are uploaded.
+    /// Returns the lights in a space into which `world_to_space` turns and moves the world, as many as a block holds.
     pub fn light_block(&self, world_to_space: Mat4) -> LightBlock {
         let mut block = LightBlock { count: self.lights.len() as u32, ..LightBlock::default() };
         for (data, light) in block.lights.iter_mut().zip(&self.lights) {
@@ -205,7 +205,7 @@ impl SceneData {
         block
     }
 
-    /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.
+    /// Replaces the lights. Images that were captured of the scene show the old lights until they are captured again.
     ///
     /// # Errors
     /// [`Error::Usage`] for more lights than are drawn.
@@ -215,9 +215,9 @@ impl SceneData {
         Ok(())
     }
 
-    /// Places the meshes of a name, seen from where they were uploaded: so many metres along the world's axes, say. What was
-    /// captured of the scene shows them where they stood until it is captured again; places of captures, and the planes
-    /// that mirror, stay those of the scene that was uploaded.
+    /// Places the meshes of a name relative to where they were uploaded, for example by an offset in metres along the world's axes.
+    /// Images that were captured of the scene show the meshes where they stood, until they are captured again. Places of captures,
+    /// and the planes that mirror, stay those of the scene that was uploaded.
     ///
     /// # Errors
     /// [`Error::Usage`] for a placement whose numbers are not finite, and if no mesh has the name.
@@ -251,7 +251,7 @@ impl SceneData {
         Ok(())
     }
 
-    /// The meshes, where they stand.
+    /// Returns the meshes, with where they stand.
     pub fn standing(&self) -> Vec<MovableObject> {
         let standing = |m: &MeshData| MovableObject {
             triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
@@ -260,14 +260,14 @@ impl SceneData {
         self.meshes.iter().map(standing).collect()
     }
 
-    /// Replaces the captures that the scene names itself; without any, they are found.
+    /// Replaces the captures that the scene names itself. If there are none, captures are found.
     pub fn set_captures(&mut self, captures: Vec<Capture>) {
         self.captures = captures;
         self.placed.get_mut().clear();
     }
 
-    /// Says how captures are found that the scene does not name itself. It is asked when an effect wants captures, once
-    /// for each number of them; without it the scene has only its own.
+    /// Sets the function that finds captures which the scene does not name itself. An effect that wants captures calls it, once for
+    /// each number of captures. Without the function the scene has only its own captures.
     pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
@@ -278,18 +278,18 @@ impl SceneData {
         self.lights.len() as u32
     }
 
-    /// The rectangles that stand for things in reflections.
+    /// The rectangles that stand for objects in reflections.
     pub fn impostors(&self) -> &[Impostor] {
         &self.impostors
     }
 
-    /// Where cube maps are captured; never empty.
+    /// The places where cube maps are captured, at least one.
     pub fn probes(&self) -> &[Probe] {
         &self.probes
     }
 }
 
-/// Whether no more lights are given than are drawn.
+/// Checks that no more lights are given than can be drawn.
 fn check_lights(subject: &str, lights: &[Light]) -> Result<()> {
     let count = lights.len();
     if count > MAX_LIGHTS {
@@ -298,7 +298,7 @@ fn check_lights(subject: &str, lights: &[Light]) -> Result<()> {
     Ok(())
 }
 
-/// How many indices a mesh has, where a device that can tell so many vertices apart can draw it.
+/// Returns the number of indices of a mesh, if a device that can tell `max_vertices` vertices apart can draw it.
 fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
     let (name, vertices, indices) = (&mesh.name, mesh.vertices.len(), mesh.indices.len());
     match u32::try_from(indices) {
@@ -311,7 +311,7 @@ fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
     }
 }
 
-/// The scene's probes, or one in its middle.
+/// The scene's probes, or one probe in the scene's middle.
 fn probes(scene: &Scene) -> Vec<Probe> {
     if !scene.probes.is_empty() {
         return scene.probes.clone();
@@ -329,10 +329,10 @@ impl SceneData {
     }
 }
 
-/// Whether a scene has no more of something than a method can take.
+/// Checks that a scene has no more of something than a method can take.
 ///
 /// # Errors
-/// [`Error::Usage`] if it has.
+/// [`Error::Usage`] if the scene has more.
 pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
         return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));
@@ -385,13 +385,13 @@ pub fn environment(context: &mut FrameContext) -> Result<Image> {
     sky_image(context, SKY_SIZE, HALVES.get_or_init(|| halves(sky::cube_map(SKY_SIZE).iter().flatten())))
 }
 
-/// A sky that comes from elsewhere as such a cube map, rounded to its format.
+/// Uploads a sky that comes from elsewhere as a cube map like that of [`environment`], rounded to its format.
 pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
     let texels: Vec<[f32; 4]> = cube.texels.iter().map(|t| t.extend(1.0).to_array()).collect();
     sky_image(context, cube.side, &halves(&texels))
 }
 
-/// The texels as 16-bit floats; what is brighter than the greatest of these counts as it.
+/// Returns the texels as 16-bit floats. Brighter values become the greatest such float.
 fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
     let most = half::f16::MAX.to_f32();
     texels.into_iter().flatten().map(|v| half::f16::from_f32(v.clamp(-most, most)).to_bits()).collect()

@@ -9,12 +9,12 @@ use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
 use crate::scene::Camera;
 
-/// Which march.
+/// The listing whose march is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SchmidtMarch {
     /// Listing 4: a sample a pixel.
     PerPixel,
-    /// Listing 5: ten steps forward, a tenth back.
+    /// Listing 5: ten steps forward, a tenth of a step back.
     Optimized,
 }
 
@@ -22,7 +22,7 @@ pub enum SchmidtMarch {
 pub struct SchmidtTracePass(TracedPass<ScreenSpaceReflections<'static>>);
 
 impl SchmidtTracePass {
-    /// With an image of the hits, or without; through two layers of depth, or one.
+    /// Makes the pass with an image of the hits or without, for two layers of depth or one.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -35,7 +35,7 @@ impl SchmidtTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur. `behind` is the second layer
+    /// Records pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur. `behind` is the second layer
     /// with its lit colour, where there are two.
     pub fn record<'a>(
         &'a self,
@@ -47,7 +47,7 @@ impl SchmidtTracePass {
         parameters: &SchmidtBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
-        // A program without layers reads nothing of the second one.
+        // A program for one layer does not read the bindings of the second.
         let (behind, behind_diffuse) = behind.unwrap_or((gbuffer, diffuse));
         let program = ScreenSpaceReflections {
             camera: &camera,

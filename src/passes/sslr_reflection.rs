@@ -15,7 +15,7 @@ pub struct SslrReflectionPass {
 }
 
 impl SslrReflectionPass {
-    /// An image of a size in pixels.
+    /// Makes the pass and its image of a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [FORMAT], &())?,
@@ -23,7 +23,7 @@ impl SslrReflectionPass {
         })
     }
 
-    /// Pass "reflection". `spreading_factor` scales the ray's length.
+    /// Records pass "reflection". `spreading_factor` scales the ray's length.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

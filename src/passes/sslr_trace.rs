@@ -7,8 +7,8 @@ use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, Sampler, ShaderStage, Target, image};
 use ash::vk;
 
-// The colour is linear here and was a display colour in the author's program: encoded, 8 bits are as
-// fine in the dark as they were there.
+// The colour is linear here, but was a display colour in the author's program. With the encoding, 8 bits are as fine in the dark as
+// they were there.
 const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const MASK: vk::Format = vk::Format::R8_UNORM;
 
@@ -18,12 +18,12 @@ pub struct SslrTracePass {
     color: Image,
     mask: Image,
     hits: Option<Image>,
-    /// The colour before it is encoded, of compute programs: no program stores to an sRGB format.
+    /// The colour before it is encoded, from compute programs, since no program can store to an sRGB format.
     unencoded: Option<Image>,
 }
 
 impl SslrTracePass {
-    /// With so many steps at most, and with an image of the hits, or without.
+    /// Makes the pass with at most `steps` steps, and with an image of the hits or without.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], steps: u32, hits: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let read = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -49,7 +49,7 @@ impl SslrTracePass {
         [self.color.format(), self.mask.format()]
     }
 
-    /// Pass "ray trace": level 0 of both chains. In compute shaders the pass "ray trace/encode" follows.
+    /// Records pass "ray trace", which writes level 0 of both chains. In compute shaders the pass "ray trace/encode" follows.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

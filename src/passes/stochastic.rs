@@ -1,5 +1,5 @@
-//! Trace and resolve of `stochastic`: a ray for each pixel, drawn from its lobe, and what pixels make of the rays around
-//! them (Stachowiak 2015).
+//! Trace and resolve of `stochastic` (Stachowiak 2015): a ray for each pixel, drawn from the pixel's lobe, and a reflection from
+//! the rays of the pixels around it.
 
 use super::lost::{ENDS, LostRayBindings};
 use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
@@ -14,7 +14,7 @@ use crate::gpu::{ComputePipeline, Frame, Gpu, Image, PixelPipeline, Sampled, Sha
 use crate::math::OracleVersion;
 use ash::vk;
 
-/// The hit's place and the density of its direction: points need all the digits that there are.
+/// Format of the hit's place and the density of its direction. Points need all digits of 32-bit floats.
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// A ray for each pixel: where it ended, and the lit colour there.
@@ -24,8 +24,8 @@ pub struct Rays<'a> {
     seen: &'a Image,
 }
 
-/// The pass "trace", of one size: with [`StochasticExact`] over the pyramid of `unified`, with [`StochasticThesis`] as
-/// `ssct` walks.
+/// The pass "trace" of one size. The program [`StochasticExact`] walks over the pyramid of `unified`, and [`StochasticThesis`]
+/// walks as `ssct` does.
 pub struct StochasticTrace<F> {
     pipeline: PixelPipeline<F>,
     place: Image,
@@ -65,15 +65,15 @@ impl<F> StochasticTrace<F> {
         Rays { place: &self.place, seen: &self.seen }
     }
 
-    /// Where the rays of mirrors ended, if an image of it is made.
+    /// Where the rays of mirrors ended, if an image of the hits is made.
     pub fn hits(&self) -> Option<Hits<'_>> {
         self.hits.as_ref().map(Hits)
     }
 }
 
 impl StochasticTrace<StochasticExact<'static>> {
-    /// For images of a size in pixels, and pyramids with strips of 2^`strip` columns. `hits`: an image of the hits of
-    /// mirrors is made.
+    /// Makes the pass for images of a size in pixels, and pyramids with strips of 2^`strip` columns. `hits` asks for an image of
+    /// the hits of mirrors.
     ///
     /// # Errors
     /// Errors of the device.
@@ -95,7 +95,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         )
     }
 
-    /// A ray for each pixel.
+    /// Records a ray for each pixel.
     ///
     /// # Errors
     /// Errors of the device.
@@ -125,7 +125,7 @@ impl StochasticTrace<StochasticExact<'static>> {
 }
 
 impl StochasticTrace<StochasticThesis<'static>> {
-    /// Traces by the thesis's walk, for images of a size in pixels; `hits` as for [`StochasticExact`].
+    /// Makes the pass with the thesis's walk, for images of a size in pixels. `hits` asks for an image of the hits of mirrors.
     ///
     /// # Errors
     /// Errors of the device.
@@ -135,7 +135,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
         Self::with_constants(gpu, stage, extent, &constants, hits)
     }
 
-    /// A ray for each pixel.
+    /// Records a ray for each pixel.
     ///
     /// # Errors
     /// Errors of the device.
@@ -175,7 +175,7 @@ pub struct StochasticResolvePass {
 }
 
 impl StochasticResolvePass {
-    /// For images of a size in pixels. `over`: another reflection shows where this one misses.
+    /// Makes the pass for images of a size in pixels. `over` says that another reflection shows where this one misses.
     ///
     /// # Errors
     /// Errors of the device.
@@ -218,7 +218,7 @@ impl StochasticResolvePass {
         frame.compute("resolve", &self.pipeline, &program, [width, height, 1])
     }
 
-    /// What the last turn made: the reflection, and how far away it is ([`ENDS`]).
+    /// Returns the reflection after the last turn, and how far away the reflected points are ([`ENDS`]).
     pub fn resolved(&self) -> (Reflection<'_>, &Image) {
         (Reflection(&self.reflection), &self.ends)
     }

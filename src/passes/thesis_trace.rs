@@ -22,7 +22,7 @@ enum Stages {
     Split { trace: PixelPipeline<RayTrace<'static>>, cone: PixelPipeline<ConeTrace<'static>> },
 }
 
-/// What the pass reads.
+/// The inputs of the pass.
 #[derive(Clone, Copy)]
 pub struct TraceInput<'a> {
     /// Normals and materials.
@@ -36,8 +36,8 @@ pub struct TraceInput<'a> {
 }
 
 impl ThesisTracePass {
-    /// With or without a linear march as the fallback; combined or split; with an image of the hits or without, which the
-    /// split pass has in any case.
+    /// Makes the pass with a linear march as the fallback or without, combined or split, with an image of the hits or without. A
+    /// split pass always has that image.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -70,8 +70,8 @@ impl ThesisTracePass {
         })
     }
 
-    /// Pass "trace+cone", or passes "ray trace" and "cone trace". Of rays that were `traced` before over the same depth and
-    /// normals, the cone alone is traced again, if the two are apart.
+    /// Records pass "trace+cone", or passes "ray trace" and "cone trace". `traced` says that the rays were traced before over the
+    /// same depth and normals; a split pass then records the cone trace alone.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -113,7 +113,7 @@ impl ThesisTracePass {
         Ok((Reflection(&self.reflection), hits))
     }
 
-    /// Pass "cone trace" alone, from hits of any origin.
+    /// Records pass "cone trace" alone, over hits that any tracer may have found.
     ///
     /// # Errors
     /// [`Error::Usage`] if the pass was made combined.

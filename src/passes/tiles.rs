@@ -1,6 +1,6 @@
-//! Work over tiles: the lists of them by kind of reflector that the classification writes, and programs that run over
-//! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each program
-//! exists for fragment shaders and for compute shaders, and makes the same images in both.
+//! Work over tiles: the lists of tiles that the classification writes, one for each kind of reflector, and programs that run over
+//! the tiles of a list. A program runs over the whole image if the list is known to cover all of it. Each program exists for
+//! fragment shaders and for compute shaders, and makes the same images in both.
 
 use super::LIT_COLOR;
 use super::triangle_scene::TriangleReading;
@@ -22,31 +22,31 @@ pub fn count(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.div_ceil(TILE))
 }
 
-/// What the passes of `unified` are made for.
+/// The setup that the passes of `unified` are made for.
 #[derive(Debug, Clone, Copy)]
 pub struct UnifiedSetup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The projection that the image is seen by.
+    /// The projection of the camera.
     pub projection: ProjectionKind,
     /// Log2 of the columns to a strip of the pyramid's image (`passes::pyramid::strip`).
     pub strip: u32,
-    /// Which version of the oracle says what is hit.
+    /// The version of the oracle whose hits the passes find.
     pub oracle: OracleVersion,
     /// Whether another reflection shows where this one misses.
     pub over: bool,
     /// Whether the composite is wanted.
     pub composite: bool,
-    /// Whether the reflection is wanted as an image of its own. One of the two is.
+    /// Whether the reflection is wanted as an image of its own. Composite or reflection is wanted, or both.
     pub reflection: bool,
-    /// Whether rays walk over the screen. Without it all of them go on the list, and there is no pyramid.
+    /// Whether rays walk over the screen. If not, all of them go among the triangles at once, and there is no pyramid.
     pub screen: bool,
     /// Whether rays that the screen loses go on, in captures or among triangles.
     pub followed: bool,
-    /// How triangles are read, where rays go on among them, from the pixel that they are of.
+    /// How shaders read the triangles, if rays go on among them from the point of their pixel.
     pub triangles: Option<TriangleReading>,
-    /// Rays of its own that a pixel with a lobe gets, among the triangles or on the screen, where its neighbours disagree; 0 where rays go
-    /// on in captures.
+    /// Number of own rays of a pixel with a lobe whose neighbours disagree, among the triangles or on the screen; 0 if rays go on
+    /// in captures.
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
     pub tells: bool,
@@ -67,7 +67,7 @@ impl UnifiedSetup {
         self.composite && self.reflection
     }
 
-    /// An image that the passes show something in. Compute programs can store to it where any of the passes is one.
+    /// Makes an image that the passes write. Compute programs can store to it if any of the passes is a compute program.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
         let stores = self.followed || self.own_rays > 0 || [self.trace, self.resolve].contains(&ShaderStage::Compute);
         let stage = if stores { ShaderStage::Compute } else { ShaderStage::Fragment };
@@ -75,21 +75,21 @@ impl UnifiedSetup {
     }
 }
 
-/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): those of a draw and of
-/// two dispatches for each list.
+/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): one draw and two dispatches for each
+/// list.
 pub const ARGUMENT_BYTES: u64 = LISTS as u64 * (DRAW_BYTES + 2 * DISPATCH_BYTES);
 
 const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
 const DISPATCH_BYTES: u64 = size_of::<vk::DispatchIndirectCommand>() as u64;
 
-/// Tiles by the kinds of reflector in them, as lists with the arguments of indirect draws and dispatches over each.
+/// Lists of tiles by the kinds of reflector in them, with the arguments of indirect draws and dispatches over each list.
 #[derive(Clone, Copy)]
 pub struct Tiles<'a> {
-    /// Nothing was classified: all that reflects is of one kind, and it is drawn over the whole image.
+    /// Whether nothing was classified, since all reflectors are of one kind, and passes draw over the whole image.
     pub whole: bool,
-    /// The lists: for each of them room for every tile's word.
+    /// The lists. Each has room for a word of every tile.
     pub lists: &'a Buffer,
-    /// For each tile a bit for each list that it stands on.
+    /// A texel for each tile, with a bit for each list that the tile is on.
     pub listed: &'a Image,
     /// A `VkDrawIndirectCommand` for each list; then for each list two `VkDispatchIndirectCommand`, the first over
     /// pixels and the second over blocks of 2 × 2.
@@ -97,12 +97,12 @@ pub struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// A target that keeps what it holds where no tile is drawn; drawn over whole, it held nothing.
+    /// Returns a target that keeps its content where no tile is drawn. A pass over the whole image overwrites all of it.
     pub fn target<'i>(&self, image: &'i Image) -> Target<'i> {
         if self.whole { Target::overwrite(image.all()) } else { Target::kept(image.all()) }
     }
 
-    /// A target that holds a value where no tile is drawn.
+    /// Returns a target that is cleared to a value where no tile is drawn.
     pub fn target_in<'i>(&self, image: &'i Image, elsewhere: [f32; 4]) -> Target<'i> {
         if self.whole { Target::overwrite(image.all()) } else { Target::cleared(image.all(), elsewhere) }
     }
@@ -113,7 +113,7 @@ impl Tiles<'_> {
 pub struct TileRange {
     /// `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`.
     pub list: i32,
-    /// Whether the images that it writes have a texel for 2 × 2 pixels.
+    /// Whether the images that the program writes have one texel for 2 × 2 pixels.
     pub halved: bool,
 }
 
@@ -125,7 +125,7 @@ pub struct TiledCompute<C> {
 }
 
 impl<C: Compute> TiledCompute<C> {
-    /// Compiles the program twice: `constants` gives those for the tiles (`false`) and for the whole image (`true`).
+    /// Compiles the program twice. `constants` returns its constants for the tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
@@ -162,19 +162,19 @@ pub struct TiledPipeline<F, C> {
     pipelines: TilePipelines<F, C>,
 }
 
-/// The pipelines of the one stage that was chosen.
+/// The pipelines of the chosen stage.
 enum TilePipelines<F, C> {
     Fragment { tiles: GraphicsPipeline<F, Tile<'static>>, whole: GraphicsPipeline<F> },
     Compute(TiledCompute<C>),
 }
 
 impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
-    /// Compiles the program of a stage, twice: `formats` are those of its targets in fragment shaders; `fragment` and
-    /// `compute` give its constants for the tiles (`false`) and for the whole image (`true`).
+    /// Compiles the program of a stage twice. `formats` are the formats of its targets in fragment shaders. `fragment` and
+    /// `compute` return its constants for the tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
-    /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on one whose
-    /// shaders take fewer images than the program has.
+    /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
+    /// take fewer images than the program has.
     pub fn new(
         gpu: &Gpu,
         (stage, range): (ShaderStage, TileRange),
@@ -195,8 +195,8 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         Ok(Self { range, pipelines })
     }
 
-    /// Records one pass over the list's tiles, or over the whole image, where every texel is written. Of the two
-    /// programs (`in_either_stage`) the one of the chosen stage is filled in and runs.
+    /// Records one pass over the list's tiles, or over the whole image, in which every texel is written. The program of the chosen
+    /// stage is filled in (`in_either_stage`) and runs.
     pub fn run<'t>(
         &self,
         frame: &mut Frame,
@@ -233,9 +233,9 @@ fn check_points(gpu: &Gpu) -> Result<()> {
     Ok(())
 }
 
-/// The two programs of a pass, as [`TiledPipeline::run`] takes them: the fragment program with its targets, and the
-/// compute program with the [`Tiles`] that it runs over and the images that it stores to. The bindings that both have
-/// are written once, below them; `triangle_bindings` gives those of a scene's triangles.
+/// Makes the two programs of a pass for [`TiledPipeline::run`]: the fragment program with its targets, and the compute program with
+/// the [`Tiles`] that it runs over and the images that it stores to. Bindings that both programs have are written once, after them;
+/// `triangle_bindings` gives the bindings of a scene's triangles.
 macro_rules! in_either_stage {
     (
         $fragment:ident => $targets:expr,

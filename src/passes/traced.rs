@@ -1,4 +1,4 @@
-//! What the passes have in common that trace and reflect at once, in one program over the whole image.
+//! Common parts of the passes that trace and reflect in one program over the whole image.
 
 use super::{HITS, Hits, LIT_COLOR, Reflection};
 use crate::error::Result;
@@ -14,7 +14,7 @@ pub struct TracedPass<F> {
 }
 
 impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedPass<F> {
-    /// Images of a size in pixels. The constants say to the program, too, whether there are hits.
+    /// Makes the pass and its images of a size in pixels. The constants tell the program, too, whether hits are wanted.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
         let formats = [LIT_COLOR, if hits { HITS } else { vk::Format::UNDEFINED }];
         Ok(Self {
@@ -26,7 +26,7 @@ impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedP
 }
 
 impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>> TracedPass<F> {
-    /// Draws over all of it, as the pass of that name.
+    /// Draws over the whole image, as the pass `name`.
     pub fn draw(&self, frame: &mut Frame, name: &str, program: &F) -> Result<()> {
         let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
         frame.pixels(name, &self.pipeline, [Target::overwrite(self.reflection.all()), hits], program)
@@ -34,7 +34,7 @@ impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>>
 }
 
 impl<F> TracedPass<F> {
-    /// What was drawn.
+    /// Returns the images that were drawn.
     pub fn traced(&self) -> (Reflection<'_>, Option<Hits<'_>>) {
         (Reflection(&self.reflection), self.hits.as_ref().map(Hits))
     }

@@ -1,5 +1,5 @@
-//! Rays among a scene's triangles by either tracer: a walk through the tree, which every device can do, or ray queries, for
-//! which a device finds triangles itself. The programs differ in nothing but how they find the nearest triangle.
+//! Rays among a scene's triangles by either tracer: a walk through the tree, which every device can do, or ray queries, for which
+//! the device itself finds the nearest triangle. The programs of both tracers differ in nothing else.
 
 use super::tiles::{TiledCompute, Tiles};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::gpu::program::Compute;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Buffer, ComputePipeline, Frame};
 
-/// A thing of the tree's program, or the same of the program with ray queries.
+/// A value for the program with the tree, or its counterpart for the program with ray queries.
 pub enum ByTracer<T, Q> {
     /// Walks through the tree.
     Tree(T),
@@ -15,7 +15,7 @@ pub enum ByTracer<T, Q> {
     Query(Q),
 }
 
-/// The program of a tracer, with its bindings of a scene's triangles filled in: that with ray queries where the triangles
+/// Makes the program of a tracer, with its bindings of a scene's triangles filled in: the program with ray queries if the triangles
 /// have a structure for them.
 macro_rules! by_tracer {
     ($tree:ident or $query:ident of $triangle_bindings:expr, $($field:ident: $value:expr),+ $(,)?) => {{

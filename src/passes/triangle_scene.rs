@@ -23,33 +23,33 @@ pub const TRIANGLE: vk::Format = vk::Format::R32_UINT;
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
 
-/// Vectors of four words, as geometry and materials are read: their format, and the bytes of one.
+/// Format and bytes of a vector of four words, in which shaders read geometry and materials.
 pub(super) const VECTORS: (vk::Format, u64) = (vk::Format::R32G32B32A32_UINT, size_of::<Words>() as u64);
 
-/// Words, as texels of images are read.
+/// Format and bytes of a word, in which shaders read texels of images.
 pub(super) const TEXELS: (vk::Format, u64) = (vk::Format::R32_UINT, TEXEL_BYTES);
 
 /// The tree and the records of a scene's triangles, where its meshes stand.
 pub struct TriangleGeometry {
     origin: DVec3,
-    /// Where corners and attributes begin among the vectors of `buffer`, the number of triangles and that of nodes.
+    /// Where corners and attributes begin among the vectors of `buffer`, then the numbers of triangles and nodes.
     counts: [i32; 4],
-    /// The greatest coordinate of a corner of what stands, in metres.
+    /// The greatest coordinate of a corner of a standing mesh, in metres.
     extent_m: f32,
     /// Whether a material decides at each hit whether its surface is there.
     asks: bool,
     buffer: TexelBuffer,
-    /// What moves.
+    /// The triangles of moving meshes.
     moving: MovingPart,
-    /// `None` where nothing can move.
+    /// Where the parts of the vectors begin; `None` if nothing can move.
     places: Option<Places>,
 }
 
-/// The part of a scene's triangles that moves, among the vectors of all. Its corners stand behind those of what stands, and its
-/// nodes behind everything else, so that a walk begins with a second root and numbers nodes and slots on.
+/// The moving part of a scene's triangles, among the vectors of all. Its corners come after those of standing meshes, and its nodes
+/// after everything else. A walk begins with a second root for it, and the numbers of nodes and slots go on from the standing part.
 #[derive(Default)]
 struct MovingPart {
-    /// The number of its root; 0 without one.
+    /// The number of the root node; 0 without one.
     root: Cell<i32>,
     /// The greatest coordinate of a corner, in metres.
     extent_m: Cell<f32>,
@@ -59,17 +59,17 @@ struct MovingPart {
 /// Vectors that are copied to their places in a frame.
 struct Update {
     staging: Buffer,
-    /// Where each run of bytes is, where it goes, and how many they are; empty once they have been copied.
+    /// Source, target and length of each run of bytes; empty once the runs have been copied.
     runs: Vec<[u64; 3]>,
 }
 
 /// Where the parts of the vectors begin.
 struct Places {
-    /// Corners of what stands, then of what moves, by slots.
+    /// Corners of standing meshes, then of moving ones, by slots.
     corners: usize,
     moving_corners: usize,
     attributes: usize,
-    /// Nodes of what moves; a whole number of nodes from the beginning.
+    /// Nodes of moving meshes, at a multiple of the size of a node.
     root: usize,
     end: usize,
 }
@@ -87,11 +87,11 @@ impl Places {
         Self { corners, moving_corners, attributes, root, end }
     }
 
-    /// What moves, as runs of vectors and their places.
+    /// Returns the moving part, as runs of vectors and their places.
     fn of_moving(&self, moving: &MovingTriangles) -> Vec<(usize, Vec<Words>)> {
         let slots = ((self.moving_corners - self.corners) / 3) as u32;
         let mut corners = moving.records.corners.clone();
-        // What has no area at the moment has room too.
+        // Triangles that have no area at the moment have room, too.
         corners.resize(3 * moving.numbers.len(), [0; 4]);
         let nodes = moving.tree.nodes_behind((self.root / NODE_WORDS) as u32, slots);
         assert!(self.root + nodes.len() <= self.end.max(self.root), "more nodes than triangles");
@@ -102,31 +102,31 @@ impl Places {
     }
 }
 
-/// What programs among the triangles of a scene are compiled for: which buffers of them the device reads as texels, and which as
-/// storage blocks, what is known of them, and whose colours what a ray meets has.
+/// The properties of a scene's triangles that programs are compiled for: which buffers the device reads as texels and which as
+/// storage blocks, how rays find triangles, and where hits take their colour from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
-    /// Triangles of the scene.
+    /// Number of triangles of the scene.
     pub count: u32,
-    /// Geometry and materials.
+    /// Whether geometry and materials are read as texels.
     pub geometry_texels: bool,
-    /// Texels of images.
+    /// Whether images are read as texels.
     pub image_texels: bool,
     /// Whether a material decides at each hit whether its surface is there.
     pub asks: bool,
-    /// Lights of the scene.
+    /// Number of lights of the scene.
     pub lights: u32,
     /// Groups of nodes that a walk through the trees has room for: at least as many as a tree has levels.
     pub walk_room: i32,
-    /// Whether ray queries find what rays meet, and not a walk through the tree.
+    /// Whether ray queries find the nearest triangle, and not a walk through the tree.
     pub queries: bool,
-    /// Whether their colours are what a caller says of them, and no light of the scene shines on them.
+    /// Whether a caller gives the colours of the triangles, and no light of the scene shines on them.
     pub unlit: bool,
-    /// Whether what a ray meets has the colour of the screen where the screen shows it.
+    /// Whether a hit has the colour of the screen where the screen shows its place.
     pub screen_colors: bool,
 }
 
-/// What passes bind of a scene's triangles.
+/// The buffers of a scene's triangles that passes bind.
 #[derive(Clone, Copy)]
 pub struct TriangleBuffers<'a> {
     /// Nodes, corners and attributes.
@@ -135,17 +135,17 @@ pub struct TriangleBuffers<'a> {
     pub images: &'a TexelBuffer,
     /// Materials.
     pub table: &'a TexelBuffer,
-    /// The structure for ray queries, where they find what rays meet.
+    /// The structure for ray queries, if these find the nearest triangle.
     pub structure: Option<&'a RayStructure>,
     /// The place from which coordinates of triangles are measured.
     pub origin: DVec3,
     counts: [i32; 4],
     extent_m: f32,
-    /// The number of the root of the tree of what moves; 0 without one.
+    /// The number of the root of the tree of moving meshes; 0 without one.
     moving: i32,
 }
 
-/// A scene's triangles with the camera and the lights among them: what passes bind in a frame.
+/// The bindings of a frame: a scene's triangles, and the camera and the lights among them.
 #[derive(Clone, Copy)]
 pub struct TriangleBindings<'a> {
     /// The triangles.
@@ -154,7 +154,7 @@ pub struct TriangleBindings<'a> {
     pub block: &'a TriangleBlock,
     /// The lights.
     pub lights: &'a LightBlock,
-    /// The screen's lit colour; with its coarser levels where what rays meet has its colours.
+    /// The screen's lit colour, with its coarser levels if hits have the screen's colours.
     pub screen_color: Sampled<'a>,
     /// The screen's reversed depth.
     pub screen_depth: Sampled<'a>,
@@ -181,8 +181,8 @@ macro_rules! with_triangles {
         }
     }};
 }
-/// The specialization constants of a program among a scene's triangles: those of how a [`TriangleReading`] says that the
-/// triangles are read, and its other fields.
+/// Makes the specialization constants of a program among a scene's triangles: those of a [`TriangleReading`], and the program's
+/// own.
 macro_rules! with_reading {
     ($constants:ident of $reading:expr, $($field:ident $(: $value:expr)?),* $(,)?) => {{
         let $crate::passes::triangle_scene::TriangleReading {
@@ -196,16 +196,16 @@ macro_rules! with_reading {
 
 pub(super) use {with_reading, with_triangles};
 
-/// Steps of the room that walks have, so that few programs are compiled.
+/// Walks have room for a multiple of this number of levels, so that few programs are compiled.
 const ROOM_STEP: u32 = 4;
 
-/// The room for walks through trees of so many levels: for a group of nodes of each.
+/// Returns the room for walks through trees of `levels` levels: one group of nodes for each level.
 fn walk_room(levels: u32) -> i32 {
     levels.max(1).next_multiple_of(ROOM_STEP).cast_signed()
 }
 
 impl TriangleGeometry {
-    /// Uploads the tree of what stands with its records, and what moves.
+    /// Uploads the tree of standing meshes with its records, and the moving meshes.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
@@ -235,8 +235,7 @@ impl TriangleGeometry {
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
-    /// Replaces what moves, which are the triangles that it was made with, by themselves where they stand now. The next
-    /// [`Self::bring`] copies it.
+    /// Replaces the moving triangles by the same triangles where they stand now. The next [`Self::bring`] copies them.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
@@ -248,7 +247,7 @@ impl TriangleGeometry {
             Some(update) => update,
             none => {
                 let (_, vector) = VECTORS;
-                // Corners, attributes and nodes of each.
+                // Each triangle has room for its corners, its attributes and a node.
                 let bytes = vector * ((3 + 4 + NODE_WORDS) * moving.numbers.len()) as u64;
                 let staging = Buffer::new(
                     gpu,
@@ -273,7 +272,7 @@ impl TriangleGeometry {
         Ok(())
     }
 
-    /// Pass "moving": copies what [`Self::update`] replaced; nothing otherwise.
+    /// Records pass "moving", which copies the triangles that [`Self::update`] replaced; records nothing otherwise.
     ///
     /// # Errors
     /// Errors of the device.
@@ -287,12 +286,12 @@ impl TriangleGeometry {
         Ok(())
     }
 
-    /// The vectors of its buffer.
+    /// Returns the vectors of the buffer of a geometry.
     pub(super) fn vectors(tree: &Tree, records: &TriangleRecords) -> Vec<Words> {
         [&tree.nodes[..], &records.corners, &records.attributes].concat()
     }
 
-    /// The geometry in a buffer of its vectors.
+    /// Makes the geometry of a buffer that holds its vectors.
     pub(super) fn of(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
         let attributes = tree.nodes.len() + records.corners.len();
@@ -308,7 +307,7 @@ impl TriangleGeometry {
         }
     }
 
-    /// How the device reads it together with some images, with so many lights.
+    /// Returns how shaders read the geometry together with some images and with `lights` lights.
     pub fn reading(&self, images: &TriangleImages, lights: u32) -> TriangleReading {
         let [_, _, count, _] = self.counts;
         TriangleReading {
@@ -340,7 +339,7 @@ impl TriangleGeometry {
         RayStructure::build(context, &corners)
     }
 
-    /// What passes bind, with images and a table of materials.
+    /// Returns the buffers that passes bind, with images and a table of materials.
     pub fn bound<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
         let Self { origin, counts, extent_m, buffer, moving, .. } = self;
         let (origin, counts, extent_m) = (*origin, *counts, extent_m.max(moving.extent_m.get()));
@@ -350,13 +349,13 @@ impl TriangleGeometry {
 }
 
 impl<'a> TriangleBuffers<'a> {
-    /// Binds a structure for ray queries as well, or none.
+    /// Returns the buffers with a structure for ray queries, or with none.
     pub fn queried(self, structure: Option<&'a RayStructure>) -> Self {
         Self { structure, ..self }
     }
 
-    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface: in metres
-    /// for each metre from the eye, or in view units where rays of sight are parallel.
+    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface: in metres for
+    /// each metre from the eye, or in view units for an orthographic camera.
     pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;
@@ -365,20 +364,20 @@ impl<'a> TriangleBuffers<'a> {
         TriangleBlock { eye, extent, corners, attributes, count, nodes, beside, moving, ..Default::default() }
     }
 
-    /// From the world to the coordinates of the triangles.
+    /// The matrix from the world to the coordinates of the triangles.
     pub fn world_to_tree(&self) -> Mat4 {
         Mat4::from_translation(-self.origin.as_vec3())
     }
 }
 
-/// A buffer of vectors of four words.
+/// Uploads a buffer of vectors of four words.
 fn uploaded(context: &mut FrameContext, name: &str, vectors: &[Words]) -> Result<TexelBuffer> {
     let (staging, buffer) = staged(context.gpu(), name, bytemuck::cast_slice(vectors), VECTORS)?;
     context.once(|frame| frame.copy_buffer("upload", &staging, buffer.buffer(), Access::ComputeStorageRead))?;
     Ok(buffer)
 }
 
-/// A buffer that is not written yet, and what is to be copied to it.
+/// Makes a buffer that is not written yet, and a staging buffer to copy to it.
 pub(super) fn staged(
     gpu: &Gpu,
     name: &str,

@@ -1,5 +1,5 @@
-//! Following rays of the list ([`lost`](super::lost)) through the triangles of a scene, each from its own pixel's point,
-//! over as many rays as there are (docs/definitions.md, "Triangles").
+//! Passes that follow the rays of the list ([`lost`](super::lost)) through the triangles of a scene, each ray from the point of its
+//! pixel (docs/definitions.md, "Triangles"). The number of rays on the list sizes their dispatches.
 
 use super::lost::LostRayBindings;
 use super::tracer::{ByTracer, by_tracer};
@@ -21,7 +21,7 @@ pub struct TriangleTracePass {
 /// The pipeline of either tracer.
 type Pipeline<T, Q> = ByTracer<ComputePipeline<T>, ComputePipeline<Q>>;
 
-/// What is written of the pixels of mirrors.
+/// The outputs that are wanted, and the screen's projection.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TriangleWants {
     /// The finished image.
@@ -36,10 +36,10 @@ pub struct TriangleWants {
     pub projection: ProjectionKind,
 }
 
-/// What every pass here reads.
+/// The inputs of every pass of this file.
 #[derive(Clone, Copy)]
 pub struct TriangleInput<'a> {
-    /// The block of the screen.
+    /// The parameters of `unified` for the screen.
     pub parameters: &'a UnifiedBlock,
     /// The scene's triangles.
     pub triangle_bindings: TriangleBindings<'a>,
@@ -47,7 +47,7 @@ pub struct TriangleInput<'a> {
     pub beyond: LostRayBindings<'a>,
 }
 
-/// The program of a tracer with the bindings that all here have in common, and some of its own.
+/// Makes the program of a tracer with the bindings that all programs of this file have, and with its own.
 macro_rules! follow_program {
     ($tree:ident or $query:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
         let TriangleInput { parameters, triangle_bindings, beyond } = $input;
@@ -62,7 +62,7 @@ macro_rules! follow_program {
     }};
 }
 
-/// Compiles the program of the tracer that a reading says.
+/// Compiles the program for the tracer that a reading names.
 macro_rules! pipeline {
     ($tree:ident or $query:ident of ($gpu:expr, $reading:expr), $($field:ident),+ $(,)?) => {
         if $reading.queries {
@@ -74,7 +74,7 @@ macro_rules! pipeline {
 }
 
 impl TriangleTracePass {
-    /// Compiles the pipelines for scenes that are read in a way.
+    /// Compiles the pipelines for triangles that are read as `reading` says.
     ///
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
@@ -93,7 +93,7 @@ impl TriangleTracePass {
         })
     }
 
-    /// Pass "triangles/mirrors": finishes the pixels whose mirror rays are on the list.
+    /// Records pass "triangles/mirrors": finishes the pixels whose mirror rays are on the list.
     pub fn record_mirrors(
         &self,
         frame: &mut Frame,
@@ -102,7 +102,7 @@ impl TriangleTracePass {
         canvas: Canvas,
         hits: Option<Hits>,
     ) -> Result<()> {
-        // What is not wanted is not written, and needs an image all the same.
+        // An image that is not wanted is not written, but its binding needs some image.
         let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
         let Some((any, hits)) = stored else { return Ok(()) };
         let program = follow_program! { TriangleMirrors or TriangleMirrorsQueried of input,
@@ -115,7 +115,7 @@ impl TriangleTracePass {
         self.mirrors.follow(frame, "triangles/mirrors", &program, input.beyond.counts)
     }
 
-    /// Pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
+    /// Records pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
     pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, [records, ends]: [&Image; 2]) -> Result<()> {
         let program = follow_program! { TriangleNarrow or TriangleNarrowQueried of input,
             seen_image: records.all(), ends_image: ends.all(),
@@ -123,7 +123,7 @@ impl TriangleTracePass {
         self.narrow.follow(frame, "triangles/narrow", &program, input.beyond.counts)
     }
 
-    /// Pass "triangles/wide": the same for the rays of cells with wide lobes.
+    /// Records pass "triangles/wide", which does the same for the rays of cells with wide lobes.
     pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen, ends]: [&Image; 3]) -> Result<()> {
         let program = follow_program! { TriangleWide or TriangleWideQueried of input,
             place_image: place.all(), seen_image: seen.all(), ends_image: ends.all(),

@@ -34,48 +34,49 @@ pub struct UnifiedGlossPass {
     between: BetweenPasses,
 }
 
-/// The programs that trace narrow lobes, by who is asked where a ray ends (as for mirrors).
+/// The programs that trace narrow lobes, one for each way to find where a ray ends: on the screen, on the screen with triangles that
+/// confirm its hits, or among the triangles alone. Mirrors have the same three.
 enum NarrowTraces {
     Screen(TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>),
     Confirmed(TiledPipeline<TraceNarrowConfirmed<'static>, TraceNarrowConfirmedCompute<'static>>),
     Triangles(ByTracer<TiledCompute<TraceNarrowAmongTriangles<'static>>, TiledCompute<TraceNarrowQueried<'static>>>),
 }
 
-/// The programs that trace wide lobes, in the same way.
+/// The programs that trace wide lobes, one for each of the same three ways.
 enum WideTraces {
     Screen(TiledPipeline<TraceWide<'static>, TraceWideCompute<'static>>),
     Confirmed(TiledPipeline<TraceWideConfirmed<'static>, TraceWideConfirmedCompute<'static>>),
     Triangles(ByTracer<TiledCompute<TraceWideAmongTriangles<'static>>, TiledCompute<TraceWideQueried<'static>>>),
 }
 
-/// What the passes hand each other. Where no tile is drawn, images hold anything.
+/// The images that the passes hand each other. Their content is undefined where no tile is drawn.
 pub struct BetweenPasses {
     /// The ray of each pixel with a narrow lobe: `RayRecord` of `gloss.glsl`, packed.
     pub records: Image,
     /// Where the ray of each cell of 2 × 2 pixels ended: a point or a direction, and the density of the ray.
     pub place: Image,
-    /// What that ray saw.
+    /// What the ray of each cell saw.
     pub seen: Image,
     /// Each cell's reflection.
     pub cell_reflection: Image,
-    /// The normal and depth of the surface that a cell's reflection is of.
+    /// The normal and depth of the surface that a cell's reflection belongs to.
     pub cell_surface: Image,
-    /// Where each ray ended ([`ENDS`]); a single texel where nobody asks.
+    /// Where each ray ended ([`ENDS`]); a single texel if nobody asks.
     pub ends: Image,
 }
 
-/// What the passes read, and where they draw.
+/// The inputs of the passes, and the images that they draw into.
 #[derive(Clone, Copy)]
 pub struct UnifiedGlossInput<'a> {
     /// Normals, materials and lit colour with its chain.
     pub gbuffer: GBuffer<'a>,
-    /// Blocks to trace.
+    /// The pyramid that rays walk over.
     pub pyramid: Pyramid<'a>,
-    /// Where to trace: over a canvas that has begun, or over the whole of one that holds nothing.
+    /// The tiles to trace, over a canvas that has begun; or the whole of a canvas that is still empty.
     pub tiles: Tiles<'a>,
-    /// Where to draw.
+    /// The images to draw into.
     pub canvas: Canvas<'a>,
-    /// The sky, and where rays go that the screen lost.
+    /// The sky, and the list of rays that the screen lost.
     pub beyond: LostRayBindings<'a>,
     /// The triangles, where rays go among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
@@ -200,12 +201,12 @@ impl UnifiedGlossPass {
         })
     }
 
-    /// What the passes hand each other, for whoever checks one of them by itself.
+    /// The images that the passes hand each other, for other passes and for tests that read them.
     pub fn between(&self) -> &BetweenPasses {
         &self.between
     }
 
-    /// Pass "trace/narrow": a ray for each pixel with a narrow lobe.
+    /// Records pass "trace/narrow": a ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let records = &self.between.records;
@@ -228,7 +229,7 @@ impl UnifiedGlossPass {
                 };
                 pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
             }
-            // The chain of colours is not made where hits are shaded as triangles.
+            // This program binds no colour chain, since none is made if hits are shaded as triangles.
             (NarrowTraces::Confirmed(pipeline), Some(triangle_bindings)) => {
                 let programs = in_either_stage! {
                     TraceNarrowConfirmed => [tiles.target(records)],
@@ -267,7 +268,7 @@ impl UnifiedGlossPass {
         }
     }
 
-    /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
+    /// Records pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
     pub fn resolve_narrow(
         &self,
         frame: &mut Frame,
@@ -289,7 +290,7 @@ impl UnifiedGlossPass {
         self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), programs)
     }
 
-    /// Pass "trace/wide": a ray for each cell with a wide lobe.
+    /// Records pass "trace/wide": a ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let BetweenPasses { place, seen, .. } = &self.between;
@@ -350,7 +351,7 @@ impl UnifiedGlossPass {
         }
     }
 
-    /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
+    /// Records passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
     /// pixel's reflection between the cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         self.cells(frame, input, parameters)?;

@@ -1,6 +1,6 @@
-//! The trace of `unified`: one ray for each mirror pixel, what it sees, and the composite in the same pass, over the tiles
-//! of a list or over the whole image. Rays walk over the pyramid, whose hits may be asked to be confirmed by the triangles
-//! that pixels show; or all of them go among the triangles.
+//! The trace of `unified`: one ray for each mirror pixel, what it sees, and the composite in the same pass, over the tiles of a
+//! list or over the whole image. Rays walk over the pyramid, and the triangles that pixels show may confirm their hits; or all rays
+//! go among the triangles.
 
 use super::lost::LostRayBindings;
 use super::tiles::{TileRange, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
@@ -25,35 +25,35 @@ pub struct UnifiedTracePass {
     unwanted_hits: Option<Image>,
 }
 
-/// The programs by who is asked where a ray ends.
+/// The programs, one for each way to find where a ray ends.
 enum Mirrors {
-    /// The screen alone, or the screen and captures.
+    /// On the screen alone, or on the screen and in captures.
     Screen(TiledPipeline<Mirror<'static>, MirrorCompute<'static>>),
-    /// The screen, whose hits triangles confirm.
+    /// On the screen, with triangles that confirm the hits.
     Confirmed(TiledPipeline<MirrorConfirmed<'static>, MirrorConfirmedCompute<'static>>),
-    /// The triangles alone.
+    /// Among the triangles alone.
     Triangles(ByTracer<TiledCompute<MirrorAmongTriangles<'static>>, TiledCompute<MirrorQueried<'static>>>),
 }
 
-/// What the pass reads.
+/// The inputs of the pass, and the images that it draws into.
 #[derive(Clone, Copy)]
 pub struct UnifiedTraceInput<'a> {
     /// Normals, materials and lit colour.
     pub gbuffer: GBuffer<'a>,
-    /// Blocks to trace.
+    /// The pyramid that rays walk over.
     pub pyramid: Pyramid<'a>,
-    /// Where to trace: over a canvas that has begun, or over the whole of one that holds nothing.
+    /// The tiles to trace, over a canvas that has begun; or the whole of a canvas that is still empty.
     pub tiles: Tiles<'a>,
-    /// Where to draw.
+    /// The images to draw into.
     pub canvas: Canvas<'a>,
-    /// The sky, and where rays go that the screen lost.
+    /// The sky, and the list of rays that the screen lost.
     pub beyond: LostRayBindings<'a>,
     /// The triangles, where rays go among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 impl UnifiedTracePass {
-    /// With an image of the hits beside what is drawn, or without.
+    /// Makes the pass with an image of the hits or without.
     ///
     /// # Errors
     /// Returns the errors of [`TiledPipeline::new`].
@@ -119,8 +119,8 @@ impl UnifiedTracePass {
         })
     }
 
-    /// Pass "trace/mirrors". Gives where each ray ended, if that was asked for. In compute shaders over tiles the pass
-    /// "hits" goes before it then: no attachment is cleared along with the trace.
+    /// Records pass "trace/mirrors", and returns where each ray ended, if hits are wanted. In compute shaders over tiles the pass
+    /// "hits" comes before it, since no attachment is cleared along with the trace.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -204,7 +204,7 @@ impl UnifiedTracePass {
         Ok(wanted.map(Hits))
     }
 
-    /// Pass "hits", if they were asked for: without mirrors, no ray begins anywhere.
+    /// Records pass "hits", which says that no ray begins anywhere, if hits are wanted.
     pub fn no_hits<'a>(&'a self, frame: &mut Frame) -> Result<Option<Hits<'a>>> {
         let Some(hits) = &self.hits else { return Ok(None) };
         frame.clear("hits", hits.all(), NO_HIT)?;

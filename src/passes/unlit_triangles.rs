@@ -1,5 +1,5 @@
-//! Triangles of a renderer that hands over meshes with colours and textures, and no scene with lights: what a ray meets has the
-//! light that its mesh sends out there.
+//! Triangles of a renderer that hands over meshes with colours and textures, but no scene with lights. A hit has the light that its
+//! mesh sends out there.
 
 use super::triangle_scene::{
     TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS, staged,
@@ -12,12 +12,12 @@ use crate::math::{linear_to_srgb, srgb_to_linear};
 use crate::scene::tree::{Tree, TriangleRecords};
 use crate::scene::{Encoding, Material, Texture};
 
-/// The triangles in device memory, and what is copied there by a frame of the caller's.
+/// The triangles in device memory, and the buffers that a frame of the caller's copies there.
 pub struct UnlitTriangles {
     geometry: TriangleGeometry,
     images: TriangleImages,
     table: TriangleTable,
-    /// Kept for as long as the device may read it, which is not known here.
+    /// Kept as long as the triangles, since it is not known here when the device has read them.
     staging: [Buffer; 3],
 }
 
@@ -47,7 +47,7 @@ impl UnlitTriangles {
         })
     }
 
-    /// Pass "triangles/upload": copies everything to the device.
+    /// Records pass "triangles/upload": copies everything to the device.
     pub fn record(&self, frame: &mut Frame) -> Result<()> {
         let TriangleBuffers { geometry, images, table, .. } = self.bound();
         for (from, to) in self.staging.iter().zip([geometry, images, table]) {
@@ -56,7 +56,7 @@ impl UnlitTriangles {
         Ok(())
     }
 
-    /// How the device reads them. Walks have room for any tree, since the next triangles may be more than these.
+    /// Returns how shaders read the triangles. Walks have room for any tree, since the next triangles may be more than these.
     pub fn reading(&self) -> TriangleReading {
         TriangleReading { unlit: true, walk_room: TREE_DEPTH, ..self.geometry.reading(&self.images, 0) }
     }
@@ -67,8 +67,8 @@ impl UnlitTriangles {
     }
 }
 
-/// The levels of a texture from the finest to the one of a single texel, as words of red to alpha. Each is the mean of light
-/// over two by two texels of the one before; where a side is odd, its last texels are left out.
+/// Returns the levels of a texture, from the finest to a single texel, as words of red to alpha. Each texel is the mean of the
+/// light of two by two texels of the level before; the last texels of an odd side are left out.
 fn levels(texture: &Texture) -> Vec<Vec<u32>> {
     let is_srgb = texture.encoding == Encoding::Srgb;
     let decoded = |v: f32| if is_srgb { srgb_to_linear(v) } else { v };

@@ -17,7 +17,7 @@ pub struct VisibilityPass {
 }
 
 impl VisibilityPass {
-    /// A full chain over a size in pixels.
+    /// Makes the pass with a full chain over a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
@@ -36,7 +36,7 @@ impl VisibilityPass {
         })
     }
 
-    /// Passes "visibility/0", which clears level 0 to 1, to the coarsest level.
+    /// Records passes "visibility/0", which clears level 0 to 1, to the coarsest level.
     pub fn record<'a>(&'a self, frame: &mut Frame, hi_z: HiZ, lens: &Lens) -> Result<Visibility<'a>> {
         frame.clear("visibility/0", self.chain.level(0), [1.0; 4])?;
         let range = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };
@@ -55,7 +55,7 @@ impl VisibilityPass {
         Ok(self.made())
     }
 
-    /// The chain as it was recorded last.
+    /// Returns the chain as it was recorded last.
     pub fn made(&self) -> Visibility<'_> {
         Visibility(&self.chain)
     }

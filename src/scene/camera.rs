@@ -9,9 +9,9 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 /// The parameters of a projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// How much it sees, and with which projection.
+    /// How much the lens sees, and with which projection.
     pub opening: FieldOfView,
-    /// Near plane in metres, > 0; that of an orthographic projection may be at the eye.
+    /// Near plane in metres, > 0; the near plane of an orthographic projection may be at the eye.
     pub near_m: f32,
     /// Far plane in metres, > near.
     pub far_m: f32,
@@ -30,12 +30,12 @@ impl Lens {
         Self { opening: FieldOfView::Angle(fov_y_radians), near_m, far_m }
     }
 
-    /// An orthographic projection of an image so many metres high.
+    /// An orthographic projection of an image that is `height_m` metres high.
     pub const fn orthographic(height_m: f32, near_m: f32, far_m: f32) -> Self {
         Self { opening: FieldOfView::Height(height_m), near_m, far_m }
     }
 
-    /// The kind of its projection.
+    /// The kind of the lens's projection.
     pub fn kind(&self) -> ProjectionKind {
         match self.opening {
             FieldOfView::Angle(_) => ProjectionKind::Perspective,
@@ -51,7 +51,7 @@ impl Lens {
         }
     }
 
-    /// Metres from the lower to the upper side of what the image shows at a view-space z.
+    /// Height in metres of what the image shows at a view-space z.
     pub fn height_at_m(&self, z: f32) -> f32 {
         match self.opening {
             FieldOfView::Angle(fov) => 2.0 * z * (0.5 * fov).tan(),
@@ -101,7 +101,7 @@ pub struct Camera {
     pub projection: Option<Projection>,
 }
 
-/// How far the numbers of a rotation may be from those of an exact one.
+/// Greatest deviation of the numbers of a rotation from those of an exact rotation.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Whether a matrix is a rotation, with or without a mirroring.
@@ -149,9 +149,9 @@ impl Camera {
         Self { world_to_view, lens, aspect, near_plane: None, projection: Some(projection) }
     }
 
-    /// Returns the camera with its image shifted by so many pixels of an image of that size, x to the right and y down.
-    /// Renderers shift each frame by part of a pixel where they average frames into a smooth picture. A shift of 0 leaves the
-    /// camera as it is, to the bit.
+    /// Returns the camera with its image shifted by some pixels of an image of the size `extent`, x to the right and y down.
+    /// Renderers that average frames into a smooth picture shift each frame by part of a pixel. A shift of 0 leaves the camera as
+    /// it is, to the bit.
     #[must_use]
     pub fn jittered(self, [right, down]: [f32; 2], extent: [u32; 2]) -> Self {
         if [right, down] == [0.0; 2] {
@@ -163,7 +163,7 @@ impl Camera {
         Self { projection: Some(Projection { shift, ..numbers }), ..self }
     }
 
-    /// The numbers of its projection, without the [`Camera::near_plane`].
+    /// The numbers of the camera's projection, without the [`Camera::near_plane`].
     pub fn numbers(&self) -> Projection {
         match (self.projection, self.lens.opening) {
             (Some(projection), _) => projection,
@@ -189,13 +189,13 @@ impl Camera {
         Err(Error::Usage(format!("the camera is {is}, and the passes were made for one that is {made_for}")))
     }
 
-    /// The kind of its projection.
+    /// The kind of the camera's projection.
     pub fn kind(&self) -> ProjectionKind {
         self.projection.map_or(self.lens.kind(), |projection| projection.kind)
     }
 
-    /// Metres that shares of a view-space z are shares of: z itself, which a pixel's width grows with. Where rays of sight
-    /// are parallel it does not, and the height of what the image shows takes the place of z.
+    /// The reach at a view-space z, in metres; tolerances of depth are shares of the reach. It is z in a perspective, where the
+    /// width of a pixel grows with z, and the height of what the image shows in an orthographic projection.
     pub fn reach_m(&self, z: f64) -> f64 {
         match self.kind() {
             ProjectionKind::Perspective => z,
@@ -203,7 +203,7 @@ impl Camera {
         }
     }
 
-    /// The unit direction in view space in which a point of it is seen.
+    /// The unit direction in view space in which the camera sees a point.
     pub fn sight(&self, point: DVec3) -> DVec3 {
         match self.kind() {
             ProjectionKind::Perspective => point.normalize(),
@@ -220,7 +220,7 @@ impl Camera {
         }
     }
 
-    /// The projection of an image so many metres high.
+    /// The projection of an image that is `height_m` metres high.
     fn orthographic(&self, height_m: f32) -> Projection {
         let kind = ProjectionKind::Orthographic;
         let depth = kind.reversed_depth(self.lens.near_m.into(), self.lens.far_m.into()).map(|v| v as f32);

@@ -1,6 +1,6 @@
-//! Captures: cubes of six images of the scene, each made at a fixed place by the scene passes. They show what the
-//! screen does not (docs/definitions.md, "Captures"). Here is only where they stand; the laboratory's
-//! placement finds places, and a scene file may name them (`[[capture]]`).
+//! Captures: cubes of six images of the scene, each made at a fixed place by the scene passes. They show what the screen does not
+//! (docs/definitions.md, "Captures"). This file has only their places, which the laboratory's placement finds, or a scene file
+//! names (`[[capture]]`).
 
 use super::{Camera, Lens, sky};
 use crate::math::constants;
@@ -13,16 +13,16 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
 
-/// The bounds of a scene are grown on every side by this share of their diagonal, before a ray that is lost outside of them
-/// is taken to end in the sky: a capture, for want of resolution, may lose a ray a little behind an outer wall.
+/// The bounds of a scene are grown on every side by this share of their diagonal, and a ray that is lost outside of them ends in
+/// the sky. A capture may lose a ray a little behind an outer wall, for want of resolution, which the margin allows for.
 pub const BOUNDS_MARGIN: f32 = 0.02;
 
-/// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.
+/// How far the faces of a cube of images see, in metres. Reversed depth in floats is precise enough for this range.
 pub const FAR_M: f32 = 10_000.0;
 
-/// The camera of a face of a cube of images around a position, in Vulkan's order +x −x +y −y +z −z: a quarter turn, so
-/// that the six close up. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the faces of
-/// the poles need it.
+/// The camera of one face of a cube of images around a position. The faces are in Vulkan's order +x −x +y −y +z −z, and each sees a
+/// quarter turn, so that the six leave no gap. The camera's image is the face as it lies in memory, since [`Camera::new`] turns the
+/// images of the faces up and down as their layout needs.
 pub fn face_camera(position: Vec3, face: usize, near_m: f32) -> Camera {
     let lens = Lens::perspective(FRAC_PI_2, near_m, FAR_M);
     Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), lens, 1.0)
@@ -41,10 +41,9 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// The near plane where nothing else is said, in metres. The placement leaves more room than this to every
-    /// surface.
+    /// The default near plane, in metres. The placement leaves more room than this to every surface.
     pub const NEAR_M: f32 = 0.05;
-    /// The resolution where nothing else is said, in texels.
+    /// The default resolution, in texels.
     pub const RESOLUTION: u32 = 512;
 
     /// A capture at a place, with the default near plane and resolution.
@@ -68,10 +67,10 @@ impl Capture {
 /// How many captures a scene is to have, and where they come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WantedCaptures {
-    /// All captures of the scene file; if it has none, as many as pay, as the laboratory's placement judges it.
+    /// All captures of the scene file; if there are none, as many as the laboratory's placement finds worth their cost.
     Auto,
-    /// This many: first the captures of the scene file, in its order, then places that show most of what these do not.
-    /// Fewer, if no further place shows anything new. More than [`MAX_CAPTURES`] mean that many.
+    /// This many: first the captures of the scene file, in its order, then places that show most of what the others do not. There
+    /// are fewer if no further place shows anything new, and never more than [`MAX_CAPTURES`].
     Count(usize),
 }
 

@@ -24,7 +24,7 @@ pub struct GBufferData {
     pub roughness: Vec<f32>,
     /// Lit colour, linear; on a surface that shows the environment, the environment as the camera sees it there.
     pub color: Vec<Vec3>,
-    /// What the surface shows. [`Surface::Sky`] is the environment of [`sky`](super::sky), and no other.
+    /// What the surface shows. [`Surface::Sky`] stands for the environment of [`sky`](super::sky), and for no other.
     pub surface: Vec<Surface>,
 }
 
@@ -47,7 +47,7 @@ impl GBufferData {
         (0..self.depth.len()).map(|i| self.reflects(i)).collect()
     }
 
-    /// Clamps colours that are brighter than what images of 16-bit floats hold, and says how many pixels that were.
+    /// Clamps colours to the greatest 16-bit float, and returns the number of pixels that were brighter.
     pub fn clamp_colours(&mut self) -> usize {
         let most = Vec3::splat(half::f16::MAX.to_f32());
         let mut clamped = 0;

@@ -1,48 +1,48 @@
-//! How things of a scene move in time: chains of nodes with key frames, as animations of glTF files have them.
+//! How objects of a scene move in time: chains of nodes with key frames, as animations of glTF files have them.
 
 use super::{Placement, Scene};
 use glam::{DMat4, DQuat, DVec3};
 use std::sync::Arc;
 
-/// Something that happens in a scene: things that move at once.
+/// A motion of a scene: objects that move at the same time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
     /// The name that commands and records use.
     pub name: String,
-    /// What moves, and how.
+    /// The objects that move, and how.
     pub movers: Vec<Mover>,
 }
 
-/// A thing that moves: meshes, and the nodes that they hang from.
+/// An object that moves: meshes, and the chain of nodes that carries them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mover {
-    /// Names of its meshes.
+    /// Names of the object's meshes.
     pub meshes: Vec<String>,
-    /// From the space of the first node to the world.
+    /// The matrix from the space of the first node to the world.
     pub root: DMat4,
-    /// The nodes on the way to the meshes.
+    /// The nodes of the chain, from the root to the meshes.
     pub nodes: Vec<MovingNode>,
-    /// From the meshes' own space to the world, as they stand in the scene.
+    /// The matrix from the meshes' own space to the world, as the meshes stand in the scene.
     pub rest: DMat4,
 }
 
-/// A node: where it stands in its parent's space, and what changes about it.
+/// A node: its place in its parent's space, and how this place changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingNode {
-    /// Where it stands if nothing changes.
+    /// Where the node stands if nothing changes.
     pub rest: Rest,
-    /// The key frames of what changes.
+    /// The key frames of the parts that change.
     pub changes: Changes,
 }
 
-/// Key frames of a node, as far as something about it changes.
+/// Key frames of the parts of a node that change.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Changes {
-    /// Its offset.
+    /// The node's offset.
     pub offset: Option<Arc<Keys<3>>>,
-    /// Its turn, as a quaternion: x, y, z and w.
+    /// The node's turn, as a quaternion: x, y, z and w.
     pub turn: Option<Arc<Keys<4>>>,
-    /// Its size along each axis.
+    /// The node's size along each axis.
     pub size: Option<Arc<Keys<3>>>,
 }
 
@@ -55,14 +55,14 @@ pub enum Rest {
     Parts(DVec3, DQuat, DVec3),
 }
 
-/// How values between two key frames follow.
+/// How values between two key frames are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
     /// Stays as in the key frame before.
     Step,
     /// Changes evenly; turns go the shorter way.
     Linear,
-    /// Follows a cubic spline. Each key frame has three values: the slope before it, its own, and the slope behind it.
+    /// Follows a cubic spline. Each key frame has three values: the slope before it, the value itself, and the slope after it.
     Cubic,
 }
 
@@ -99,7 +99,7 @@ impl<const N: usize> Keys<N> {
         [self.times_s[0], self.times_s[self.times_s.len() - 1]]
     }
 
-    /// The value at a time; before the first key frame that of the first, behind the last that of the last.
+    /// The value at a time. Before the first key frame it is the first value, and after the last key frame the last value.
     fn at(&self, time_s: f32) -> [f64; N] {
         let cubic = self.between == Interpolation::Cubic;
         let value = |k: usize, part: usize| self.values[if cubic { 3 * k + part } else { k }].map(f64::from);
@@ -167,7 +167,7 @@ impl MovingNode {
 }
 
 impl Rest {
-    /// From the node's space to its parent's.
+    /// The matrix from the node's space to its parent's.
     pub fn matrix(&self) -> DMat4 {
         match *self {
             Self::Matrix(matrix) => matrix,
@@ -177,7 +177,7 @@ impl Rest {
 }
 
 impl Mover {
-    /// Whether its meshes have a placement throughout, by some times between its first and its last key frame.
+    /// Whether the meshes have a placement throughout, as sampled at some times between the first and the last key frame.
     pub fn is_placed(&self) -> bool {
         let ends = self.nodes.iter().flat_map(MovingNode::ends);
         let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
@@ -185,15 +185,15 @@ impl Mover {
         (0..=looks).all(|k| self.at(first + (last - first) * (k as f32 / looks as f32)).is_some())
     }
 
-    /// Where its meshes are placed at a time, seen from where they stand in the scene; `None` if that is no placement, as where a
-    /// size differs between axes.
+    /// The placement of the meshes at a time, relative to where they stand in the scene; `None` if there is no such placement, for
+    /// example if a size differs between axes.
     pub fn at(&self, time_s: f32) -> Option<Placement> {
         let to_world = self.nodes.iter().fold(self.root, |matrix, node| matrix * node.at(time_s));
         placement(&(to_world * self.rest.inverse()))
     }
 }
 
-/// The placement that a matrix is.
+/// Returns the placement that a matrix describes; `None` if there is none.
 fn placement(matrix: &DMat4) -> Option<Placement> {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
     let size = columns[0].length();
@@ -209,8 +209,8 @@ fn placement(matrix: &DMat4) -> Option<Placement> {
 }
 
 impl Motion {
-    /// Where meshes are placed at a time in seconds: their names and placements. Before its first key frame and behind its last,
-    /// a thing rests.
+    /// Returns the names and placements of moving meshes at a time in seconds. An object rests before its first key frame and after
+    /// its last.
     pub fn at(&self, time_s: f32) -> impl Iterator<Item = (&str, Placement)> {
         self.movers.iter().flat_map(move |mover| {
             let placement = mover.at(time_s).unwrap_or_default();

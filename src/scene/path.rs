@@ -34,7 +34,7 @@ pub struct CameraPath {
     times: Vec<f32>,
 }
 
-/// What is wrong with key frames: the index of the faulty one, if there is one, and a sentence.
+/// A fault of key frames: the index of the faulty key frame, if it is a single one, and a sentence.
 pub type KeyFault = (Option<usize>, String);
 
 impl CameraPath {
@@ -165,8 +165,8 @@ fn distance(a: &KeyFrame, b: &KeyFrame) -> f32 {
     (a.eye.distance_squared(b.eye) + a.look_at.distance_squared(b.look_at)).sqrt()
 }
 
-/// The position of `t` between `from` and `to`, as a share. It is 0 if both are equal, which rounding can make
-/// them if a short distance follows a long one.
+/// The position of `t` between `from` and `to`, as a share. The share is 0 if both ends are equal; rounding can make them so if a
+/// short distance follows a long one.
 fn share_of(t: f32, from: f32, to: f32) -> f32 {
     if to > from { (t - from) / (to - from) } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! Where a thing stands that moves, seen from where it was made.
+//! Where a moving object stands, relative to where it was made.
 
 use super::Vertex;
 use glam::{DMat4, DVec3, Quat, Vec3};
@@ -8,9 +8,9 @@ use glam::{DMat4, DVec3, Quat, Vec3};
 pub struct Placement {
     /// The turn, of length 1.
     pub turn: Quat,
-    /// How many times as large it is, above 0.
+    /// Factor of the object's size, above 0.
     pub size: f32,
-    /// Metres along the world's axes.
+    /// Offset in metres along the world's axes.
     pub offset: Vec3,
 }
 
@@ -27,26 +27,26 @@ impl From<Vec3> for Placement {
 }
 
 impl Placement {
-    /// Where it was made.
+    /// The placement of an object that stands where it was made.
     pub const HERE: Self = Self { turn: Quat::IDENTITY, size: 1.0, offset: Vec3::ZERO };
 
-    /// Whether all numbers are those of a placement.
+    /// Whether all numbers are valid: finite, with a turn of length 1 and a size above 0.
     pub fn is_sound(&self) -> bool {
         self.offset.is_finite() && self.turn.is_normalized() && self.size.is_finite() && self.size > 0.0
     }
 
-    /// Whether it is an offset alone.
+    /// Whether the placement is an offset alone.
     pub fn is_offset(&self) -> bool {
         self.turn == Quat::IDENTITY && self.size == 1.0
     }
 
-    /// From where things were made to where they stand.
+    /// The matrix from where objects were made to where they stand.
     pub fn matrix(&self) -> DMat4 {
         let size = DVec3::splat(self.size.into());
         DMat4::from_scale_rotation_translation(size, self.turn.as_dquat().normalize(), self.offset.as_dvec3())
     }
 
-    /// A place of what is placed.
+    /// Returns where a point of the object stands.
     pub fn place(&self, point: Vec3) -> Vec3 {
         if self.is_offset() { point + self.offset } else { self.matrix().transform_point3(point.as_dvec3()).as_vec3() }
     }

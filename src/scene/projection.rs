@@ -1,4 +1,4 @@
-//! Projections by their numbers, and what the matrix of any renderer says of its projection.
+//! Projections by their numbers, and how they are read off the matrices of other renderers.
 
 use glam::{Mat4, Vec3};
 
@@ -18,8 +18,8 @@ impl ProjectionKind {
         self == Self::Orthographic
     }
 
-    /// Reversed depth between a near and a far plane as a function of z: the first number plus the second over z, or times
-    /// z if rays are parallel. Only a perspective has a far plane at infinity.
+    /// The two numbers of reversed depth between a near and a far plane: the first plus the second over z in a perspective, or
+    /// times z in an orthographic projection. Only a perspective may have its far plane at infinity.
     pub fn reversed_depth(self, near: f64, far: f64) -> [f64; 2] {
         match self {
             Self::Perspective if far.is_infinite() => [0.0, near],
@@ -50,26 +50,27 @@ impl ProjectionKind {
 pub enum FieldOfView {
     /// A perspective with a vertical field of view in radians, 0 < fov < π.
     Angle(f32),
-    /// An orthographic projection of so many metres, > 0, at any distance.
+    /// An orthographic projection that shows this height in metres, > 0, at any distance.
     Height(f32),
 }
 
 /// A projection by its numbers: the elements of the matrix with reversed depth that are neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
-    /// Its kind.
+    /// The kind of projection.
     pub kind: ProjectionKind,
     /// M_00 and M_11, both above 0: y is up in clip space.
     pub scale: [f32; 2],
     /// How far the image is shifted against the axis of the view, in units of ndc: M_02 and M_12 of a perspective, M_03 and
     /// M_13 of an orthographic projection.
     pub shift: [f32; 2],
-    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23, and the other way round if rays are parallel.
+    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23 of a perspective, M_23 and M_22 of an orthographic
+    /// projection.
     pub depth: [f32; 2],
 }
 
 impl Projection {
-    /// The matrix, with reversed depth or with standard depth, which is one minus that.
+    /// The matrix with reversed depth, or with standard depth, which is 1 minus reversed depth.
     pub(super) fn matrix(self, reversed: bool) -> Mat4 {
         let Self { kind, scale: [x, y], shift: [u, v], depth: [a, b] } = self;
         let [a, b] = if reversed { [a, b] } else { [1.0 - a, -b] };
@@ -80,7 +81,7 @@ impl Projection {
         Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z, w])
     }
 
-    /// The distances of the near and the far plane; the far one is infinite for a perspective without one.
+    /// The distances of the near and the far plane; infinity for a perspective without a far plane.
     pub fn planes(&self) -> [f32; 2] {
         let [a, b] = self.depth;
         match self.kind {
@@ -90,7 +91,7 @@ impl Projection {
         }
     }
 
-    /// How much it sees.
+    /// How much the projection sees.
     pub fn opening(&self) -> FieldOfView {
         match self.kind {
             ProjectionKind::Perspective => FieldOfView::Angle(2.0 * (1.0 / self.scale[1]).atan()),
@@ -99,7 +100,7 @@ impl Projection {
     }
 }
 
-/// What can be read off the projection matrix of any renderer.
+/// The numbers that are read off the projection matrix of any renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadProjection {
     /// The projection in the conventions of this crate.
@@ -119,7 +120,7 @@ impl ReadProjection {
     /// the image is at y = w.
     ///
     /// # Errors
-    /// Why the matrix cannot be used, as the rest of a sentence that begins with its name.
+    /// The reason why the matrix cannot be used, as the end of a sentence that begins with the matrix's name.
     pub fn new(clip: &Mat4, y_is_up: bool) -> Result<Self, &'static str> {
         if !clip.is_finite() {
             return Err("has numbers that are not finite");
@@ -135,7 +136,7 @@ impl ReadProjection {
                 );
             }
         };
-        // The image is shifted by z or by 1, whichever w is.
+        // A shift of the image goes with w, which is z in a perspective and 1 in an orthographic projection.
         let (shifts, unshifted) = if kind.is_orthographic() { (w, z) } else { (z, w) };
         let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && unshifted.x == 0.0 && unshifted.y == 0.0;
         if !is_plain || x.x == 0.0 || y.y == 0.0 {
@@ -166,9 +167,9 @@ impl ReadProjection {
     }
 }
 
-/// The direction along z in which an orthographic matrix looks, and whether its depth is reversed, from depth's slope and
-/// depth at z = 0. Nothing else tells a right-handed view with standard depth from a left-handed one with reversed depth: the
-/// eye stands before the near plane, where depth is beyond that of the near plane.
+/// Returns the direction along z in which an orthographic matrix looks, and whether its depth is reversed, from the slope of depth
+/// and the depth at z = 0. The eye stands before the near plane, where depth lies beyond that of the near plane. Nothing else tells
+/// a right-handed view with standard depth from a left-handed view with reversed depth.
 fn forward_of_orthographic(slope: f32, at_eye: f32) -> Result<(f32, bool), &'static str> {
     if slope == 0.0 {
         return Err("gives every point the same depth");

@@ -1,5 +1,5 @@
-//! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as a cube map in
-//! Vulkan's layout. Sky surfaces (windows) show it, and rays that leave the scene may return it.
+//! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as a cube map in Vulkan's layout.
+//! Sky surfaces (windows) show the environment, and rays that leave the scene may return it.
 
 use crate::math::atan2;
 use crate::math::noise::{fractal, smoothstep};
@@ -8,7 +8,7 @@ use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 /// Unit vector towards the sun. The light of the atrium comes from this direction.
 pub const SUN: Vec3 = Vec3::new(0.279_448, 0.931_493_4, -0.232_873_4);
 
-/// A cube of what is seen at infinity.
+/// A cube map of the light from infinitely far away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkyCube {
     /// Width and height of a face in texels.

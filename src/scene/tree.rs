@@ -1,6 +1,6 @@
-//! A hierarchy of boxes over the triangles of a scene, as shaders walk it (`shaders-glsl/triangles/walk.glsl`): plain
-//! data, and the records that stand beside it. Whoever has triangles makes a [`Tree`]: the feature `tree` builds one by
-//! the crate obvhs ([`Tree::build`]), outside of the crate's default dependencies.
+//! A hierarchy of boxes over the triangles of a scene, as shaders walk it (`shaders-glsl/triangles/walk.glsl`), and the records of
+//! its triangles, as plain data. Callers may make a [`Tree`] in any way; the feature `tree` builds one by the crate obvhs
+//! ([`Tree::build`]), which is no default dependency.
 //!
 //! The nodes are the compressed wide nodes of Ylitie, Karras and Laine ("Efficient Incoherent Ray Traversal on GPUs
 //! Through Compressed Wide BVHs", HPG 2017): eight children in 80 bytes.
@@ -18,32 +18,32 @@ use crate::error::Result;
 use crate::math::constants::{ASKS_MATERIAL, NO_TRIANGLE, TREE_DEPTH};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Words of a record as shaders load it.
+/// Four words of a record, as shaders load them.
 pub type Words = [u32; 4];
 
-/// Vectors of four words to a node.
+/// Number of vectors of four words in a node.
 pub const NODE_WORDS: usize = 5;
 
-/// The most triangles of a scene: their numbers leave the highest bit free, and the greatest one is no triangle's.
+/// The most triangles of a scene. Their numbers leave the highest bit free, and the greatest number stands for no triangle.
 pub const MAX_TRIANGLES: usize = (ASKS_MATERIAL - 1) as usize;
 
-/// The hierarchy.
+/// The hierarchy of boxes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tree {
-    /// The place in the world, in metres, from which all coordinates are measured: the middle of the scene, so that one far
-    /// from the origin is not coarser for it.
+    /// The place in the world, in metres, from which all coordinates are measured: the middle of the scene, so that a scene far
+    /// from the origin loses no precision.
     pub origin: DVec3,
-    /// [`NODE_WORDS`] vectors a node, in the layout of [`obvhs`](https://docs.rs/obvhs)'s `CwBvhNode`; the first node is
-    /// the root. Empty if no triangle has an area.
+    /// [`NODE_WORDS`] vectors for each node, in the layout of [`obvhs`](https://docs.rs/obvhs)'s `CwBvhNode`; the first node is the
+    /// root. Empty if no triangle has an area.
     pub nodes: Vec<Words>,
     /// The number of the triangle in each slot that nodes refer to: triangles are counted over all meshes in their order.
     pub slots: Vec<u32>,
-    /// Nodes on the longest way from the root to a leaf, at most [`most_levels`] of its triangles.
+    /// Number of nodes on the longest way from the root to a leaf, at most [`most_levels`] for the tree's triangles.
     pub levels: u32,
 }
 
 impl Tree {
-    /// Whether a walk that has room for the levels of so many triangles can walk over the tree.
+    /// Whether a walk with room for [`most_levels`] of the tree's triangles can walk over the tree.
     pub fn is_walkable(&self) -> bool {
         self.levels <= most_levels(self.slots.len())
     }
@@ -54,8 +54,8 @@ impl Tree {
     }
 }
 
-/// The most levels of a tree of so many triangles, for which walks have room: three more than a full tree has whose nodes have
-/// eight children. A tree that would have more is built by halves of its triangles, and has fewer.
+/// The most levels that a tree of some triangles has, and that walks have room for: three more than a full tree whose nodes have
+/// eight children. A tree that would have more is built by halving lists of its triangles, and then has fewer.
 pub fn most_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
     (binary.div_ceil(3) + 3).min(TREE_DEPTH as u32)
@@ -64,10 +64,11 @@ pub fn most_levels(triangles: usize) -> u32 {
 /// The triangles of a scene as shaders read them, in the order of a tree.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleRecords {
-    /// Three vectors a slot: each a corner from the tree's origin; the first one's last word is the triangle's number, with
-    /// [`ASKS_MATERIAL`] where the material has an alpha mask or is single-sided, and the second one's twice its area.
+    /// Three vectors for each slot: the corners of a triangle, measured from the tree's origin. The last word of the first vector
+    /// is the triangle's number, with [`ASKS_MATERIAL`] if the material has an alpha mask or is single-sided. The last word of the
+    /// second is twice its area.
     pub corners: Vec<Words>,
-    /// Four vectors a triangle, by its number: what a hit's colour is made of (`shaders-glsl/triangles/scene.glsl`).
+    /// Four vectors for each triangle, by its number, from which a hit's colour is made (`shaders-glsl/triangles/scene.glsl`).
     pub attributes: Vec<Words>,
 }
 
@@ -96,35 +97,36 @@ impl TriangleRecords {
     }
 }
 
-/// The triangles of meshes that move, in a small tree that is built anew whenever one has moved. A walk asks it beside the
-/// tree of what stands, with which it shares the place from which coordinates are measured.
+/// The triangles of meshes that move, in a small tree that is built anew whenever a mesh has moved. A walk goes through this tree
+/// and through the tree of standing meshes, and both measure coordinates from the same place.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MovingTriangles {
-    /// The tree; its slots hold numbers among all triangles of the scene.
+    /// The tree. Its slots hold numbers among all triangles of the scene.
     pub tree: Tree,
-    /// Corners with such numbers; attributes in the order of `numbers`.
+    /// Corners with numbers among all triangles of the scene; attributes in the order of `numbers`.
     pub records: TriangleRecords,
-    /// The numbers of all its triangles, those without an area among them.
+    /// The numbers of all moving triangles, including those without an area.
     pub numbers: Vec<u32>,
 }
 
 /// Builds the trees over a scene's triangles.
 pub trait BuildTrees {
-    /// The tree over all meshes but those of some names, of [`most_levels`] at most, and records with the attributes of all triangles.
+    /// Builds the tree over all meshes except those of some names, with [`most_levels`] at most, and records with the attributes of
+    /// all triangles.
     ///
     /// # Errors
     /// [`Usage`](crate::error::Error::Usage) for a scene with more triangles than have numbers.
     fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)>;
 
-    /// The tree over the meshes of some names, each where it stands, of [`most_levels`] at most.
+    /// Builds the tree over the meshes of some names, each where it stands, with [`most_levels`] at most.
     ///
     /// # Errors
-    /// Errors of whoever builds it.
+    /// Errors of the builder.
     fn moving(&self, placed: &[(&str, Placement)]) -> Result<MovingTriangles>;
 }
 
 impl Tree {
-    /// The nodes for a place behind other nodes and slots, of which there are so many.
+    /// Returns the nodes renumbered for a place behind `nodes` other nodes and `slots` other slots.
     pub fn nodes_behind(&self, nodes: u32, slots: u32) -> Vec<Words> {
         let mut moved = self.nodes.clone();
         // The second vector of a node begins with the places of its first child and of its first slot.
@@ -137,8 +139,8 @@ impl Tree {
 }
 
 impl MovingTriangles {
-    /// The attributes for corners that begin behind so many slots, in runs of triangles whose numbers follow each other: the
-    /// first number of each, and its vectors.
+    /// Returns the attributes for corners that begin behind `slots` other slots, in runs of triangles with consecutive numbers: the
+    /// first number of each run, and its vectors.
     pub fn attributes_behind(&self, slots: u32) -> Vec<(u32, Vec<Words>)> {
         let mut runs: Vec<(u32, Vec<Words>)> = Vec::new();
         for (number, attributes) in self.numbers.iter().zip(self.records.attributes.as_chunks::<4>().0) {
@@ -187,7 +189,7 @@ fn asks_material(material: &Material) -> bool {
     material.alpha_mask.is_some() || material.single_sided
 }
 
-/// A corner from a tree's origin, by a difference in f64.
+/// Returns a corner relative to a tree's origin, by a difference in f64.
 fn from_origin(vertex: &Vertex, origin: DVec3) -> Vec3 {
     (Vec3::from(vertex.position).as_dvec3() - origin).as_vec3()
 }
@@ -196,12 +198,12 @@ fn words(v: Vec3, last: u32) -> Words {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last]
 }
 
-/// What stands in the record of a triangle without an area instead of its slot: it has none.
+/// The word that a record has in place of a slot if its triangle has no area, and thus no slot.
 const NO_SLOT: u32 = NO_TRIANGLE;
 
 fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     let uv = vertices.map(|v| Vec2::from(v.uv));
-    // Repeats of a map to a metre along the surface: the root of the ratio of the areas.
+    // Repeats of a map for each metre along the surface: the root of the ratio of the areas.
     let area = (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs();
     let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
     let repeats = (f64::from(area) / doubled_area(corners).max(f64::MIN_POSITIVE)).sqrt() as f32;

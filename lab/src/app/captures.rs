@@ -95,7 +95,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The coordinates in which a scene file states where captures stand: those of the file, or else right-handed ones.
+/// The handedness in which a scene file states places of captures: that of the given scene file, or else right-handed.
 fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     match sources {
         [file] if super::resolve::is_toml(file) => scene_file::coordinates(file),
@@ -142,7 +142,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     Ok(())
 }
 
-/// `auto` or a number of captures.
+/// Parses `auto` or a number of captures.
 fn parse_wanted_captures(text: &str) -> Result<WantedCaptures, String> {
     match text.parse::<usize>() {
         _ if text == "auto" => Ok(WantedCaptures::Auto),

@@ -1,4 +1,4 @@
-//! The flags that several commands share, and those of most commands, each declared once. What they mean together is decided in `resolve`.
+//! The flags that several commands share, and those of most commands, each declared once. `resolve` decides what flags mean together.
 
 use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
 use crate::report::figures::Figure;
@@ -382,7 +382,7 @@ pub struct FiguresOptions {
     pub device: DeviceOptions,
 }
 
-/// `960x540`.
+/// Parses a size such as `960x540`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
@@ -394,7 +394,7 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// `1.5,0,-3`.
+/// Parses a point such as `1.5,0,-3`.
 pub fn point(text: &str) -> Result<Vec3, String> {
     let parts: Vec<_> = text.split(',').map(|v| v.trim().parse::<f32>()).collect();
     match parts[..] {

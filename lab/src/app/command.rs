@@ -1,5 +1,4 @@
-//! The command line as a whole: the list of commands. Only [`super::run`] reads it, so that no command depends on the
-//! others.
+//! The command line as a whole: the list of commands. Only [`super::run`] reads this list, so that no command depends on another.
 
 use super::captures::CapturesOptions;
 use super::cli::{DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, RenderOptions, StudyOptions};

@@ -67,7 +67,7 @@ impl CompareOptions {
         self.second.as_deref().ok_or_else(|| Error::Usage(missing.into()))
     }
 
-    /// Refuses options that are for times alone.
+    /// Refuses options that only a comparison of times has; `what` names the compared things.
     fn refuse_options_of_times(&self, what: &str) -> Result<()> {
         let given = [
             ("--threshold", self.threshold.is_some()),
@@ -85,7 +85,7 @@ impl CompareOptions {
 /// The records of `ssct shaders` in its folder.
 const SHADERS: &str = "shaders.json";
 
-/// What a path holds.
+/// The kind of records or image that a path holds.
 #[derive(Clone, Copy, PartialEq)]
 enum PathContent {
     Times,
@@ -93,7 +93,7 @@ enum PathContent {
     Image,
 }
 
-/// Compares, writes and prints.
+/// Compares two runs or two images, and writes and prints the result.
 pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     let a = sort(&options.first)?;
     if let Some(second) = &options.second
@@ -142,7 +142,7 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What two runs have in common.
+/// Compares the passes that two runs have in common.
 fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
     let (a, b) = (load(&options.first)?, load(options.second()?)?);
     let records = compare::times(&a, &b, threshold);
@@ -161,7 +161,7 @@ fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComp
     Ok(records)
 }
 
-/// Two settings, of one run or of two. A run that is named twice is one.
+/// Compares two settings of one run or of two; a run that is named twice counts as one.
 fn settings(options: &CompareOptions, chosen: [&Selection; 2], threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
     let a = load(&options.first)?;
     let other = options.second.as_deref().filter(|second| **second != *options.first).map(load).transpose()?;
@@ -176,7 +176,7 @@ pub fn check_threshold(threshold: f64) -> Result<()> {
     Ok(())
 }
 
-/// A run from its folder or its samples, with the device of the time.json beside them.
+/// Loads a run from its folder or its file of samples; the device is that of the `time.json` in the same folder.
 fn load(path: &Path) -> Result<Run> {
     let name = path.display().to_string();
     if path.is_dir() {

@@ -9,18 +9,18 @@ use std::path::PathBuf;
 /// The flags whose values name methods, several with commas between them.
 const METHOD: &str = "--method";
 const AGAINST: &str = "--against";
-/// The flags whose value is one method and its own flags.
+/// The flags whose value is one method, followed by flags of this method.
 const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
 /// The flag whose value is a folder that shaders of methods may include from.
 const INCLUDE: &str = "--include";
 
-/// Ends the program with a sentence: a device at work for ever lets nothing be freed.
+/// Prints a sentence and ends the program at once: while the device never finishes its work, nothing can be freed.
 fn give_up(sentence: &str) {
     eprintln!("ssct: {sentence}");
     signal_hook::low_level::exit(1);
 }
 
-/// Adds the methods of all folders that arguments name; gives the arguments with the methods' names instead.
+/// Adds the methods of all folders that arguments name; returns the arguments with the methods' names in place of the folders.
 pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
     let arguments: Vec<OsString> = arguments.collect();
@@ -56,7 +56,7 @@ fn flags() -> impl Iterator<Item = &'static str> {
     [METHOD, AGAINST].into_iter().chain(VARIANTS)
 }
 
-/// The folders that arguments allow.
+/// The folders from which the arguments let shaders include files.
 fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
     let is_flag = |argument: &OsString| argument == INCLUDE;
     let behind = arguments.windows(2).filter(|pair| is_flag(&pair[0])).map(|pair| PathBuf::from(&pair[1]));
@@ -68,7 +68,7 @@ fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
 fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
     let mut name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };
-        // Two ways of writing a path are one folder.
+        // A folder is added once, even if two arguments write its path differently.
         let place = folder.canonicalize().unwrap_or_else(|_| folder.clone());
         if let Some(name) = known.get(&place) {
             return Ok((*name).to_owned());

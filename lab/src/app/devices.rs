@@ -6,7 +6,7 @@ use crate::gpu::device;
 use crate::study::names::json_text;
 use std::io::Write;
 
-/// Lists the devices; the one that is taken by default comes by type, not by order.
+/// Lists the devices. The default device is chosen by its type, not by its place in the list.
 pub fn run(options: &DevicesOptions) -> anyhow::Result<()> {
     let listing = device::devices()?;
     let mut out = printed::out();

@@ -36,7 +36,7 @@ pub struct DriversOptions {
     pub json: bool,
 }
 
-/// Compares every device with the one that the flags name.
+/// Compares every other device with the device that the flags name.
 pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "rooms")?;

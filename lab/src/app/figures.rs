@@ -84,23 +84,23 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
 /// The page's file.
 const INDEX: &str = "index.html";
 
-/// Writes the page of some figures of one device, whose files lie in the folder.
+/// Writes the page that shows some figures of one device; the files of the figures lie in the folder.
 pub fn write_page(folder: &PathInFolder, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
     let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
     folder.join(INDEX).write(page.render(folder)?.as_bytes())
 }
 
-/// Everything that a figure depends on but the device and the program, which its scene is part of.
+/// The settings that a figure depends on, besides the device and the program; the program includes the built-in scenes.
 fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
     json!([plate.stem(), plate.arguments(options.size, file(options).as_deref())])
 }
 
-/// The file that the options name.
+/// The scene file that the options name.
 fn file(options: &FiguresOptions) -> Option<String> {
     options.scene.as_ref().map(|path| path.to_string_lossy().into_owned())
 }
 
-/// A scene of the documents, from a file.
+/// A printed scene that the user has as a file.
 struct OwnScene {
     file: String,
     printed: PrintedScene,
@@ -148,8 +148,8 @@ fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> C
     CellList::new(head, gpu.info(), cells)
 }
 
-/// The figures with the given numbers, with or without their document's name; all figures if none are given. With a scene
-/// from a file, only those whose print shows it.
+/// The figures with the given numbers, with or without their document's name; all figures if no number is given. With a scene from a file,
+/// only figures that print this scene are found.
 fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
     let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
     let is_drawn = |p: &&Plate| own.is_none_or(|own| p.prints.is_some_and(|(printed, _)| printed == own.printed));
@@ -246,7 +246,7 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
     documents.into_iter().filter_map(group).collect()
 }
 
-/// The command of the whole study, as the page shows it.
+/// The command that makes all chosen figures, as the page shows it.
 fn command(options: &FiguresOptions) -> String {
     let mut command = format!("ssct figures{}", in_file(options));
     if !options.only.is_empty() {
@@ -258,7 +258,7 @@ fn command(options: &FiguresOptions) -> String {
     command
 }
 
-/// The option that names a file, as it stands in a command.
+/// The option that names the scene file, as the shown command has it; empty without a file.
 fn in_file(options: &FiguresOptions) -> String {
     file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
 }

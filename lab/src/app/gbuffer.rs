@@ -68,7 +68,7 @@ fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a G-buffer in our own conventions, or in those of a map, and says if it contradicts itself.
+/// Reads a G-buffer in our own conventions or in those of a map, and warns if its data contradict each other.
 fn load(file: &Path, map: Option<&Path>) -> anyhow::Result<GBufferData> {
     let (data, doubt) = match map {
         Some(map) => {

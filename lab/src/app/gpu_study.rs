@@ -1,5 +1,5 @@
-//! `ssct gpu-study`: what a device does, measured in minutes: times and their noise, work, rates, and whether its images are
-//! those of other devices.
+//! `ssct gpu-study`: measures in minutes what a device does: times and their noise, work, rates, and whether its images equal those of
+//! other devices.
 
 use super::cli::DeviceOptions;
 use super::printed;
@@ -28,28 +28,28 @@ use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The view of table 5.8.
+/// The scene and the view that the thesis's table 5.8 is measured on.
 const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 
-/// Roughness values at which the passes of `unified` are compared, so that each is among them.
+/// Roughness values at which fragment and compute shaders of `unified` are compared; each of its passes runs at one of these values.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
 
-/// Roughness values at which the screen and the triangles are asked first: a mirror, and a narrow lobe.
+/// Roughness values of the comparisons of [`Plan::first`] and [`Plan::tracers`]: a mirror, and a narrow lobe.
 const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// Side of the image that is copied, in texels of four bytes: larger than caches.
+/// Side of the copied image, in texels of four bytes; the image is larger than caches.
 const COPIED: u32 = 4096;
 
-/// Rays a pixel of the references that the README's errors are held against. An error is without the variance of its reference.
+/// Rays a pixel of the references for the README's errors. The variance of the reference is subtracted from each error.
 const RAYS: u32 = 64;
 /// Rays a pixel of the references of a quick study.
 const QUICK_RAYS: u32 = 16;
 
-/// Pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
+/// Width and height in pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
 const KEPT_SIZE: [u32; 2] = [97, 55];
-/// Their roughness values: a mirror, whose hits can be compared, and gloss.
+/// Roughness values of the kept images: a mirror, whose hits can be compared, and a glossy surface.
 const KEPT_ROUGHNESS: [f32; 2] = [0.0, 0.1];
-/// The folder of these images in that of the study.
+/// The folder of the kept images, inside the folder of the study.
 const KEPT: &str = "same";
 
 /// Options of `ssct gpu-study`.
@@ -75,7 +75,7 @@ pub struct GpuStudyOptions {
     pub device: DeviceOptions,
 }
 
-/// How much is done.
+/// How much the study measures.
 struct Plan {
     size: [u32; 2],
     samples: usize,
@@ -93,7 +93,7 @@ impl Plan {
         Self { size: [1920, 1080], samples: 15, table_sizes, views: VIEWS.len() }
     }
 
-    /// Variants in turn on a view, each against itself as well.
+    /// A measurement of variants in turn on a view, with each variant also against itself.
     fn time<'a>(
         &self,
         gpu: &'a Gpu,
@@ -105,11 +105,11 @@ impl Plan {
         TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 2, samples: self.samples, a_a: true }
     }
 
-    /// Every method in each shader stage that it runs in, fragment shaders first; and with captures those that look into them.
+    /// Every method in each shader stage that it supports, fragment shaders first. Methods that look into captures come with captures, too.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
-        // Without captures the method `captures` shows nothing, and others without what they need of a scene.
+        // The method `captures` shows nothing without captures, nor does a method that lacks what it needs of the scene.
         let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
         let plain: Vec<_> = METHODS.iter().filter(shows).collect();
         let variants = Variant::of(&plain, &setup).into_iter().chain([triangles_variant(&setup, FirstTraced::Auto)]);
@@ -118,14 +118,14 @@ impl Plan {
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
-    /// Table 5.8.
+    /// The thesis's table 5.8.
     fn table<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let variants = Variant::of(&table_5_8::methods(), &Setup::new(self.size));
         let globals = table_5_8::ROUGHNESS.map(|roughness| table_5_8::factors(roughness, 1.0)).to_vec();
         self.time(gpu, place, variants, self.table_sizes.clone(), globals)
     }
 
-    /// `unified` with its rays asked of the screen first, and of the scene's triangles: which is cheaper depends on the
+    /// `unified` with rays traced on the screen first, and with rays traced among the triangles first. The cheaper order depends on the
     /// number of triangles and on the device.
     fn first<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let variants =
@@ -133,7 +133,7 @@ impl Plan {
         self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
     }
 
-    /// `traced` by a walk through the tree, and by ray queries; nothing on a device that has none.
+    /// `traced` by a walk through the tree, and by ray queries; `None` on a device without ray queries.
     fn tracers<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Option<TimeSpec<'a>> {
         let variant = |tracer| {
             let setup = Setup::new(self.size).with(|p: &mut EffectParams| p.tracer = tracer);
@@ -144,7 +144,7 @@ impl Plan {
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }
 
-    /// The variants of the README's tables on a view, at the roughness values that the tables have of its scene.
+    /// The variants of the README's tables on a view, at the roughness values that these tables have for the view's scene.
     fn readme<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Result<TimeSpec<'a>> {
         let variants = readme::variants(TIMED_SIZE, gpu.info().is_cpu())?;
         let globals = self.readme_roughness(place).iter().map(|r| of_roughness(*r)).collect();
@@ -156,7 +156,7 @@ impl Plan {
         if is_of_the_screen && !self.is_quick() { &sweep::ROUGHNESS } else { &sweep::ROUGHNESS[..1] }
     }
 
-    /// The errors of these variants on a view.
+    /// The study of the errors of the README's variants on a view.
     fn readme_errors(&self, gpu: &Gpu, [scene, view]: [&str; 2]) -> Result<ErrorStudy> {
         let place = place([scene, view])?;
         let globals = self.readme_roughness(&place).iter().map(|r| of_roughness(*r)).collect();
@@ -166,7 +166,7 @@ impl Plan {
         Ok(ErrorStudy::new(vec![(scene, vec![view])], vec![JUDGED_SIZE], globals, variants, (1, rays)))
     }
 
-    /// The number of views for the README's numbers.
+    /// The number of views that the README's numbers are measured on.
     fn readme_views(&self) -> usize {
         if self.is_quick() { 1 } else { self.views }
     }
@@ -175,7 +175,7 @@ impl Plan {
         self.views < VIEWS.len()
     }
 
-    /// `unified` with every pass as a fragment shader, and as a compute shader.
+    /// `unified` with fragment shaders in every pass, and with compute shaders in every pass.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let variants = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage)).to_vec();
@@ -183,7 +183,7 @@ impl Plan {
     }
 }
 
-/// A variant in each stage that its rays can be traced in. What follows rays in captures or among triangles is compute shaders.
+/// A variant in each shader stage in which its rays can be traced. Only compute shaders follow rays in captures or among triangles.
 fn in_its_stages(variant: &Variant) -> Vec<Variant> {
     let effect = variant.setup.effect();
     let is_followed = effect.captures != CaptureCount::None || effect.is_among_triangles(variant.method, true);
@@ -192,7 +192,7 @@ fn in_its_stages(variant: &Variant) -> Vec<Variant> {
     stages.map(|stage| Variant { method: variant.method, setup: with(stage) }).collect()
 }
 
-/// `unified` with every pass in a stage.
+/// `unified` with every pass in the given shader stage.
 fn in_stage(setup: &Setup, stage: StageChoice) -> Variant {
     let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
     Variant { method: &unified::INFO, setup }
@@ -242,7 +242,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     ];
     let timed = || quoted.iter().chain(others.iter().flat_map(|(_, specs)| *specs));
     let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
-    // The README's numbers stand before the others, and what is found beside times behind them.
+    // The README's numbers are measured before the others, and the findings other than times after them.
     let (parts, mut part) = (others.len() + 2, 0);
     let mut begin = |what: &str| {
         part += 1;
@@ -271,7 +271,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
     let [table, methods, first, tracers, stages] = others.map(|(_, specs)| all_of(specs));
     let times = DeviceTimes { table, methods, first, tracers, readme: all_of(&quoted), stages };
-    // Times that were measured are written even after an error, and that error is reported before one of writing.
+    // Measured times are written even after an error; that error is reported before an error of writing.
     let all = times.all();
     let wrote = to
         .join("time.json")
@@ -286,7 +286,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Times what the journal lacks.
+/// Measures the times that the journal lacks.
 fn time(specs: &[TimeSpec], run: &mut Run, bar: &ProgressBar) -> Result<()> {
     let mut timed = specs.iter();
     timed.try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(bar)))
@@ -299,7 +299,7 @@ fn command(options: &GpuStudyOptions) -> String {
     format!("ssct gpu-study{quick}{beside}")
 }
 
-/// The errors that stand beside those of the README.
+/// Measures the errors that the page compares with those of the README.
 fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
     let mut records = Vec::new();
     for view in &VIEWS[..plan.readme_views()] {
@@ -313,7 +313,7 @@ fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Re
     Ok(records)
 }
 
-/// Measures what is found beside times, and keeps the device's images.
+/// Measures the findings other than times, and keeps the device's images.
 fn findings(
     gpu: &Gpu,
     options: &GpuStudyOptions,
@@ -354,8 +354,8 @@ fn findings(
     Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
 }
 
-/// What the device's compiler makes of the programs of every method as published and in compute shaders, and of `unified` in both
-/// stages and with a history.
+/// Records of what the device's compiler makes of programs: those of every method as published and in compute shaders, and those of
+/// `unified` in both stages and with a history.
 fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
         Err(Error::NoDevice(why)) => return Ok(CompiledPrograms::Unknown(why)),
@@ -379,7 +379,7 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
     Ok(CompiledPrograms::Said(all))
 }
 
-/// Keeps what the methods of the screen make, for studies on other machines.
+/// Keeps the images of the screen-space methods, for studies on other machines.
 fn keep(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<()> {
     kept_images::write_device(folder, gpu.info())?;
     for spec in specs.iter().map(of_the_screen) {
@@ -399,7 +399,7 @@ fn stem(spec: &AgreementSpec) -> String {
     spec.globals.roughness.unwrap_or_default().to_string()
 }
 
-/// What the device makes of G-buffers that another one kept, against what that one made of them.
+/// Compares this device's images with images of the same G-buffers that another device kept.
 fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
@@ -420,7 +420,7 @@ fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
         opened => opened?,
     };
     for spec in specs {
-        // What a method records is judged here, and not what it shows.
+        // The layers judge what a method records and not what it shows, so that every method is run.
         let spec = AgreementSpec { methods: METHODS.iter().collect(), ..spec.clone() };
         agreement::images(&watched, &spec, &agreement::draw(&watched, &spec)?)?;
     }

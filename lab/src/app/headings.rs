@@ -2,7 +2,7 @@
 
 /// The heading of the options that choose what is looked at.
 pub const SCENE: &str = "Scene and camera";
-/// The heading of the options that choose methods, and of the parameters of what surrounds every method.
+/// The heading of the options that choose methods, and of the parameters of the effect around every method.
 pub const METHOD: &str = "Method";
 /// The heading of the options that say what is measured, and how much of it.
 pub const MEASUREMENT: &str = "Measurement";

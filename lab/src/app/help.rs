@@ -14,7 +14,7 @@ const MEASURE: &str = "Measure";
 /// The commands in groups, each with its title; the studies, which have a table of their own, are not named here.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Start here", &["render", "study", "view"]),
-    // Behind the studies, in the order of their table.
+    // The studies come before these commands, in the order of their table.
     (MEASURE, &["gpu-study"]),
     ("Compare", &["compare", "merge", "index"]),
     ("Look", &["figures", "captures", "devices", "drivers"]),
@@ -116,8 +116,8 @@ const HEADINGS: [(&str, &[&str]); 6] = [
     (DEVICE, &["device", "validation", "help", "version"]),
 ];
 
-/// The options that the short help of a command with many options shows, in their order: what most people look for, then
-/// what commands are about. Options that must be given are shown in any case, behind these.
+/// The options that the short help of a command with many options shows, in this order: first those that most people look for, then those
+/// of a command's subject. Required options are always shown, behind these.
 const SHORT: [&str; 26] = [
     "scene",
     "view",
@@ -153,8 +153,8 @@ const SHORT_LAST: [&str; 5] = ["json", "resume", "shard", "device", "help"];
 /// A command with at most so many options shows all of them in its short help.
 const FEW: usize = 16;
 
-/// Characters of an option with its value in the short help: with more, clap would put the help into the next line of a
-/// terminal with 80 columns.
+/// The greatest width in characters of an option with its value in the short help. With more, clap would put the help into the next line of
+/// a terminal with 80 columns.
 const SHORT_WIDTH: usize = 16;
 
 /// The command line, arranged for the help that the arguments ask for.
@@ -175,7 +175,7 @@ fn asks_for_summary(arguments: &[OsString]) -> bool {
 
 fn arranged_command(is_short: bool) -> Command {
     let command = Cli::command();
-    // What hands its arguments on to another program leaves the help to it, too.
+    // A command that hands its arguments on to another program leaves the help to that program, too.
     let has_help = |c: &&Command| !c.is_disable_help_flag_set();
     let names: Vec<String> = command.get_subcommands().filter(has_help).map(|c| c.get_name().to_owned()).collect();
     let command_path = |name: &String| format!("ssct {name}");
@@ -230,17 +230,18 @@ fn help_options() -> [Arg; 2] {
     [help, version.help("Print the version of the program")]
 }
 
-/// Replaces the two options that clap adds by some that can stand under a heading.
+/// Replaces the two options that clap adds by `options`, which can stand under a heading.
 fn with_help(command: Command, options: [Arg; 2]) -> Command {
     command.disable_help_flag(true).disable_version_flag(true).args(options)
 }
 
-/// The place of an option in a list; at its end if it is not in it.
+/// The index of an option in a list; the length of the list if the option is not in it.
 fn place(list: &[&str], argument: &Arg) -> usize {
     list.iter().position(|id| *id == argument.get_id().as_str()).unwrap_or(list.len())
 }
 
-/// Leaves the options of the short help, each with one line, and says where the others are.
+/// Arranges a command for the short help: only the options of this help are shown, each in one line, and the last line says where the
+/// others are.
 fn short(command: Command, path: &str) -> Command {
     let options = || command.get_arguments().filter(|a| !a.is_positional());
     let has_few = options().count() <= FEW;
@@ -265,7 +266,7 @@ fn short(command: Command, path: &str) -> Command {
     command.after_help(more)
 }
 
-/// An option whose name and value fit into the column of the short help, by the first word of its value.
+/// Makes an option fit into the column of the short help: if it is too wide, the name of its value is cut to the first word.
 fn narrow(argument: Arg) -> Arg {
     let name = argument.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
     let width = |value: &str| "-- <>".len() + argument.get_long().map_or(0, str::len) + value.chars().count();
@@ -297,10 +298,10 @@ fn long(command: Command) -> Command {
         let in_it = HEADINGS.get(heading_index).map_or(0, |(_, ids)| place(ids, argument));
         Some((heading_index, in_it))
     };
-    // Positional arguments have no heading, come first and keep their order; so do the parameters of methods at the end.
+    // Positional arguments have no heading, come first and keep their order; parameters of methods come last and keep their order, too.
     sorted.sort_by_key(rank);
     let mut sorted = sorted.into_iter().enumerate().map(|(n, a)| a.display_order(n));
-    // The function is called once for each argument, so that it never runs out of sorted ones.
+    // clap calls the closure once for each argument, so that `sorted` never runs out.
     command.mut_args(|argument| sorted.next().unwrap_or(argument))
 }
 

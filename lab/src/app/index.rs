@@ -78,7 +78,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses to write over a page that is not of a library, such as the page of a study.
+/// Refuses to overwrite a page that shows no library, such as the page of a study.
 fn may_be_written(page: &PathInFolder) -> Result<()> {
     let is_library = |text: &str| text.contains(&format!("<title>ssct {LIBRARY_TITLE}</title>"));
     match page.read()? {

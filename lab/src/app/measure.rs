@@ -1,4 +1,4 @@
-//! Runs a study from its flags: folder, journal, signals, progress, shard, files and what is printed.
+//! Runs a study from its flags: folder, journal, signals, progress, shard, files and printed text.
 
 use super::cli::{DeviceOptions, RunOptions};
 use super::merger::{Merger, passed};
@@ -21,7 +21,7 @@ pub trait StudyOptions: Sized {
     /// The study.
     type Study: Study;
 
-    /// What the flags ask for.
+    /// Makes the study that the flags ask for.
     ///
     /// # Errors
     /// Errors of flags that make no sense, and of files that they name.
@@ -46,12 +46,12 @@ pub trait StudyOptions: Sized {
         run(self, to)
     }
 
-    /// What merges shards of whatever the flags can ask for.
+    /// The mergers for shards of every study that the flags can ask for.
     fn mergers() -> Vec<Merger> {
         vec![Merger::of::<Self::Study>()]
     }
 
-    /// Writes what the flags ask for beside the study's own files.
+    /// Writes further files that the flags ask for, next to the study's own files.
     ///
     /// # Errors
     /// Errors of writing files.
@@ -71,10 +71,10 @@ pub struct Measured<O: Args> {
     pub run: RunOptions,
 }
 
-/// Measures what the journal lacks, writes and prints.
+/// Measures the cells that the journal lacks, then writes and prints the results.
 ///
 /// # Errors
-/// Errors of the flags, of the measurement and of files, and a row that has to pass and does not.
+/// Errors of the flags, of the measurement and of files, and an error for a row that has to pass and does not.
 pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> {
     let mut study = options.study()?;
     let gpu = options.open()?;
@@ -97,11 +97,11 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
         engine::measure(&mut study, &list, &mut Bench { gpu: &gpu, journal: &mut run.journal, go_on, advance, keep });
     bar.finish_and_clear();
     drop(study);
-    // The files of the run have what its journal lost, so that less is not written over them.
+    // The files of the run may still hold results that its journal lost, so that fewer results are not written over them.
     if outcome.is_err() && !unreadable.is_empty() {
         return run.ended(outcome);
     }
-    // What was measured is written even after an error, and that error is reported before one of writing.
+    // Measured rows are written even after an error; that error is reported before an error of writing.
     let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
     let wrote = write(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
     run.ended(outcome)?;

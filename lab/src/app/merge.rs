@@ -60,7 +60,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     for line in &merged.lines {
         run.journal.keep_line(line)?;
     }
-    // Cases of the stress study that are not passed are reported last, once everything is written.
+    // Failed cases of the stress study are reported last, once everything is written.
     let wrote = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder });
     if wrote.as_ref().is_err_and(|e| e.is::<Error>()) {
         return wrote;
@@ -70,7 +70,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     wrote
 }
 
-/// Refuses runs of another program than this one, which the page names as theirs. Merged runs are all of one program.
+/// Refuses runs that another version of the program measured. Merged runs are all of one version, which the page names.
 fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     let (version, commit) = (Provenance::VERSION, Provenance::commit());
     if cells.version == version && cells.commit == commit {
@@ -81,8 +81,7 @@ fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     Err(Error::malformed(folder, None, message))
 }
 
-/// Refuses to write over results that are not among those that are merged, whether the run that has them was finished
-/// or not: they would be lost.
+/// Refuses a folder with results that are not among the merged ones, whether its run was finished or not: writing would lose these results.
 fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()> {
     let kept: BTreeSet<String> = merged.lines.iter().filter_map(|line| journal::key_of(line)).collect();
     let lost = run_folder::keys(folder)?.into_iter().filter(|key| !kept.contains(key)).count();
@@ -107,7 +106,7 @@ fn of_figures() -> Merger {
     Merger { kind: "figures", results, check: check_figures, write: write_figures }
 }
 
-/// Checks the entries of a run's figures, and the files that they name: nothing else than pictures in the run's folder.
+/// Checks the entries of a run's figures and the files that they name: each must be a picture in the run's folder.
 fn check_figures(input: &MergeInput) -> Result<()> {
     let keys = keys_of(&input.cells);
     for line in &input.lines {
@@ -171,7 +170,7 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     Ok(())
 }
 
-/// The places where the runs on a device, or on any, may have one of its figures.
+/// The places where runs may hold a figure that `device` drew; `None` stands for any device.
 fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
     let of_run = |input: &MergeInput| {
         let run = PathInFolder::folder(&input.folder);

@@ -1,4 +1,4 @@
-//! How the runs of a study become one, whatever the study.
+//! Merging of the runs of any study into one run.
 
 use crate::error::{Error, Result};
 use crate::inside::PathInFolder;
@@ -12,23 +12,23 @@ use crate::study::merge::{MergeInput, MergedRun, ResultKind};
 
 /// How runs of one kind are merged.
 pub struct Merger {
-    /// The kind.
+    /// The kind of the runs.
     pub kind: &'static str,
-    /// What their results are.
+    /// How results of the runs are read, and which columns are times.
     pub results: ResultKind,
-    /// Checks what a run has before any of it is written: the line of its journal that cannot be, if it is known, and why.
+    /// Checks a run before any of it is written. The error names the wrong line of the journal, if it is known, and the reason.
     pub check: fn(&MergeInput) -> Result<()>,
-    /// Writes the files of the whole.
+    /// Writes the files of the merged run.
     pub write: fn(&Merging) -> anyhow::Result<()>,
 }
 
-/// Runs, and what they are together.
+/// Runs, and the run that they are merged into.
 pub struct Merging<'a> {
     /// The runs.
     pub inputs: &'a [MergeInput],
-    /// The whole.
+    /// The merged run.
     pub merged: &'a MergedRun,
-    /// The folder of the whole.
+    /// The folder of the merged run.
     pub folder: &'a PathInFolder,
 }
 
@@ -63,19 +63,19 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
     passed(&rows)
 }
 
-/// Checks the journal of a run, and the files beside it that would be copied.
+/// Checks the journal of a run, and the files beside it that merging copies.
 fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
     let folders = R::FOLDERS.iter().flat_map(|name| named_folders(&[input], name));
     folders.into_iter().try_for_each(|folder| copies::check(&folder))
 }
 
-/// The error of a journal that says what cannot be.
+/// The error for a journal with a result that cannot be right.
 pub fn wrong_journal(input: &MergeInput, line: Option<usize>, why: &str) -> Error {
     Error::malformed(input.folder.join(JOURNAL), line, why)
 }
 
-/// The folders of one name in each run and in the folders of its devices.
+/// The folders called `name` in each run and in the folders of the run's devices.
 fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
     let of_run = |input: &&MergeInput| {
         let run = PathInFolder::folder(&input.folder);
@@ -85,7 +85,7 @@ fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
     inputs.iter().flat_map(of_run).collect()
 }
 
-/// Fails if rows have to pass and do not.
+/// Fails if a row has to pass and does not.
 pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
     R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
 }

@@ -1,4 +1,4 @@
-//! `ssct motion`: how much reflections change while the camera moves, beside how much they should.
+//! `ssct motion`: how much reflections change while the camera moves, compared with how much they should change.
 
 use super::cli::{CommonOptions, DeviceOptions, size};
 use super::measure::StudyOptions;

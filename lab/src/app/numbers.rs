@@ -1,10 +1,11 @@
-//! Numbers on the command line: wrong ones and negative ones reach the sentence about their value, however they are spelt.
+//! Numbers on the command line: a negative or wrong number is read as an option's value, however it is spelt, so that the error is about
+//! the value.
 
 use clap::Command;
 use clap::builder::ValueParser;
 use std::any::TypeId;
 
-/// A command line whose options take `-0.1` behind a blank as they take it behind `=`, and that say what is no number.
+/// A command line whose options take `-0.1` after a blank as well as after `=`, and whose errors say that a text is no number.
 pub fn with_sentences(command: Command) -> Command {
     let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_sentences));
@@ -17,7 +18,7 @@ pub fn with_sentences(command: Command) -> Command {
         if kind == TypeId::of::<f32>() {
             argument.value_parser(ValueParser::new(number))
         } else if kind == TypeId::of::<[u32; 2]>() {
-            // `-1x5` is no number, and no option either.
+            // `-1x5` is neither a number nor an option.
             argument.allow_hyphen_values(true)
         } else {
             argument
@@ -25,7 +26,7 @@ pub fn with_sentences(command: Command) -> Command {
     })
 }
 
-/// Reads a number. Its range is checked by the command, which knows what it means.
+/// Reads a number. The command that knows the number's meaning checks its range.
 fn number(text: &str) -> Result<f32, String> {
     text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))
 }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// How methods run: the values of the flags that were given.
 #[derive(Debug, Clone, Default)]
 pub struct MethodOptions {
-    /// By name.
+    /// The values, by the names of parameters.
     pub values: Values,
 }
 
@@ -19,12 +19,12 @@ pub struct MethodOptions {
 const PRESET: &str = "preset";
 
 impl MethodOptions {
-    /// How methods are set up at a size.
+    /// The setup of methods at a size in pixels.
     pub fn setup(&self, extent: [u32; 2]) -> Setup {
         Setup { values: self.values.clone(), ..Setup::new(extent) }
     }
 
-    /// From values as they are typed, by the names of the flags.
+    /// Makes options from values as they are typed, each with the name of its flag.
     ///
     /// # Errors
     /// A sentence for a name that no method has, and for a value that its parameter does not take.
@@ -45,7 +45,7 @@ impl MethodOptions {
         Ok(Self { values })
     }
 
-    /// What was given on a command line, as it was typed.
+    /// The parameters that a command line gives, each with its value as it was typed.
     pub fn typed(matches: &ArgMatches) -> Vec<(String, String)> {
         let given = |id: &String| {
             let there = matches.try_contains_id(id).unwrap_or(false)
@@ -69,7 +69,7 @@ pub struct TypedVariant {
 }
 
 impl TypedVariant {
-    /// The method, set up as a base is, but for the flags of its own.
+    /// The method with a base's setup, in which the variant's own flags replace values.
     ///
     /// # Errors
     /// Errors of [`methods::find`] and [`methods::check_read`].
@@ -89,11 +89,11 @@ impl TypedVariant {
     }
 }
 
-/// `stochastic --history on`.
+/// Parses a variant such as `stochastic --history on`.
 pub fn typed_variant(text: &str) -> Result<TypedVariant, String> {
     let command = Command::new("variant").no_binary_name(true).arg(Arg::new("METHOD").required(true));
     let command = MethodOptions::augment_args(command).disable_help_flag(true);
-    // The usage that clap adds is that of no command which anybody can type.
+    // Only the first line of an error is kept, since the usage that clap adds shows a command that nobody can type.
     let first_line = |e: clap::Error| {
         let text = e.to_string();
         text.lines().next().map(|line| line.trim_start_matches("error: ").to_owned()).unwrap_or(text)
@@ -111,8 +111,8 @@ pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
         .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
 }
 
-/// The flag of a name, from every parameter of that name with the methods that read it. Its help has the values of both
-/// presets, which may differ between methods; what it takes does not.
+/// The flag for all parameters of one name, each given with the methods that read it. The help has the values of both presets, which may
+/// differ between methods; the accepted values do not differ.
 fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
     let (parameter, _) = &same[0];
     let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
@@ -153,13 +153,13 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
     }
 }
 
-/// The heading of a flag: that of what surrounds every method, or the names of the methods that read the parameter.
+/// The heading of a flag: [`METHOD`] for a parameter of the effect, or else the names of the methods that read the parameter.
 fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
     if EffectParams::table().iter().any(|around| around.name == same[0].0.name) {
         return METHOD.to_owned();
     }
     let mut names: Vec<_> = same.iter().flat_map(|(_, methods)| methods.iter().map(|m| m.name)).collect();
-    // Methods are sorted as their table is: a name may come with the second of two declarations.
+    // The names are sorted as the table of methods is, since two declarations of a parameter may list their methods in another order.
     names.sort_by_key(|name| methods::all().iter().position(|m| m.name == *name));
     format!("Parameters of {}", names.join(", "))
 }
@@ -182,7 +182,7 @@ impl Args for MethodOptions {
             .help("Whose constants a published method uses")
             .long_help("Whose constants a published method uses [default: published]")
             .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
-        // Methods from folders are read before the other flags are known, so that `custom_methods` reads its value.
+        // `custom_methods` reads the value of this flag, since methods from folders are read before the other flags are known.
         let include = Arg::new(INCLUDE)
             .long(INCLUDE)
             .value_name("DIR")
@@ -220,12 +220,12 @@ impl FromArgMatches for MethodOptions {
     }
 }
 
-/// The flags of methods where a G-buffer comes without its scene: captures come from a folder.
+/// The flags of methods for a G-buffer without its scene, whose captures come from a folder.
 #[derive(Debug, Clone, Default)]
 pub struct BesideGBufferOptions {
-    /// All others.
+    /// All flags of methods except that of the captures.
     pub method_options: MethodOptions,
-    /// The folder.
+    /// The folder of the captures.
     pub captures: Option<PathBuf>,
 }
 

@@ -9,12 +9,12 @@ use crate::stage::{RenderedImage, Shot, Stage, gbuffer};
 use crate::study::inspect::Inspection;
 use crate::study::pixel::{MethodImages, PixelMethod, PixelReport, explain, verdicts};
 
-/// What a frame was of.
+/// The method and the scene of a frame.
 #[derive(Clone, Copy)]
 pub struct FrameSubject<'a> {
     /// The method.
     pub method: &'a MethodInfo,
-    /// How it is set up.
+    /// The setup of the method.
     pub setup: &'a Setup,
     /// The scene.
     pub scene: &'a Scene,
@@ -22,7 +22,7 @@ pub struct FrameSubject<'a> {
     pub materials: &'a [Material],
 }
 
-/// `480,270`.
+/// Parses a pixel such as `480,270`.
 pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
     let parts: Vec<_> = text.split(',').map(|part| part.trim().parse::<u32>()).collect();
     match parts[..] {
@@ -58,7 +58,7 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// Reads back what a shot saw, which was made with its hits, and prepares its scene for rays.
+    /// Reads back the G-buffer of a shot, whose image was rendered with its hits, and prepares the scene for rays.
     ///
     /// # Errors
     /// Errors of the device.

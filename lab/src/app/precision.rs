@@ -14,7 +14,7 @@ use clap::Args;
 /// Roughness values where none are given.
 const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// Methods where none are given, beside the judged one.
+/// The default method beside the judged one.
 const BESIDE: &str = "ssct";
 
 /// The method that copies the G-buffer's bits, and so has to know their formats.

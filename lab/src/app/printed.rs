@@ -1,5 +1,5 @@
-//! Standard output. Everything that a command prints goes through here, so that no name of a file, a scene or a shard is
-//! obeyed by a terminal.
+//! Standard output. Every text that a command prints loses here the characters that a terminal would obey, which the name of a file, a
+//! scene or a shard may contain.
 
 use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use std::io::{Result, StdoutLock, Write};
@@ -7,14 +7,14 @@ use std::io::{Result, StdoutLock, Write};
 /// Standard output, without characters that a terminal obeys.
 pub struct PrintableOutput(StdoutLock<'static>);
 
-/// Standard output, for as long as something is printed.
+/// Locks standard output. What is written to it loses the characters that a terminal obeys.
 pub fn out() -> PrintableOutput {
     PrintableOutput(std::io::stdout().lock())
 }
 
 impl Write for PrintableOutput {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        // Texts come whole, each with the characters that it begins.
+        // Texts are written in one piece, so that no character is split between two calls.
         let text = String::from_utf8_lossy(bytes);
         self.0.write_all(without_obeyed(&text, is_obeyed_in_lines).as_bytes())?;
         Ok(bytes.len())
@@ -25,8 +25,7 @@ impl Write for PrintableOutput {
     }
 }
 
-/// Prints a value as JSON and ends the line. Characters that a terminal obeys are written by their numbers, so that
-/// nothing is lost.
+/// Prints a value as JSON and ends the line. Characters that a terminal obeys are escaped as numbers, so that nothing is lost.
 ///
 /// # Errors
 /// Errors of standard output.

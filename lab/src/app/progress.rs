@@ -22,7 +22,7 @@ pub fn part(bar: &ProgressBar, what: &str) {
     bar.set_message(what.to_owned());
 }
 
-/// One step further, unless a signal asked to stop.
+/// Advances the bar by one step; fails if a signal asked to stop.
 pub fn step(bar: &ProgressBar) -> Result<()> {
     bar.inc(1);
     go_on()

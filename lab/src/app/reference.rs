@@ -19,10 +19,10 @@ use crate::study::record::DEFINITIONS;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
-/// Rays a pixel between two chances to stop, where nobody looks at the standard error.
+/// Rays a pixel that are traced before the program can stop again, where no standard error is asked for.
 const RAYS_AT_ONCE: u32 = 4;
 
-/// Samples until the standard error is met; what was sampled before, for the same image, is kept.
+/// Samples until the standard error is met. Samples that were taken before for the same image are used again.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let looks_inside = options.dump.is_some() || options.figure.is_some() || options.pixel.is_some();
@@ -76,8 +76,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Samples until a target is met, on top of what a folder has of the same reference, and keeps it there. `progress` is called
-/// after each pass, and its error ends the sampling.
+/// Samples until a target is met, beginning with the samples of the same reference in a folder, and keeps all samples there. `progress` is
+/// called after each pass, and its error ends the sampling.
 fn sample(
     reference: &WorldReference,
     target: &SamplingTarget,
@@ -99,8 +99,8 @@ fn sample(
     Ok(state)
 }
 
-/// The composite of a G-buffer with so many rays a pixel, as the error study's world reference has it; what the folder has of
-/// it is not sampled again.
+/// The composite of a G-buffer by the error study's world reference, with `rays` rays a pixel. Samples that the cache folder has are not
+/// taken again.
 pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
     let world = World::new(scene, materials);
     let first_hits = FirstHits::shown(&world, data);
@@ -111,8 +111,7 @@ pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u3
     Ok(pixels(&reference.image(&state).composite, [data.width, data.height]))
 }
 
-/// The composite, or the reflection if the options ask for it, of a scene that is already there; nothing
-/// is kept.
+/// Samples the composite of a loaded scene, or the reflection if the options ask for it. No samples are kept.
 pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let globals = resolve::one_globals(&options.common.place, "render makes one image")?;
     let view = resolve::view(scene, &options.common.place, None)?;
@@ -132,7 +131,7 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     Ok(pixels(shown, options.size))
 }
 
-/// The light of diffuse paths that surfaces pass on so many times.
+/// The image of diffuse paths, along which surfaces pass on light `bounces` times.
 fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u32) -> Result<Pixels> {
     let paths = Paths::new(world, bounces, 1).ok_or_else(|| {
         let scene = &world.scene.name;
@@ -141,7 +140,7 @@ fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u3
     Ok(pixels(&paths.image(camera, options.size, options.max_rays), options.size))
 }
 
-/// When the options are met.
+/// The target that the options set for sampling.
 fn target(options: &RenderOptions) -> SamplingTarget {
     SamplingTarget {
         standard_error: f64::from(options.standard_error),
@@ -160,7 +159,7 @@ pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
     whole_file(folder, &short(&reference.fingerprint()))
 }
 
-/// Where states are kept unless `--cache` says otherwise.
+/// The folder that keeps states if `--cache` names no other.
 pub fn default_cache() -> Option<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     Some(set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?.join("ssct"))

@@ -143,7 +143,7 @@ fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
         };
         let text = place.bytes()?;
         let part: ReferencePart = serde_json::from_slice(&text).map_err(|e| wrong(Some(e.line()), e.to_string()))?;
-        // The digest becomes the name of a file.
+        // The digest becomes part of a file's name, so that only hexadecimal digits may pass.
         if part.fingerprint.is_empty() || !part.fingerprint.chars().all(|c| c.is_ascii_hexdigit()) {
             return Err(wrong(None, format!("its digest is {:?}", part.fingerprint)));
         }
@@ -155,17 +155,17 @@ fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     Ok(parts)
 }
 
-/// Whether a folder holds shares of references, sound or not.
+/// True if a folder holds shares of references, readable or not.
 pub fn has_parts(folder: &Path) -> bool {
     PathInFolder::folder(folder).list().is_ok_and(|all| all.iter().any(is_part))
 }
 
-/// Whether a file of a folder describes a share.
+/// True if a file of a folder describes a share.
 fn is_part(listed: &FolderEntry) -> bool {
     listed.name.ends_with(&format!(".{PART}"))
 }
 
-/// Makes one reference of the shares in some folders, for each reference that they have.
+/// Merges the shares in some folders into one reference for each fingerprint.
 pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let mut references: BTreeMap<String, Vec<KeptPart>> = BTreeMap::new();
     for folder in &options.folders {

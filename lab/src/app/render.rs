@@ -97,13 +97,13 @@ pub fn method_name(options: &RenderOptions) -> &str {
     options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct")
 }
 
-/// How the method is set up, for the figure if there is one.
+/// The setup of the method, for the figure if the options name one.
 pub fn setup(options: &RenderOptions) -> Setup {
     let setup = options.common.method_options.setup(options.size);
     options.figure.map_or(setup.clone(), |f| f.setup(&setup))
 }
 
-/// What the frame did and what it left out, a pass a line.
+/// The passes that the frame recorded and those that it left out, one a line.
 fn explain(rendered: &image::RenderedImage, prepared: &Prepared) -> String {
     let drawn = &rendered.drawn;
     let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);

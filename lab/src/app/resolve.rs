@@ -1,4 +1,4 @@
-//! From flags to what they mean together: scene, view, device, factors.
+//! Finds what the flags mean together: scene, view, device, global factors, variants.
 
 use super::cli::{DeviceOptions, SceneOptions};
 use super::parameters::TypedVariant;
@@ -26,7 +26,7 @@ pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
     })
 }
 
-/// Makes a call fail for whoever tries what happens then: the variable SSCT_FAULT, as `submission:7`.
+/// Makes a call fail, so that a user can try what happens then. The variable SSCT_FAULT names the call, as in `submission:7`.
 fn watch() -> Result<Option<Arc<Watch>>> {
     let Some(fault) = std::env::var("SSCT_FAULT").ok().filter(|f| !f.is_empty()) else { return Ok(None) };
     let watch = Arc::<Watch>::default();
@@ -49,7 +49,7 @@ pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The motion of a name, else the scene's first; `flag` asks for it.
+/// The motion that has the name; without a name, the scene's first. An error names `flag`, which asks for the motion.
 pub fn motion<'s>(scene: &'s Scene, name: Option<&str>, flag: &str) -> Result<&'s Motion> {
     let found = match name {
         Some(name) => scene.motions.iter().find(|m| m.name == name),
@@ -120,7 +120,7 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
     Ok(view)
 }
 
-/// Says what is wrong with a view that flags place, as a scene file's views are warned of.
+/// Warns of faults of a view that flags place; the views of a scene file get the same warnings.
 fn warn_of_nothing(scene: &Scene, view: &View) {
     let found = scene_file::seen::wrong(scene, std::slice::from_ref(view)).into_iter().flatten();
     found.for_each(|what| eprintln!("ssct: warning: --eye and --look-at: the view {what}"));
@@ -132,7 +132,7 @@ pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Resul
     Ok(view)
 }
 
-/// A lens with what the flags replace of it.
+/// A lens in which the flags replace values.
 pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
@@ -158,7 +158,7 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     Ok(lens)
 }
 
-/// The path that a flag names: `views`, one of the scene's, or a file.
+/// The path that a flag names: `views`, a path of the scene, or a file.
 pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
     if is_toml(name) {
         return path::load(name);
@@ -175,7 +175,7 @@ pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
     Err(Error::Usage(format!("{flag} {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
 }
 
-/// Refuses names that no mesh has, with those that there are.
+/// Refuses a name that no mesh has; the error lists the names of all meshes.
 pub fn meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
     names.sort_unstable();
@@ -190,7 +190,7 @@ pub fn meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     }
 }
 
-/// The global factors: one for each `--roughness`, or one that keeps the materials' own.
+/// The global factors: one set for each `--roughness`, or one set that keeps the materials' own roughness.
 pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     let in_unit = |flag: &str, v: f32| {
         if (0.0..=1.0).contains(&v) {
@@ -208,7 +208,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     distinct_values(&options.roughness).into_iter().map(|r| Ok(factors(Some(in_unit("--roughness", r)?)))).collect()
 }
 
-/// The global factors where only one roughness makes sense; `why` says so.
+/// The global factors of a command that takes one roughness alone; the error gives `why` as the reason.
 pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
         [one] => Ok(one),
@@ -221,12 +221,12 @@ pub fn distinct_values<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
     distinct(values.iter().cloned())
 }
 
-/// The values of a list, each once; `usual` without any.
+/// The values of a list, each once; `usual` if the list is empty.
 pub fn distinct_values_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T> {
     if values.is_empty() { vec![usual] } else { distinct_values(values) }
 }
 
-/// The variants that were typed, each once, over a base.
+/// The variants that were typed, each once, over a base setup.
 ///
 /// # Errors
 /// Errors of [`TypedVariant::over`].
@@ -242,8 +242,8 @@ pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Varian
     Ok(variants)
 }
 
-/// The methods of some names that find what they need in one of some scenes; without names, every method that can be set up so
-/// and that takes the cameras.
+/// The named methods that find what they need in at least one of the scenes. Without names, every method that the setup allows and that
+/// takes the cameras.
 pub fn methods(
     names: &[String],
     setup: &Setup,
@@ -254,8 +254,8 @@ pub fn methods(
     showing(if names.is_empty() { methods_taking_lenses(chosen, lenses) } else { chosen }, |method| method, scenes)
 }
 
-/// Leaves out what would show nothing in any of some scenes, since a method lacks what it needs there, and says of each scene
-/// what is left out. `method` returns the method of an item.
+/// Leaves out items whose method shows nothing in any of the scenes, since it lacks what it needs. Prints for each scene which methods are
+/// left out there. `method` returns the method of an item.
 pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scenes: &[&Scene]) -> Result<Vec<T>> {
     for scene in scenes {
         let mut lacking: Vec<(Need, Vec<&str>)> = Vec::new();
@@ -299,8 +299,8 @@ pub fn lenses<'a>(scene: &Scene, views: impl IntoIterator<Item = &'a View>) -> V
     views.into_iter().map(|view| view.lens.unwrap_or(scene.lens)).collect()
 }
 
-/// What is compared in some scenes: the variants that flags name, or those of a sweep, or each method as the base sets it up.
-/// Where no flag says which, `swept` says whether it is the sweep of both presets and their parameters.
+/// The variants that are compared in some scenes: those that flags name, those of a sweep, or each method with the base's setup. If no flag
+/// decides, `swept` chooses the sweep over both presets and their parameters.
 pub fn variants(
     options: &VariantOptions,
     base: &Setup,
@@ -329,7 +329,7 @@ pub fn variants(
     })
 }
 
-/// Whether a file is TOML by its name: a scene file, or a camera path.
+/// True if a file's name ends in `.toml`: a scene file, or a camera path.
 pub fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }

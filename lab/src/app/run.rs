@@ -1,5 +1,4 @@
-//! What the commands with long runs share: a run's folder, its journal, a way to stop it, and the command line as pages
-//! show it.
+//! Parts that the commands with long runs share: a run's folder, its journal, a way to stop it, and the command line that pages show.
 
 use crate::error::{Error, Result};
 use crate::report::run_folder::{FolderClaim, JOURNAL};
@@ -14,16 +13,16 @@ use std::sync::{Arc, LazyLock};
 /// The signal that asked to stop, or 0.
 static ASKED: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// A run that keeps what it measures, where it has a folder.
+/// A run, which keeps its measurements if it has a folder.
 pub struct Run {
-    /// What was measured, and where it is kept.
+    /// The measurements, and the file that keeps them.
     pub journal: Journal,
     claim: Option<(FolderClaim, PathBuf)>,
 }
 
 impl Run {
-    /// Claims the folder, if there is one, and from now on stops at SIGINT and SIGTERM only between two
-    /// samples; at the second signal, at once.
+    /// Claims the folder, if there is one. From now on, SIGINT and SIGTERM stop the run only between two samples; the second signal stops
+    /// it at once.
     ///
     /// # Errors
     /// Errors of [`FolderClaim::new`] and [`FolderClaim::journal`].
@@ -33,7 +32,8 @@ impl Run {
         Self::listening(journal, claim)
     }
 
-    /// Claims the folder as [`Run::begin`] does, and begins anew whatever is there: all of it is known and written again.
+    /// Claims the folder as [`Run::begin`] does, but begins a new journal: the caller knows all results in the folder and writes them
+    /// again.
     ///
     /// # Errors
     /// Errors of [`FolderClaim::new`] and [`FolderClaim::new_journal`].
@@ -62,12 +62,12 @@ impl Run {
         self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.list(cells))
     }
 
-    /// Notes that all is measured and written.
+    /// Notes in the folder that all is measured and written.
     pub fn finish(self) -> Result<()> {
         self.claim.map_or(Ok(()), |(claim, _)| claim.finish())
     }
 
-    /// What ended the measurement, if it did not end by itself, with where what it has is kept.
+    /// Returns the outcome of a measurement; if a signal stopped it, the error also says where the results so far are kept.
     pub fn ended<T, E: Into<anyhow::Error>>(&self, outcome: std::result::Result<T, E>) -> anyhow::Result<T> {
         outcome.map_err(|e| {
             let e = e.into();
@@ -94,7 +94,7 @@ pub fn command_line() -> String {
     of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
-/// The arguments of the whole study after the program's name, those with blanks in quotes.
+/// The arguments of the whole study after the program's name; arguments with blanks are in quotes.
 fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
     let (mut is_value, mut are_values) = (false, false);
@@ -120,10 +120,10 @@ fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
     words.join(" ")
 }
 
-/// To be called between two samples.
+/// Fails if a signal asked to stop; to be called between two samples.
 ///
 /// # Errors
-/// [`Error::Stopped`] once a signal asked for it.
+/// [`Error::Stopped`] once a signal asked to stop.
 pub fn go_on() -> Result<()> {
     match ASKED.load(Ordering::Relaxed) {
         0 => Ok(()),

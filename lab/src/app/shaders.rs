@@ -14,7 +14,7 @@ use crate::study::shaders::ShadersStudy;
 use clap::Args;
 use std::ffi::OsString;
 
-/// Roughness values whose frames are compiled unless flags say otherwise: a mirror, a narrow lobe and a wide one.
+/// Roughness values whose frames are compiled unless flags say otherwise: a mirror, a narrow lobe and a wide lobe.
 const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
 
 /// Options of `ssct shaders`.
@@ -36,20 +36,19 @@ pub struct ShadersOptions {
     pub size: [u32; 2],
 }
 
-/// Mesa's variable that names a GPU which need not be there.
+/// Mesa's variable that names a GPU whose hardware need not be there.
 const FAMILY: &str = "RADV_FORCE_FAMILY";
 
-/// The family that the variable names.
+/// The GPU family that the variable names.
 fn family() -> Option<OsString> {
     std::env::var_os(FAMILY).filter(|family| !family.is_empty())
 }
 
-/// Lists the devices in a process of its own where a family is named: Mesa ends the process that names one which it does not
-/// know.
+/// Lists the devices in another process if a family is named, since Mesa ends a process that names an unknown family.
 fn try_family() -> Result<()> {
     let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
-    // The other process would say that it has other shaders, too, and its notice would stand among the driver's words.
+    // Without the variable, the other process prints no notice of its own about shaders among the driver's words.
     match std::process::Command::new(program).arg("devices").env_remove(sources::VARIABLE).output() {
         // A process that a signal ended has no exit status.
         Ok(tried) if tried.status.code().is_none() => {
@@ -71,7 +70,7 @@ impl StudyOptions for ShadersOptions {
         &self.common.device
     }
 
-    /// Opens the device to compile only: hardware that is not there is enough.
+    /// Opens the device only to compile, so that its hardware need not be there.
     fn open(&self) -> Result<Gpu> {
         let DeviceOptions { device, validation } = self.device();
         if *validation {

@@ -61,7 +61,7 @@ impl StudyOptions for StressOptions {
     }
 }
 
-/// The flags where complaints are asked for.
+/// The flags of `ssct stress --complaints`.
 struct Complaints<'a>(&'a StressOptions);
 
 impl StudyOptions for Complaints<'_> {

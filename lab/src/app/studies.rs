@@ -4,7 +4,7 @@ use super::merger::Merger;
 use super::{age, error, measure, motion, path, precision, shaders, stress, time, video};
 use clap::Subcommand;
 
-/// Makes commands and mergers of the rows: a name, its options, and the first lines of its help.
+/// Makes commands and mergers from rows; a row has a name, its options and the first lines of its help.
 macro_rules! studies {
     ($( $(#[$about:meta])* $Name:ident($Options:ty) ),* $(,)?) => {
         /// The commands that measure a study.
@@ -22,7 +22,7 @@ macro_rules! studies {
             }
         }
 
-        /// What merges the shards of each study.
+        /// The mergers for the shards of each study.
         pub fn mergers() -> Vec<Merger> {
             [$( <$Options as measure::StudyOptions>::mergers() ),*].into_iter().flatten().collect()
         }

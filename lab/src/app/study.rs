@@ -32,16 +32,16 @@ use std::path::PathBuf;
 
 /// Size of pictures and of the views' times: the thesis's own benchmark size.
 const SIZE: [u32; 2] = [960, 540];
-/// The rooms and the atrium: the scenes of a quick study, and those whose views are timed unless all are.
+/// The number of scenes of the thesis, the rooms and the atrium. A quick study has only these, and by default only their views are timed.
 const THESIS_SCENES: usize = 2;
 
-/// How much is done.
+/// How much the study makes.
 struct Plan {
-    /// Scenes of which there are pictures.
+    /// Number of scenes with pictures.
     scenes: usize,
-    /// Scenes that are timed as well: the first of them.
+    /// Number of scenes that are timed as well, counted from the first.
     timed_scenes: usize,
-    /// Views of each scene: its first.
+    /// Number of views of each scene, counted from its first.
     views: usize,
     size: [u32; 2],
     samples: usize,
@@ -135,7 +135,7 @@ impl Plan {
         Ok(Some(Part::Errors(Box::new((RefCell::new(study), list)))))
     }
 
-    /// What is timed of a view.
+    /// The times to measure on a view.
     fn time<'a>(
         &self,
         gpu: &'a Gpu,
@@ -146,7 +146,7 @@ impl Plan {
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
         let variants = Variant::of(methods, &Setup::new(self.size));
-        // The frame whose work is counted warms up.
+        // The frame in which work is counted serves as the warm-up.
         TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 0, samples: self.samples, a_a: false }
     }
 }
@@ -168,7 +168,7 @@ enum Part<'a> {
 }
 
 impl Part<'_> {
-    /// What the page calls it while it is still to come.
+    /// The part's name on the page while the part is not made yet.
     fn title(&self) -> String {
         match self {
             Self::Pictures(scene, view) => format!("pictures of {}, {}", scene.name, view.name),
@@ -180,7 +180,7 @@ impl Part<'_> {
         }
     }
 
-    /// Steps of the bar that shows the progress.
+    /// Number of steps of the progress bar for the part.
     fn steps(&self, plan: &Plan) -> usize {
         match self {
             // Each method, unified on the screen alone, and the truth.
@@ -192,7 +192,7 @@ impl Part<'_> {
     }
 }
 
-/// What is made until now, beside what the journal holds.
+/// Results so far that the journal does not hold.
 #[derive(Default)]
 struct StudyResults {
     views: Vec<Gallery>,
@@ -202,7 +202,7 @@ struct StudyResults {
     parts: usize,
 }
 
-/// A study on its way.
+/// A study that is being made.
 struct Study<'a> {
     gpu: &'a Gpu,
     plan: &'a Plan,
@@ -219,7 +219,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
-    // It says which methods are left out of which scene.
+    // Called for its messages, which say which methods are left out of which scene.
     resolve::showing(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
     let parts = plan.parts(&gpu, &scenes)?;
     let study = Study {
@@ -233,8 +233,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let mut made = StudyResults::default();
     let outcome = study.measure(&mut run.journal, &mut made);
     study.bar.finish_and_clear();
-    // Whatever ended the measurement: what there is, is written. What ended it counts for more than what could not be
-    // written then.
+    // Results so far are written, whatever ended the measurement. An error that ended it is reported before an error of writing.
     let wrote = study.write(&run.journal, &made);
     run.ended(outcome)?;
     let written = wrote?;
@@ -247,14 +246,14 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What the last page had.
+/// Data of the page that was written last.
 struct WrittenPage {
     table: Vec<ComparedRow>,
     page_bytes: usize,
 }
 
 impl<'a> Study<'a> {
-    /// The page.
+    /// The path of the page.
     fn index(&self) -> PathBuf {
         self.pictures.place().path().join("index.html")
     }
@@ -275,7 +274,7 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// Makes a part. The views of a scene follow one another, so that its stage is kept as long as they last.
+    /// Makes a part. The views of a scene follow one another, so that the scene's stage is kept until its last view.
     fn make(
         &self,
         part: &Part<'a>,
@@ -313,7 +312,7 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// Writes the records and the page with what there is.
+    /// Writes the records and the page with all results so far.
     fn write(&self, journal: &Journal, made: &StudyResults) -> anyhow::Result<WrittenPage> {
         let (folder, mut tabled, mut viewed) = (self.pictures.place(), Vec::new(), Vec::new());
         let mut errors: Vec<ErrorRecord> = Vec::new();
@@ -361,7 +360,7 @@ impl<'a> Study<'a> {
     }
 }
 
-/// What every other device makes of a G-buffer of the rooms, against what this one makes of it.
+/// Compares the images that all other devices make of a G-buffer of the rooms with the images of this device.
 fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
     let mut records = Vec::new();
     let others = other_devices::others(gpu, validation)?;
@@ -375,7 +374,7 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
     Ok(records)
 }
 
-/// What lies beside the page.
+/// The files beside the page, each with its description; files that do not exist are left out.
 fn records(folder: &PathInFolder) -> Vec<(String, String)> {
     let record = |file: &str, what: &str| (file.to_owned(), what.to_owned());
     let mut all = vec![

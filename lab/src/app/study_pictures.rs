@@ -19,11 +19,11 @@ const LIT: &str = "direct light";
 /// Name of the pictures by the world reference, and its rays a pixel.
 const TRUTH: &str = "truth";
 const TRUTH_RAYS: u32 = 16;
-/// Where the truth's samples lie, for the next run.
+/// The folder that keeps the truth's samples for the next run.
 pub const TRUTH_FOLDER: &str = "truth";
 /// Name of the pictures of `unified` whose rays all end on the screen.
 const ON_SCREEN: &str = "unified on the screen";
-/// Where the error study lies.
+/// The folder of the error study.
 pub const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
 pub const GLOSSY: Globals = table::factors(0.1, 1.0);
@@ -40,8 +40,8 @@ pub struct ShownView<'a> {
     pub methods: &'a [&'static MethodInfo],
 }
 
-/// A view on its scene's stage: lit only, the truth, every method, and `unified` on the screen alone. `step` is called after each of
-/// them.
+/// Pictures of a view: direct light alone, the truth, every method, and `unified` on the screen alone. `step` is called after the truth and
+/// after each picture of a method.
 pub fn of_view(
     stage: &mut Stage,
     subject: &ShownView,
@@ -133,7 +133,7 @@ pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: 
     Ok(pictures)
 }
 
-/// Each cell: every method with its FLIP map beside what its errors are against.
+/// A gallery for each cell: every method with its FLIP map, next to the references of its errors.
 pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {

@@ -19,8 +19,8 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::rc::Rc;
 
-/// Roughness and normal deviation of the captions' views unless flags say otherwise: table 5.8's rougher rows. The
-/// captions give none.
+/// Roughness and normal deviation of the captions' views unless flags say otherwise: table 5.8's rougher rows. The captions give no
+/// roughness.
 const CAPTION_ROUGHNESS: f32 = 0.1;
 
 /// Options of `ssct time`.
@@ -117,7 +117,7 @@ impl StudyOptions for TimeOptions {
     }
 }
 
-/// The methods of the flags on their view, or those of table 5.8 on its.
+/// The measurement that the flags ask for: methods on a view, or the methods of table 5.8 on the table's view.
 fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, if is_table { "atrium" } else { "rooms" })?;
@@ -152,7 +152,7 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
     Ok(if table { all } else { vec![[960, 540]] })
 }
 
-/// The table's roughness values, each also the normal deviation.
+/// The roughness values of table 5.8 that the flags ask for, each also set as the normal deviation.
 fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     if options.common.place.normal_deviation.is_some() {
         return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
@@ -208,7 +208,7 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
     Ok(vec![Rc::new(resolve::scene(place, "")?)])
 }
 
-/// The captions whose view a scene has, and that the flags ask for.
+/// The captions that the flags ask for and whose view a scene has.
 fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
     let asked = options.common.place.view.as_deref();
     let caption_and_scene = |c: &Caption| {
@@ -224,7 +224,7 @@ fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<V
     Ok(wanted)
 }
 
-/// The flags' factors, else [`CAPTION_ROUGHNESS`]; the normal deviation is the roughness unless a flag gives it.
+/// The global factors of the flags. Without a flag, the roughness is [`CAPTION_ROUGHNESS`], and the normal deviation is the roughness.
 fn caption_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     let mut globals = resolve::globals(&options.common.place)?;
     for g in &mut globals {

@@ -1,4 +1,4 @@
-//! `ssct video`: films of methods beside the world's.
+//! `ssct video`: films of methods beside the film of the world reference.
 
 use super::cli::{CommonOptions, DeviceOptions, point, size};
 use super::measure::StudyOptions;
@@ -119,7 +119,7 @@ impl StudyOptions for VideoOptions {
     }
 }
 
-/// The way that a flag names.
+/// The way of the camera that a flag names.
 fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
     let place = &options.common.place;
     let name = options.way.as_path();

@@ -1,4 +1,4 @@
-//! `ssct view`: starts the window, which is a program of its own, so that whoever renders and measures need not build it.
+//! `ssct view`: starts the window, which is another program, so that users who only render and measure need not build it.
 
 use crate::error::Error;
 use clap::Args;
@@ -36,13 +36,13 @@ fn find_window_program(own: Option<&Path>) -> Option<PathBuf> {
     program.is_file().then_some(program)
 }
 
-/// Becomes another program, which keeps the terminal, the signals and the exit status; returns if it cannot.
+/// Replaces this process by another program, which keeps the terminal, the signals and the exit status. Returns only if that fails.
 #[cfg(unix)]
 fn replace(command: &mut Command) -> std::io::Error {
     std::os::unix::process::CommandExt::exec(command)
 }
 
-/// Runs another program to its end, and ends with its status; returns if it cannot.
+/// Runs another program to its end, and exits with its status. Returns only if the program cannot be run.
 #[cfg(not(unix))]
 fn replace(command: &mut Command) -> std::io::Error {
     match command.status() {

@@ -1,4 +1,4 @@
-//! What the shaders of a folder's method bind, held against its manifest.
+//! The bindings of a folder's shaders, checked against the manifest of the method.
 
 use super::loose_uniforms::LOOSE;
 use super::manifest::{InputKind, LevelOf, Manifest, Pass};
@@ -14,7 +14,7 @@ use crate::scene::ProjectionKind;
 use std::cell::RefCell;
 use std::ops::Range;
 
-/// Compiles every shader and holds it against the manifest, without a device.
+/// Compiles every shader and checks it against the manifest, without a device.
 ///
 /// # Errors
 /// [`Error::Malformed`] with file and line.
@@ -28,7 +28,7 @@ pub fn check(manifest: &Manifest) -> Result<()> {
 }
 
 /// # Errors
-/// [`Error::Malformed`] if passes have names that nothing feeds: one sentence with all of them.
+/// [`Error::Malformed`] if shaders have names that nothing feeds; one sentence lists all of them.
 fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Result<()> {
     unfed.retain(|(_, missing)| !missing.is_empty());
     let Some((first, _)) = unfed.first() else { return Ok(()) };
@@ -47,7 +47,7 @@ fn file_name(pass: &Pass) -> String {
 }
 
 /// # Errors
-/// [`Error::Usage`] if a method is fed what only a perspective has, and cameras are orthographic.
+/// [`Error::Usage`] if a method is fed a value or an image that only a perspective has, and cameras are orthographic.
 pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Result<()> {
     let is_angle = |given: &Feed| given.is_named("fov-y") || given.is_named("half-view");
     let is_of_perspective = |pass: &Pass| {
@@ -65,7 +65,7 @@ pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Resu
     }
 }
 
-/// What a pass's shader binds, in the order of its bindings.
+/// The inputs that a pass's shader binds, in the order of its bindings, and its push constants.
 pub struct PassBindings {
     pub inputs: Vec<BoundInput>,
     pub push: Vec<FilledField>,
@@ -75,13 +75,13 @@ pub struct PassBindings {
 pub enum BoundInput {
     Sampled(ImageSource, Sampler, LevelOf),
     Stored(String, LevelOf, bool),
-    /// Its name, whether it is only read, and the bytes that it must have.
+    /// The buffer's name, whether the shader only reads the buffer, and the bytes that the buffer must have.
     Buffer(String, bool, u32),
     Uniform(Vec<FilledField>, usize),
 }
 
 impl PassBindings {
-    /// Holds a pass's shader against the manifest.
+    /// Checks a pass's shader against the manifest.
     ///
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of the manifest.
@@ -108,14 +108,14 @@ impl PassBindings {
     }
 }
 
-/// A pass's shader beside what the manifest says of it.
+/// A pass's shader, with the manifest that the shader is checked against.
 struct PassShader<'a> {
     manifest: &'a Manifest,
     pass: &'a Pass,
     compiled: &'a CompiledPass,
-    /// What messages call the shader.
+    /// The shader's name in messages.
     file: String,
-    /// What nothing feeds.
+    /// Names of the shader that nothing feeds.
     missing: RefCell<Vec<String>>,
 }
 
@@ -138,8 +138,8 @@ impl PassShader<'_> {
         self.missing.borrow_mut().push(what);
     }
 
-    /// What fills a block. Fields that the shader does not read need nothing, and loose uniforms may have values of their
-    /// own.
+    /// The values that fill a block. Fields that the shader does not read need no value, and loose uniforms may have initial values of
+    /// their own.
     fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<FilledField>> {
         let mut fields = Vec::new();
         for field in &layout.fields {
@@ -169,7 +169,7 @@ impl PassShader<'_> {
         Ok(fields)
     }
 
-    /// What a variable is fed; `None` if nothing feeds it.
+    /// The input that feeds a variable; `None` if nothing feeds it.
     fn bound(&self, v: &Variable) -> Result<Option<BoundInput>> {
         if v.count > 1 {
             let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
@@ -229,7 +229,7 @@ pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Ve
     compiled.interface.constants.iter().filter_map(given).collect()
 }
 
-/// Names under `[inputs]` and `[values]` that no shader of the method reads.
+/// Refuses names under `[inputs]` and `[values]` that no shader of the method reads.
 pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let reads = |pass: usize, name: &str| {
         let interface = &compiled[pass].interface;
@@ -252,7 +252,7 @@ pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     };
     for pass in &manifest.passes {
         for (name, span) in names(pass) {
-            // What stands at the top holds for every pass, and is read if one of them reads it.
+            // A name at the top of the manifest holds for every pass, and one pass that reads it is enough.
             let passes = all
                 .clone()
                 .filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == span));

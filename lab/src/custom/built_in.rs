@@ -1,5 +1,5 @@
-//! The project's own shaders, as methods from folders may use them. A shader or an include that a folder lacks is looked for
-//! among them, by its path below `shaders-glsl`. Their texts are part of the program, so that such a folder runs anywhere.
+//! The project's own shaders, as methods from folders may use them. A shader or an include that a folder lacks is looked for among these
+//! shaders, by its path below `shaders-glsl`. Their texts are part of the program, so that a folder that uses them runs anywhere.
 
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,9 @@
-//! The conventions that a method from a folder may have: hands of its spaces, the layout of matrices, clip space.
+//! The conventions that a method from a folder may have: handedness of its spaces, layout of matrices, clip space.
 
 use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
 use serde::Deserialize;
 
-/// In which conventions a shader thinks.
+/// The conventions of a method's shaders.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Conventions {
@@ -19,7 +19,7 @@ pub struct Conventions {
     /// Where the top of the image is in clip space.
     #[serde(default = "up")]
     pub clip_y: ClipY,
-    /// The depth of clip space that matrices give.
+    /// The kind of depth in clip space that the matrices give.
     #[serde(default)]
     pub clip_depth: ClipDepth,
 }

@@ -1,4 +1,4 @@
-//! What a method from a folder made, as every method gives it: the reflection with its confidence, and hits.
+//! Converts the images of a method from a folder into those that every method returns: the reflection with its fade, and hits.
 
 use super::manifest::{Alpha, HitEncoding, Manifest, format_of};
 use super::values::FrameState;
@@ -14,11 +14,11 @@ use crate::methods::Input;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::{HITS, LIT_COLOR};
 
-/// What makes a reflection of what the method made, and hits, if they are wanted.
+/// The passes that make the reflection, and hits if they are wanted, from the method's images.
 pub struct Finish {
     reflection: Option<(GraphicsPipeline<CustomReflection<'static>>, Image, i32)>,
     hits: Option<(HiZPass, GraphicsPipeline<CustomHits<'static>>, Image, i32)>,
-    /// Whether the method makes hits as the project's own methods do, so that its image is taken as it is.
+    /// True if the method encodes hits as the project's own methods do, so that the method's image of hits is used without a change.
     has_our_hits: bool,
 }
 
@@ -62,7 +62,7 @@ impl Finish {
         Ok(Self { reflection, hits, has_our_hits: wants_hits && are_ours })
     }
 
-    /// The reflection, of the image that the method made it in.
+    /// Makes the reflection from the image into which the method drew it.
     pub fn reflection<'a>(&'a self, frame: &mut Frame, input: &Input<'_, '_>, made: &'a Image) -> Result<&'a Image> {
         let Some((pipeline, image, alpha)) = &self.reflection else { return Ok(made) };
         let extent = input.gbuffer.depth.extent();
@@ -79,7 +79,7 @@ impl Finish {
         Ok(image)
     }
 
-    /// The hits, of the image that the method made them in, if they are wanted.
+    /// Makes the hits, if they are wanted, from the image into which the method drew them.
     pub fn hits<'a>(
         &'a self,
         frame: &mut Frame,

@@ -1,5 +1,5 @@
-//! The files that a user's shader may be made of: those of the method's folder, those below folders that the user
-//! allows, and the project's own shaders. How deep they include each other, how many there are and how large they are together is bounded.
+//! The files that a user's shader may consist of: those of the method's folder, those below folders that the user allows, and the project's
+//! own shaders. The depth, the number and the size of includes are bounded.
 
 use super::built_in;
 use crate::error::{Error, Result};
@@ -7,19 +7,19 @@ use crate::scene::source_text;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// The largest file, and the most bytes of all includes of a shader together.
+/// The most bytes of a file, and of all includes of a shader together.
 pub const MAX_BYTES: u64 = 1 << 24;
 
-/// How deep includes may stand in includes.
+/// Greatest depth of includes within includes.
 const MOST_DEPTH: usize = 64;
 
-/// How many includes a shader may have, a file that is included twice counted twice.
+/// Greatest number of includes of a shader; a file that is included twice counts twice.
 const MOST_INCLUDES: usize = 4096;
 
-/// Folders that the user allows, beside that of the method.
+/// Folders that the user allows besides that of the method.
 static ALLOWED: OnceLock<Vec<PathBuf>> = OnceLock::new();
 
-/// Allows shaders and includes below some folders. The first call counts.
+/// Allows shaders and includes below some folders. Only the first call has an effect.
 pub fn allow(folders: Vec<PathBuf>) {
     ALLOWED.get_or_init(|| folders);
 }
@@ -27,21 +27,21 @@ pub fn allow(folders: Vec<PathBuf>) {
 /// The includes of one shader, as the compiler asks for them.
 pub struct Includes<'a> {
     folder: &'a Path,
-    /// Where includes are looked for that are not beside the file.
+    /// The folder for includes that are not beside the file that includes them.
     elsewhere: &'a Path,
-    /// The includes that are being read, the outermost first: as the compiler names them, and their whole paths.
+    /// The includes that are being read, the outermost first, each by the compiler's name for it and by its whole path.
     open: Vec<(PathBuf, PathBuf)>,
     bytes: u64,
     /// The shader and every file that was included.
     files: Vec<PathBuf>,
-    /// Files that would stand in the place of built-in shaders, if they were there.
+    /// Paths at which no file exists; a file there would replace a built-in shader.
     awaited: Vec<PathBuf>,
     /// Why an include was refused, if one was.
     pub refused: Option<String>,
 }
 
 impl<'a> Includes<'a> {
-    /// No includes yet of a shader of a method in a folder.
+    /// An empty list of includes, for a shader of a method in a folder.
     pub fn new(folder: &'a Path, elsewhere: &'a Path, shader: &Path) -> Self {
         let (open, files) = (Vec::new(), vec![shader.to_owned()]);
         Self { folder, elsewhere, open, bytes: 0, files, awaited: Vec::new(), refused: None }
@@ -52,8 +52,8 @@ impl<'a> Includes<'a> {
         self.files.into_iter().chain(self.awaited).collect()
     }
 
-    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders. The
-    /// method's folder counts as beside a built-in shader.
+    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders. For an include
+    /// in a built-in shader, the method's folder counts as beside it.
     fn path(&mut self, name: &str, includer: &Path) -> PathBuf {
         let beside = match built_in::text(includer) {
             Some(_) => self.folder,
@@ -75,11 +75,11 @@ impl<'a> Includes<'a> {
     /// The path and the text of an include.
     ///
     /// # Errors
-    /// Why there is none, as a part of the compiler's message.
+    /// The reason why the include cannot be read, as a part of the compiler's message.
     pub fn read(&mut self, name: &str, includer: &str) -> std::result::Result<(String, String), String> {
         let includer = Path::new(includer);
         let path = self.path(name, includer);
-        // What was included between is read to its end.
+        // Includes that were opened after `includer` have been read to their end.
         while self.open.last().is_some_and(|(last, _)| last != includer) {
             self.open.pop();
         }
@@ -106,7 +106,7 @@ impl<'a> Includes<'a> {
         check_place(path, self.folder)?;
         let itself = canonical_path(path);
         let before = self.open.iter().filter(|(_, open)| *open == itself).count();
-        // A file may include itself once more where a guard leaves it empty then.
+        // A file may include itself once, since an include guard may leave the second copy empty.
         if before + usize::from(canonical_path(&self.files[0]) == itself) > 1 {
             return Err(format!("{} includes itself", path.display()));
         }
@@ -128,7 +128,7 @@ fn canonical_path(path: &Path) -> PathBuf {
 /// Checks that a shader lies in the method's folder, below one that the user allows, or is built in.
 ///
 /// # Errors
-/// [`Error::Malformed`] for any other.
+/// [`Error::Malformed`] for a shader anywhere else.
 pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
     check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
 }
@@ -137,7 +137,7 @@ fn check_place(path: &Path, folder: &Path) -> std::result::Result<(), String> {
     if built_in::text(path).is_some() {
         return Ok(());
     }
-    // A file that is not there is named by whoever reads it.
+    // The function that reads a missing file reports it.
     let Ok(itself) = path.canonicalize() else { return Ok(()) };
     let mut allowed = std::iter::once(folder).chain(ALLOWED.get().into_iter().flatten().map(PathBuf::as_path));
     if allowed.any(|folder| folder.canonicalize().is_ok_and(|folder| itself.starts_with(folder))) {

@@ -1,4 +1,5 @@
-//! Makes what a shader reads of the G-buffer: each thing once a frame, whoever reads it, and only what is read.
+//! Makes the images that shaders read from the G-buffer: each image once a frame, however many passes read it, and only images that are
+//! read.
 
 use super::conventions::Conventions;
 use super::manifest::SamplerName;
@@ -28,20 +29,20 @@ use crate::passes::{Content, GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block}
 use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 
-/// What makes the sources that a method reads.
+/// The passes that make the sources that a method reads.
 pub struct Inputs {
     made: Vec<(ImageSource, SourceMaker)>,
-    /// Names of the images that are made, in their order, for whoever looks inside.
+    /// Names of the sources' images, in their order, for the list of intermediate images.
     names: Vec<&'static str>,
     projection: ProjectionKind,
 }
 
-/// What makes a source, and where it then is.
+/// How a source is made, and the image that then holds it.
 enum SourceMaker {
-    /// Nothing needs to be made: it is in the G-buffer, or comes with the input.
+    /// Nothing needs to be made: the source is in the G-buffer, or comes with the input.
     There,
     Chain(ColorChainPass),
-    /// The thesis's depth, alone or with its chain.
+    /// The thesis's depth, alone or with its Hi-Z chain.
     Thesis(HiZPass),
     Visibility(VisibilityPass),
     Pyramid(PyramidPass),
@@ -58,7 +59,7 @@ enum SourceMaker {
         original: ImageSource,
     },
     Noise(Image),
-    /// What a source was in the frame before, and what it is now, in turn.
+    /// Two copies of a source that take turns: one of the frame before, and one of this frame.
     Kept {
         original: ImageSource,
         images: Vec<Image>,
@@ -66,7 +67,7 @@ enum SourceMaker {
 }
 
 impl Inputs {
-    /// For a size in pixels and a projection. Sources that others are made of are added.
+    /// Makes the passes for a size in pixels and a projection. Sources from which others are made are added.
     pub fn new(
         gpu: &Gpu,
         (extent, projection): ([u32; 2], ProjectionKind),
@@ -155,9 +156,9 @@ impl Inputs {
                     SourceMaker::There
                 } else {
                     if **original == ImageSource::Depth(Depth::Reversed) {
-                        // A depth buffer is kept as a colour image, which the shader then reads instead.
+                        // A depth buffer is kept as a colour image, and the shader reads this image in its place.
                         let as_color = ((**original).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
-                        // Takes the place of the entry that is there, since later entries are made of it.
+                        // The image takes the place of an entry for the depth buffer that is there, since later entries are made from it.
                         match self.made.iter_mut().find(|(known, _)| known == &**original) {
                             Some(known) => *known = as_color,
                             None => self.made.push(as_color),
@@ -174,7 +175,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// The format of what is kept of a source.
+    /// The format of the kept copy of a source.
     fn kept_format(&self, source: &ImageSource) -> vk::Format {
         match self.made.iter().find(|(known, _)| known == source) {
             Some((_, SourceMaker::Converted { image, .. })) => image.format(),
@@ -232,8 +233,8 @@ impl Inputs {
         Ok(())
     }
 
-    /// The images that were made of the G-buffer in this frame. The chain of the lit colour stands in the G-buffer itself, and
-    /// what is kept of the frame before is an image of that frame.
+    /// The images that this frame made from the G-buffer. The chain of the lit colour, which is in the G-buffer itself, and copies of the
+    /// frame before are left out.
     pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
         self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
             let (content, image) = match made {
@@ -250,7 +251,7 @@ impl Inputs {
         })
     }
 
-    /// Keeps what the next frame reads of this one.
+    /// Keeps copies of the sources that the next frame reads of this frame.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
         for (source, made) in &self.made {
             if let SourceMaker::Kept { original, images } = made {
@@ -260,7 +261,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Clears what the first frame reads of the one before.
+    /// Clears the copies that the first frame reads as those of the frame before.
     pub fn begin(&self, frame: &mut Frame) -> Result<()> {
         for (source, made) in &self.made {
             if let SourceMaker::Kept { images, .. } = made {
@@ -272,7 +273,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// The image of a source, in a frame of this turn.
+    /// The image of a source. `turn` is 0 and 1 in alternate frames, and chooses between two copies.
     fn image<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
         let GBuffer { depth, normal, material, color, .. } = input.gbuffer;
         let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
@@ -300,7 +301,7 @@ impl Inputs {
         })
     }
 
-    /// What a shader binds of a source.
+    /// The part of a source's image that a shader binds.
     pub fn slice<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<ImageSlice<'i>> {
         if *source == ImageSource::Sky {
             return Err(Error::Usage("the method reads the sky, which is bound apart".into()));
@@ -311,7 +312,7 @@ impl Inputs {
     }
 }
 
-/// What the numbers of a source are.
+/// The meaning of a source's numbers.
 fn content(source: &ImageSource) -> Content {
     match source {
         ImageSource::Depth(Depth::Reversed) => Content::ReversedDepth,
@@ -322,7 +323,7 @@ fn content(source: &ImageSource) -> Content {
     }
 }
 
-/// The name of a source's file, which the methods of the table use for the same images. It stays as long as the program runs.
+/// The file name of a source, which the methods of the table use for the same image. The text lives as long as the program.
 fn stem(source: &ImageSource) -> &'static str {
     match source {
         ImageSource::ThesisHiZ => "hi-z",
@@ -331,7 +332,7 @@ fn stem(source: &ImageSource) -> &'static str {
     }
 }
 
-/// The sampler of a source, if its manifest does not say.
+/// The sampler that the manifest names; if it names none, the usual one of the source.
 pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     match named {
         Some(SamplerName::Nearest) => Sampler::NearestClamp,
@@ -353,7 +354,7 @@ fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> Con
     }
 }
 
-/// The tile of blue noise: red, and in green the same moved by a third of its side.
+/// The tile of blue noise in red; green has the same tile, moved by a third of its side.
 fn blue_noise(gpu: &Gpu) -> Result<Image> {
     use vk::ImageUsageFlags as U;
     let side = noise::RANKS_ACROSS;

@@ -1,5 +1,5 @@
-//! Kinds of images, inputs and outputs: what a shader declares against what is there. A driver does not check this, and
-//! reads wrong numbers, or memory that is not the image's.
+//! Checks the kinds of images, inputs and outputs that a shader declares against those that exist. A driver does not check them, and reads
+//! wrong numbers, or memory outside of the image.
 
 use super::manifest::{ImageSection, Manifest, Pass, PassStage, format_of};
 use super::reflect::{Component, Crossing, Dim, ImageKind, ShaderInterface};
@@ -17,10 +17,10 @@ const MAX_SHARED_BYTES: u64 = 32768;
 /// The most bytes of push constants that every device takes.
 const MAX_PUSH_BYTES: u32 = 128;
 
-/// Checks an image that is looked up against what feeds it.
+/// Checks a sampled image against the source that feeds it.
 ///
 /// # Errors
-/// A clause that goes on from the name of the variable.
+/// A clause that continues a sentence after the name of the variable.
 pub fn check_sampled(
     kind: &ImageKind,
     source: &ImageSource,
@@ -37,7 +37,7 @@ pub fn check_sampled(
     Err(format!("a {}, and is fed {source}, which is a {}", sampler(kind), sampler(&fed)))
 }
 
-/// Checks an image that is stored to against the method's own image that it is.
+/// Checks a storage image against the method's own image that feeds it.
 ///
 /// # Errors
 /// Returns the sentences of [`check_sampled`].
@@ -129,11 +129,11 @@ fn sampler(kind: &ImageKind) -> String {
     format!("{prefix}sampler{dim}{samples}{array}{shadow}")
 }
 
-/// Checks what crosses to a pass's shader from the vertex stage, and from it to its targets, and what it asks of a device.
-/// `file` is what messages call the shader.
+/// Checks the inputs of a pass's shader from the vertex stage, its outputs to targets, and its demands on a device. `file` is the shader's
+/// name in messages.
 ///
 /// # Errors
-/// A sentence.
+/// A sentence about the first fault.
 pub fn check_stage(manifest: &Manifest, pass: &Pass, interface: &ShaderInterface, file: &str) -> Result<(), String> {
     if let Some((block, layout)) = &interface.push
         && layout.size > MAX_PUSH_BYTES

@@ -1,10 +1,10 @@
-//! Uniforms that stand alone, as OpenGL has them, become blocks, which Vulkan wants.
+//! Puts uniforms outside of blocks, which OpenGL allows, into blocks, which Vulkan demands.
 //!
-//! The text is one that the compiler has preprocessed: it has no comments, macros, includes or lines that are switched off.
-//! What is left is read as GLSL, token by token: declarations outside of braces that end in a semicolon.
+//! The compiler has preprocessed the text, so that it has no comments, macros, includes or lines that are switched off. The rest is read as
+//! GLSL: declarations outside of braces that end in a semicolon.
 
-/// The name of the block of uniforms that stand alone. Those whose types or sizes have names of their own stay where they
-/// are, in blocks of their own, numbered from 1.
+/// The name of the block of loose uniforms. A loose uniform whose type or array size is a name of the shader stays where it is, in a block
+/// of its own, numbered from 1.
 pub const LOOSE: &str = "LooseUniforms";
 
 /// Words before the type of a declaration.
@@ -23,16 +23,16 @@ const QUALIFIERS: [&str; 12] = [
     "shared",
 ];
 
-/// What was taken out of a text.
+/// A text with its loose uniforms in blocks.
 #[derive(Debug, Default, PartialEq)]
 pub struct HoistedUniforms {
     /// The text with blocks in the place of loose uniforms. Lines stay where they are.
     pub text: String,
-    /// Names of uniforms and the values that they have of their own; `None` for one that is no plain number.
+    /// Names of uniforms with their initial values; `None` for a value that is no plain number.
     pub own: Vec<(String, Option<Vec<f64>>)>,
 }
 
-/// Makes blocks of uniforms that stand alone.
+/// Puts the loose uniforms of a text into blocks.
 pub fn hoisted(text: &str) -> HoistedUniforms {
     let mut made = HoistedUniforms::default();
     let mut blocks = Blocks::default();
@@ -41,7 +41,7 @@ pub fn hoisted(text: &str) -> HoistedUniforms {
         let Some(uniform) = LooseUniform::read(&text[start..end]) else { continue };
         made.text.push_str(&text[rest..start]);
         blocks.place(&uniform, &mut made.text);
-        // A declaration may span lines.
+        // The line breaks of a declaration are kept, so that lines stay where they are.
         made.text.extend(text[start..end].chars().filter(|c| *c == '\n'));
         made.own.extend(uniform.own);
         rest = end;
@@ -57,7 +57,7 @@ pub fn hoisted(text: &str) -> HoistedUniforms {
 /// The blocks of a text so far.
 #[derive(Default)]
 struct Blocks {
-    /// Fields of the block that most uniforms share, and where it goes.
+    /// Fields of the block that most uniforms share; the block goes to the byte `first`.
     shared: String,
     first: usize,
     apart: usize,
@@ -77,7 +77,7 @@ impl Blocks {
     }
 }
 
-/// The byte ranges of declarations outside of braces, each with its semicolon. Functions, blocks and structs are none.
+/// The byte ranges of declarations outside of braces, each with its semicolon. Functions, blocks and structs do not count.
 fn declarations(text: &str) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut start = None;
@@ -99,7 +99,7 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
                 let before = start.map_or("", |start| text[start..offset].trim_end());
                 if depth == 0 {
                     is_function = before.ends_with(')');
-                    // A list of values stands behind an equals sign.
+                    // A brace behind an equals sign opens a list of values.
                     is_block |= !is_function && !before.ends_with('=');
                 }
                 depth += 1;
@@ -120,17 +120,17 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
     found
 }
 
-/// A declaration of uniforms that are numbers.
+/// A declaration of loose uniforms of numeric types.
 struct LooseUniform {
     /// The fields of a block, each with its semicolon.
     fields: String,
-    /// Whether its type and its sizes are known everywhere.
+    /// True if the type and the array sizes use no name of the shader, and so are known everywhere.
     is_plain: bool,
     own: Vec<(String, Option<Vec<f64>>)>,
 }
 
 impl LooseUniform {
-    /// `None` for a declaration of something else.
+    /// Reads a declaration; `None` if it declares something other than loose uniforms of numeric types.
     fn read(declaration: &str) -> Option<Self> {
         let mut rest = declaration.trim().strip_suffix(';')?;
         let mut is_uniform = false;
@@ -197,7 +197,7 @@ fn parts(text: &str, separator: char) -> Vec<&str> {
     found
 }
 
-/// Whether a type is no number: samplers, images and the like, which stand alone in Vulkan, too.
+/// True for a type that is no number, such as samplers and images, whose uniforms need no block in Vulkan either.
 fn is_opaque(kind: &str) -> bool {
     let bare =
         kind.strip_prefix(['i', 'u']).filter(|bare| !kind.starts_with("image") || bare.is_empty()).unwrap_or(kind);
@@ -206,7 +206,7 @@ fn is_opaque(kind: &str) -> bool {
         .any(|opaque| bare.starts_with(opaque))
 }
 
-/// Whether GLSL defines a type.
+/// True if GLSL defines a type of numbers.
 fn is_built_in(kind: &str) -> bool {
     let size = |rest: &str| rest.len() == 1 && rest.starts_with(['2', '3', '4']);
     let is_vector = |prefix: &str| kind.strip_prefix(prefix).is_some_and(size);

@@ -25,26 +25,26 @@ use toml::Spanned;
 /// The largest manifest, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// How long a frame may take, if the manifest does not say.
+/// The longest time of a frame, if the manifest gives none.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The most texels of an image's side over those of the frame.
+/// Greatest ratio of an image's side to the frame's side.
 const MOST_SCALE: f32 = 4.0;
 
 /// A checked manifest.
 #[derive(Debug, Clone)]
 pub struct Manifest {
-    /// Where it lies.
+    /// The folder of the manifest.
     pub folder: PathBuf,
     text: String,
     pub name: String,
     pub summary: String,
     pub source: String,
     pub conventions: Conventions,
-    /// Where includes are looked for that do not stand beside the file that includes them.
+    /// The folder for includes that are not beside the file that includes them.
     pub include: PathBuf,
     pub captures: bool,
-    /// How long a frame may take.
+    /// The longest time that a frame may take.
     pub patience: Duration,
     parameters: Vec<(String, Spanned<ParameterSection>)>,
     pub images: BTreeMap<String, ImageSection>,
@@ -57,7 +57,7 @@ impl Manifest {
     /// Reads `method.toml` of a folder.
     ///
     /// # Errors
-    /// [`Error::Io`] without one; [`Error::Malformed`] with the line of what is wrong.
+    /// [`Error::Io`] if there is no manifest; [`Error::Malformed`] with the line of the fault.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let text = source_text::read(&path, "a manifest", MAX_BYTES)?;
@@ -188,7 +188,7 @@ impl Manifest {
         SourceText { path: &self.folder.join(MANIFEST), text: &self.text }.error(span.clone(), message)
     }
 
-    /// Whether a value of this name feeds a shader.
+    /// True if a value of this name feeds a shader.
     pub fn reads_value(&self, name: &str) -> bool {
         self.passes.iter().any(|p| p.values.values().any(|(given, _)| given.is_named(name)))
     }
@@ -197,7 +197,7 @@ impl Manifest {
 /// How a table is written in a manifest.
 #[derive(Clone, Copy)]
 enum TableForm {
-    /// Its keys stand at the top.
+    /// Keys at the top of the manifest.
     Top,
     /// `[table]`.
     Once,
@@ -216,7 +216,7 @@ const REQUIRED: [(&str, TableForm, &[&str]); 5] = [
     ("pass", TableForm::InOrder, &["name", "shader"]),
 ];
 
-/// An error about a key that is missing, with all keys that are missing; every other error as it is.
+/// Replaces an error about one missing key by an error that lists all missing keys; returns any other error unchanged.
 fn all_missing(source: &SourceText, error: Error) -> Error {
     let says = error.to_string();
     if says.contains("unknown field") || !says.contains("missing field") {
@@ -242,7 +242,7 @@ fn missing_keys(manifest: &toml::Table) -> Vec<String> {
     missing
 }
 
-/// The tables of a name, and what stands before their keys in messages.
+/// The tables of a name, each with the text that comes before its keys in messages.
 fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<(String, &'t toml::Table)> {
     let value = manifest.get(name);
     let table = value.and_then(toml::Value::as_table);
@@ -260,7 +260,7 @@ fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<
     }
 }
 
-/// Whether a name is one that a flag or a file may have as it is.
+/// True if a flag or a file can have this name unchanged.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
 }

@@ -24,10 +24,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How often files are looked at, where they are.
+/// Time between two looks at the files, if the method watches them.
 const PERIOD: Duration = Duration::from_millis(300);
 
-/// The method, as its files were when it was made, and as they were each time they changed since.
+/// The method in all its versions: that of the files when it was made, and one for each change since.
 pub struct CustomMethod {
     first: Version,
     reload: Option<Reload>,
@@ -39,7 +39,7 @@ struct Version {
     next: OnceCell<Box<Version>>,
 }
 
-/// What makes the method anew when its files change.
+/// Makes the method anew when its files change.
 struct Reload {
     gpu: Gpu,
     folder: PathBuf,
@@ -50,7 +50,7 @@ struct Reload {
 }
 
 impl CustomMethod {
-    /// At a setup. `watched`, it is made anew when its files change.
+    /// Makes the method at a setup. If `watched`, it is made anew when its files change.
     pub fn new(
         gpu: &Gpu,
         manifest: &Manifest,
@@ -92,8 +92,8 @@ impl Method for CustomMethod {
 }
 
 impl Reload {
-    /// The method anew, if its files changed since they were last looked at and it can be made of them. Parameters stay as
-    /// they were declared.
+    /// Makes the method anew if its files changed since the last look; `None` if they did not, or have a fault. Parameters stay as they
+    /// were declared.
     fn changed(&self, now: &RunningVersion) -> Option<RunningVersion> {
         if self.looked.get().elapsed() < PERIOD {
             return None;
@@ -137,10 +137,11 @@ struct RunningVersion {
     fade: bool,
     hits: bool,
     files: Vec<PathBuf>,
-    /// Names of the images, in their order.
+    /// Names of the method's own images, in their order.
     names: Vec<&'static str>,
-    /// Frames since the first, and what the last one was seen from.
+    /// Number of frames so far.
     frames: Cell<u32>,
+    /// The camera of the last frame.
     before: Cell<Option<Camera>>,
 }
 
@@ -252,7 +253,7 @@ impl RunningVersion {
         })
     }
 
-    /// The image of a method's own in a frame of this turn.
+    /// The method's own image of a name. An image with a history exists twice, and `turn` chooses one of the two.
     fn own(&self, name: &str, turn: usize) -> &Image {
         let images = &self.images[name].images;
         &images[turn % images.len()]
@@ -323,13 +324,13 @@ impl RunningVersion {
             content(image.format()).map(|content| Intermediate { name, content, image })
         };
         let own = self.names.iter().zip(self.images.values()).filter_map(shown);
-        // An image of the method's own that has the name of one that it reads is the one that its author looks for.
+        // If an own image and a source have the same name, only the own image is shown: the author of the method looks for that image.
         let read = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
         let intermediates = read.chain(own).collect();
         Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
 
-    /// Records a pass for a level; whether the images have it.
+    /// Records a pass for a level; returns false if an image lacks the level.
     fn record_level<'a, 's>(
         &'a self,
         frame: &mut Frame,
@@ -440,7 +441,7 @@ impl RunningVersion {
     }
 }
 
-/// Whether an image is there for hits alone, and hits are not wanted: then it is drawn to by nobody.
+/// True if an image exists for hits alone, and hits are not wanted: then no pass draws to the image.
 fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     let reads = |source: &ImageSource| match source {
         ImageSource::Own(name) => name == image,
@@ -454,7 +455,7 @@ fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     !hits && manifest.output.hits.as_deref() == Some(image) && !is_read
 }
 
-/// How an image of a format can be looked at: as a colour, or as one number; `None` for whole numbers and for pairs.
+/// The content as which an image of a format can be shown: a colour, or one number; `None` for whole numbers and for pairs.
 fn content(format: vk::Format) -> Option<Content> {
     use vk::Format as F;
     match format {

@@ -1,4 +1,4 @@
-//! Blue noise, by void and cluster (Ulichney 1993): a tile of ranks whose every threshold is spread evenly.
+//! Blue noise, by void and cluster (Ulichney 1993): a tile of ranks in which the texels below any threshold are spread evenly.
 
 use crate::math::random::Stream;
 
@@ -24,7 +24,7 @@ pub fn tile() -> Vec<u8> {
         tile.change((random.uniform(drawn) * all as f64) as usize % all, true);
         drawn += 1;
     }
-    // The most crowded goes where there is most room, until it would come back to where it was.
+    // The most crowded set texel moves to the emptiest place, until it would move back to its own place.
     loop {
         let crowded = tile.extreme(true);
         tile.change(crowded, false);
@@ -50,7 +50,7 @@ pub fn tile() -> Vec<u8> {
     rank.into_iter().map(|n| (n * 256 / all) as u8).collect()
 }
 
-/// Which texels are set, and how crowded each place is by them.
+/// The texels that are set, and how crowded each place is by set texels.
 struct Pattern {
     kernel: Vec<f64>,
     set: Vec<bool>,
@@ -75,7 +75,7 @@ impl Pattern {
         }
     }
 
-    /// The most crowded of those that are set, or the emptiest of those that are not.
+    /// The most crowded of the set texels, or the emptiest of the unset texels.
     fn extreme(&self, set: bool) -> usize {
         let places = (0..self.set.len()).filter(|k| self.set[*k] == set);
         let energy = |k: &usize| if set { -self.energy[*k] } else { self.energy[*k] };

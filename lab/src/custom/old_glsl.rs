@@ -1,9 +1,10 @@
-//! GLSL that Vulkan's compiler does not take, found before it is asked: its own words about such texts do not say what to write.
+//! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: its own messages about such texts do not say what
+//! to write.
 
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// Names of GLSL before version 140, and what stands in their place.
+/// Names of GLSL before version 140, each with advice on what to write in its place.
 pub const NAMES: [(&str, &str); 11] = [
     ("texture2DLod", "write textureLod"),
     ("texture2DProj", "write textureProj"),
@@ -21,8 +22,8 @@ pub const NAMES: [(&str, &str); 11] = [
 /// Refuses GLSL that is too old for Vulkan's compiler, or made for Shadertoy.
 ///
 /// # Errors
-/// [`Error::Malformed`] with the line of a `#version` that is too old, and what to write in the place of each old name; for a text
-/// without `#version`, and for one whose function is `mainImage`.
+/// [`Error::Malformed`] for a `#version` that is too old, with its line and advice on each old name. A text without `#version`, or with
+/// `mainImage` and no `main`, is refused as well.
 pub fn check(path: &Path, source: &str) -> Result<()> {
     let text = without_comments(source);
     let wrong = |line: Option<usize>, message: String| Err(Error::malformed(path, line, message));
@@ -50,13 +51,13 @@ pub fn check(path: &Path, source: &str) -> Result<()> {
     wrong(Some(line), message)
 }
 
-/// What to write in the place of the old names that a text has.
+/// Advice on each old name that a text has.
 fn replacements(text: &str) -> String {
     let is_there = |name: &&(&str, &str)| words(text).any(|word| word == name.0);
     NAMES.iter().filter(is_there).map(|(name, instead)| format!("; for {name}, {instead}")).collect()
 }
 
-/// The line of the version, its number, and whether it is of GLSL ES; `None` without one that is a number.
+/// The line of the version, its number, and whether it is of GLSL ES; `None` if the text states no number.
 fn version(text: &str) -> Option<(usize, (u32, bool))> {
     let stated = |(index, line): (usize, &str)| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("version")?;

@@ -1,7 +1,7 @@
-//! The values that uniforms have of their own: expressions of numbers, as a compiler leaves them when it has put macros in.
+//! Initial values of uniforms: expressions of numbers, in which the compiler has already replaced macros.
 
-/// The numbers of an expression for a type, in the order of their places: columns of matrices, elements of arrays; `None`
-/// for an expression that is more than numbers, constructors and arithmetic.
+/// The numbers of an expression for a type, in the order of their places: by columns of matrices, by elements of arrays. `None` for an
+/// expression that is more than numbers, constructors and arithmetic.
 pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     let mut parser = Parser { text: expression.trim() };
     let numbers = parser.sum()?;
@@ -11,7 +11,7 @@ pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     Some(constructed(kind, numbers))
 }
 
-/// What a constructor of a type makes of numbers: one number fills a vector, and the diagonal of a matrix.
+/// The numbers that a constructor of a type makes: one number fills a vector, and the diagonal of a matrix.
 fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
     let digit = |index: usize| kind.chars().nth(index).and_then(|c| c.to_digit(10)).map(|d| d as usize);
     let [number] = numbers[..] else { return numbers };
@@ -28,7 +28,7 @@ fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
     }
 }
 
-/// A parser by recursive descent; what is left to read.
+/// A parser by recursive descent; `text` is the part that is still to be read.
 struct Parser<'a> {
     text: &'a str,
 }
@@ -91,7 +91,7 @@ impl Parser<'_> {
         self.number()
     }
 
-    /// `true`, `false`, or a constructor.
+    /// Reads `true`, `false`, or a constructor.
     fn named(&mut self, name: &str) -> Option<Vec<f64>> {
         match name {
             "true" => return Some(vec![1.0]),
@@ -144,7 +144,7 @@ impl Parser<'_> {
     }
 }
 
-/// Number by number; one number goes with each of the others.
+/// Applies an operation number by number; a single number is combined with each number of the other side.
 fn joined(left: &[f64], right: &[f64], operation: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
     match (left, right) {
         ([a], all) => Some(all.iter().map(|b| operation(*a, *b)).collect()),

@@ -1,10 +1,10 @@
-//! What feeds the fields of the project's own shaders, for the message about a manifest that leaves some out: the option that a
-//! field belongs to, with its published value, or the name of what it is in every method.
+//! Sources that feed the fields of the project's own shaders, for the message about a manifest that leaves some out. The message names the
+//! field's option with its published value, or the name of a value that every method has.
 
 use crate::methods;
 use crate::parameter::{Domain, Parameter, Value};
 
-/// What a field is fed.
+/// The source that feeds a field.
 #[derive(Clone, Copy)]
 enum Source {
     /// The value of a parameter, by its name in records.
@@ -15,7 +15,7 @@ enum Source {
 
 use Source::{Named, Setting};
 
-/// The blocks of shaders that are published, and what feeds their fields.
+/// The blocks of published shaders, with the source of each field.
 const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
     (
         "ThesisBlock",
@@ -107,7 +107,7 @@ pub fn hint(block: &str, field: &str) -> Option<String> {
     }
 }
 
-/// The published value as a shader takes it: a choice is told by its number, from 0.
+/// The published value as a shader takes it: a choice is given by its number, counted from 0.
 fn published_number(parameter: &Parameter) -> String {
     match (parameter.published, &parameter.domain) {
         (Value::Switch(on), _) => u8::from(on).to_string(),

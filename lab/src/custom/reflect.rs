@@ -1,9 +1,10 @@
-//! What a user's SPIR-V says of its interface, read whole: each variable with the kind of image or the block that it is,
-//! what crosses from the vertex stage and to the targets, constants, and what is asked of a device. It is held against the
-//! manifest before any driver sees the code, since a driver may do anything with a shader that does not fit.
+//! Reads the interface of a user's SPIR-V: each variable with its kind of image or its block, the variables between stages and to targets,
+//! constants, and demands on a device.
+//! The interface is checked against the manifest before any driver sees the code, since a driver may do anything with a shader that does
+//! not fit.
 //!
-//! `code` reads the words, and `blocks` finds where each number of a block lies. OpenGL counts the bindings of samplers,
-//! images and blocks apart, Vulkan counts them together, so each variable is given a binding of its own here.
+//! `code` reads the words, and `blocks` finds the place of each number in a block. OpenGL counts the bindings of samplers, images and
+//! blocks apart, and Vulkan counts them together, so that each variable gets a new binding here.
 
 mod blocks;
 mod code;
@@ -25,8 +26,8 @@ mod class {
     pub const STORAGE_BUFFER: u32 = 12;
 }
 
-/// Capabilities that devices have on which this program runs, by their numbers (SPIR-V, 3.31): plain shaders, images of
-/// every kind with their queries and gathering, arrays of descriptors, derivatives, and subgroups.
+/// Capabilities, by their numbers (SPIR-V, 3.31), that every device of this program has: plain shaders, images of every kind with their
+/// queries and gathering, arrays of descriptors, derivatives, and subgroups.
 const CAPABILITIES: [std::ops::RangeInclusive<u32>; 8] =
     [0..=1, 25..=25, 28..=31, 34..=34, 43..=47, 49..=52, 55..=56, 61..=68];
 
@@ -62,7 +63,7 @@ pub struct ImageKind {
     pub dim: Dim,
     pub arrayed: bool,
     pub multisampled: bool,
-    /// Whether lookups compare with a depth.
+    /// True if lookups compare with a depth.
     pub shadow: bool,
     pub component: Component,
     /// The format of an image for storage, as SPIR-V numbers it; 0 for none.
@@ -72,12 +73,12 @@ pub struct ImageKind {
 /// The name of a push-constant block without a name.
 const NAMELESS_PUSH: &str = "push";
 
-/// What a name of set and binding is, for messages.
+/// Explains a name that consists of set and binding, for messages.
 pub fn nameless(name: &str) -> String {
     format!("the module has no names, and {name:?} is set and binding; a compiler keeps names with -g")
 }
 
-/// How many axes an image has.
+/// The dimensions of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dim {
     One,
@@ -88,20 +89,20 @@ pub enum Dim {
     Buffer,
 }
 
-/// A variable that is bound.
+/// A variable with a binding.
 #[derive(Debug, Clone)]
 pub struct Variable {
-    /// Its binding in set 0, of its own.
+    /// The binding in set 0, which no other variable has.
     pub binding: u32,
-    /// Its name, or the block's where it has none; set and binding with a point between them where neither has one.
+    /// The variable's name, or else the block's name; if neither has a name, set and binding with a point between them.
     pub name: String,
-    /// Whether neither it nor its block has a name.
+    /// True if neither the variable nor its block has a name.
     pub is_nameless: bool,
     /// The block's name; empty for an image.
     pub block: String,
-    /// Elements: above 1 for an array.
+    /// Number of elements; above 1 for an array.
     pub count: u32,
-    /// Whether the shader says that it only reads.
+    /// True if the shader declares that it only reads the variable.
     pub read_only: bool,
     pub kind: VariableKind,
 }
@@ -111,7 +112,7 @@ pub enum VariableKind {
     Sampled(ImageKind),
     Stored(ImageKind),
     Uniform(BlockLayout),
-    /// The bytes that a storage block has at least.
+    /// A storage block, with its least number of bytes.
     Storage(u32),
 }
 
@@ -120,23 +121,23 @@ pub enum VariableKind {
 pub struct Crossing {
     pub name: String,
     pub location: u32,
-    /// Its numbers; `None` for what is neither a number nor a vector.
+    /// The type of the numbers; `None` for a variable that is neither a number nor a vector.
     pub component: Option<Component>,
-    /// Numbers of the vector.
+    /// How many numbers the vector has.
     pub numbers: u32,
 }
 
 /// A module and its interface.
 #[derive(Debug)]
 pub struct ShaderInterface {
-    /// The code, with a binding of its own for each variable, and the input at location 0.
+    /// The code, in which each variable has its new binding, and the input is at location 0.
     pub words: Vec<u32>,
-    /// In the order of their bindings.
+    /// The variables in the order of their bindings.
     pub variables: Vec<Variable>,
     pub push: Option<(String, BlockLayout)>,
-    /// Inputs of a fragment shader that it reads.
+    /// Inputs that a fragment shader reads.
     pub inputs: Vec<Crossing>,
-    /// In the order of their locations.
+    /// The outputs in the order of their locations.
     pub outputs: Vec<Crossing>,
     pub constants: Vec<Constant>,
     pub local_size: [u32; 3],
@@ -144,10 +145,10 @@ pub struct ShaderInterface {
     pub shared_bytes: u64,
 }
 
-/// Reads a module whose entry point is `main`; `is_fragment` says for which stage it is meant.
+/// Reads a module whose entry point is `main`; `is_fragment` is true for a fragment shader, and false for a compute shader.
 ///
 /// # Errors
-/// A sentence, which does not name the file, on what cannot be used.
+/// A sentence on the first fault, which does not name the file.
 pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, String> {
     let code = SpirvCode::read(words).ok_or("is not SPIR-V")?;
     check_entry(&code, is_fragment)?;
@@ -202,7 +203,7 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
     Ok(found)
 }
 
-/// The only input that a fragment shader reads, which is moved to location 0, where texture coordinates are given.
+/// The id of the only input that a fragment shader reads; this input is moved to location 0, at which texture coordinates arrive.
 fn input_place(code: &SpirvCode, inputs: &[Crossing]) -> Option<u32> {
     let [only] = inputs else { return None };
     let is_it =
@@ -226,7 +227,7 @@ fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
     }
 }
 
-/// What a variable of a descriptor is.
+/// Reads a variable that a descriptor binds.
 fn resource(
     code: &SpirvCode,
     (id, class, pointee): (u32, u32, u32),
@@ -279,7 +280,7 @@ fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
     Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: definition.word(7) })
 }
 
-/// A variable between stages; `None` for one that the stage has built in.
+/// A variable between stages; `None` for a built-in variable of the stage.
 fn crossing(code: &SpirvCode, id: u32, pointee: u32) -> Option<Crossing> {
     if code.decoration(id, decoration::BUILT_IN).is_some() || code.has_built_in_members(pointee) {
         return None;

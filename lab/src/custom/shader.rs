@@ -1,5 +1,5 @@
-//! Compiles a user's shader and finds what it binds. GLSL for OpenGL is taken, too: names get bindings and locations, and
-//! uniforms that stand alone become a block.
+//! Compiles a user's shader and finds its bindings. GLSL for OpenGL is accepted, too: names get bindings and locations, and loose uniforms
+//! are put into a block.
 
 use super::built_in;
 use super::includes::{self, Includes, MAX_BYTES};
@@ -23,7 +23,7 @@ use std::sync::LazyLock;
 pub struct CompiledPass {
     pub shader: &'static Shader,
     pub interface: ShaderInterface,
-    /// Names of uniforms and the values that they have of their own; `None` for one that is no plain number.
+    /// Names of uniforms with their initial values; `None` for a value that is no plain number.
     pub own: Vec<(String, Option<Vec<f64>>)>,
     pub files: Vec<PathBuf>,
 }
@@ -38,8 +38,8 @@ struct CompiledCode {
 /// Compiles the shader of a pass.
 ///
 /// # Errors
-/// [`Error::Io`] without the file, and [`Error::Malformed`] with its line for what the compiler says first, and for files
-/// that lie elsewhere than they may.
+/// [`Error::Io`] if there is no file. [`Error::Malformed`] with the line of the compiler's first message, and for files outside of the
+/// allowed folders.
 pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     let (path, method) = (&pass.shader, &manifest.name);
     includes::check_shader(path, &manifest.folder)?;
@@ -48,14 +48,14 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     let interface = reflect(&compiled.words, pass.stage == PassStage::Fragment)
         .map_err(|message| Error::malformed(path, None, message))?;
     let spirv: Vec<u8> = interface.words.iter().flat_map(|w| w.to_le_bytes()).collect();
-    // The name tells the code from all other code that a device keeps pipelines of.
+    // The digest distinguishes the code from all other code whose pipelines a device keeps.
     let digest = Sha256::digest(&spirv).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>();
     let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shader = loose::shader(format!("{method}/{file}#{digest}"), spirv, &bound(&interface))?;
     Ok(CompiledPass { shader, interface, own: compiled.own, files: compiled.files })
 }
 
-/// What a pipeline needs to know of an interface.
+/// The part of an interface that a pipeline needs.
 fn bound(interface: &ShaderInterface) -> Interface {
     let bindings = interface.variables.iter().map(|v| StageBinding {
         binding: v.binding,
@@ -96,12 +96,12 @@ fn binary(path: &Path) -> Result<CompiledCode> {
     Ok(CompiledCode { words, own: Vec::new(), files: vec![path.to_path_buf()] })
 }
 
-/// One for the whole process: the last that is dropped forgets GLSL's built-in functions, and the next reads them again, which takes
-/// far longer than a shader (findings/shaderc-forgets-what-it-knows.sh).
+/// The one compiler of the process. When the last compiler is dropped, GLSL's built-in functions are forgotten, and the next one reads them
+/// again, which takes far longer than compiling a shader (findings/shaderc-forgets-what-it-knows.sh).
 static COMPILER: LazyLock<std::result::Result<Compiler, shaderc::Error>> = LazyLock::new(Compiler::new);
 
-/// Compiles GLSL in two steps: the compiler's preprocessor takes out comments, macros, includes and what is switched off,
-/// so that loose uniforms can be told by their tokens; then the text with these in blocks becomes code.
+/// Compiles GLSL in two steps. The compiler's preprocessor removes comments, macros, includes and lines that are switched off, so that
+/// loose uniforms can be told by their tokens. Then the text with these uniforms in blocks becomes code.
 fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     let path = &pass.shader;
     let source = match built_in::text(path) {
@@ -140,7 +140,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     };
     let label = path.to_string_lossy();
     let says = |e: shaderc::Error| match (compiler_says(path, &e.to_string()), included.borrow_mut().refused.take()) {
-        // The compiler's words around ours would say less.
+        // The reason why an include was refused stands alone, since the compiler's words around it would hide it.
         (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
         (error, _) => error,
     };
@@ -159,7 +159,7 @@ fn compiler_says(path: &Path, text: &str) -> Error {
         // FILE:LINE: error: what
         let Some((place, what)) = line.split_once(": error: ") else { continue };
         let Some((file, number)) = place.rsplit_once(':') else { continue };
-        // `texture2D` is a type of Vulkan's GLSL, which cannot be constructed.
+        // In Vulkan's GLSL, `texture2D` is a type that cannot be constructed, and the message does not name it; the line does.
         let blamed = match number.parse::<usize>() {
             Ok(number) if what.contains("cannot construct this type") => line_of(Path::new(file), number),
             _ => None,

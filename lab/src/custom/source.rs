@@ -1,40 +1,40 @@
-//! What a shader of a user may read: the names that a manifest has for it.
+//! The images that a user's shader may read, by their names in a manifest.
 
 use crate::conventions::NormalEncoding;
 use std::fmt;
 
-/// Which depth.
+/// A kind of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Depth {
-    /// Near 1, far 0.
+    /// Reversed depth: 1 at the near plane, 0 at the far plane.
     Reversed,
-    /// Near 0, far 1.
+    /// Standard depth: 0 at the near plane, 1 at the far plane.
     Standard,
     /// View-space z in metres.
     Linear,
 }
 
-/// In which space a normal is, and how it is encoded.
+/// The space and the encoding of a normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Normal {
-    /// World space, else view space.
+    /// True for world space, false for view space.
     pub world: bool,
-    /// How it is encoded.
+    /// The encoding of the normal.
     pub encoding: NormalEncoding,
 }
 
 /// A chain of minima or maxima of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct DepthChain {
-    /// Maxima, else minima.
+    /// True for maxima, false for minima.
     pub maximum: bool,
     /// The depth that the chain is made of.
     pub depth: Depth,
-    /// Whether sizes are rounded up to powers of two; else each is half of the one before, rounded down.
+    /// True if sizes are rounded up to powers of two; if false, each size is half of the one before, rounded down.
     pub padded: bool,
 }
 
-/// Which part of the captures.
+/// A part of the captures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CapturePart {
     /// Lit colour, cubes.
@@ -50,25 +50,25 @@ pub enum CapturePart {
 pub enum ImageSource {
     /// Lit colour, level 0 alone.
     LitColour,
-    /// Lit colour with its chain, by the Gaussian or by halving.
+    /// Lit colour with its chain, made by the Gaussian or by halving.
     LitColourChain {
-        /// By the Gaussian.
+        /// True for the Gaussian, false for halving.
         gaussian: bool,
     },
     /// A depth.
     Depth(Depth),
     /// A normal.
     Normal(Normal),
-    /// Where surfaces stand.
+    /// Positions of surfaces.
     Position {
-        /// In world space, else in view space.
+        /// True for world space, false for view space.
         world: bool,
     },
     /// Reflectivity and roughness.
     Material,
     /// A chain of depths.
     DepthChain(DepthChain),
-    /// The thesis's: standard depth, minimum and maximum.
+    /// The thesis's Hi-Z chain: minimum and maximum of standard depth.
     ThesisHiZ,
     /// The thesis's visibility.
     Visibility,
@@ -84,7 +84,7 @@ pub enum ImageSource {
     Captures(CapturePart),
     /// An image of the method's own.
     Own(String),
-    /// What a source was in the frame before.
+    /// A source as it was in the frame before.
     Previous(Box<ImageSource>),
 }
 
@@ -109,7 +109,7 @@ impl ImageSource {
     /// The source of a name.
     ///
     /// # Errors
-    /// A clause that says what is wrong with it.
+    /// A clause that says what is wrong with the name.
     pub fn parse(text: &str, own: impl Fn(&str) -> bool + Copy) -> Result<Self, String> {
         let words: Vec<&str> = text.split(':').collect();
         let unknown = || {
@@ -156,7 +156,7 @@ impl ImageSource {
         })
     }
 
-    /// Whether it is an image of one level that frames leave for the next.
+    /// True for an image of one level that can be kept for the next frame.
     fn can_be_kept(&self) -> bool {
         matches!(
             self,
@@ -164,7 +164,7 @@ impl ImageSource {
         )
     }
 
-    /// Whether it has several levels, or is read between texels.
+    /// True if shaders read the image between its texels, so that it needs a linear sampler.
     pub fn is_smooth(&self) -> bool {
         match self {
             Self::LitColour | Self::LitColourChain { .. } | Self::Sky | Self::Visibility => true,

@@ -1,4 +1,4 @@
-//! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
+//! Values for the fields of a shader's uniform blocks and push constants, and for its specialization constants.
 
 use super::conventions::Conventions;
 use super::reflect::{BlockField, Component};
@@ -9,7 +9,7 @@ use crate::passes::hi_z;
 use crate::scene::Camera;
 use glam::{DMat4, DVec3, Vec3};
 
-/// What a manifest gives to a field: numbers, or the name of something that changes.
+/// The value that a manifest gives to a field: numbers, or the name of a value that changes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Feed {
     /// Numbers, as many as the field has.
@@ -20,7 +20,7 @@ pub enum Feed {
     Parameter(String),
 }
 
-/// The names, and what they stand for.
+/// The names of values, each with its meaning.
 pub const NAMES: [(&str, &str); 36] = [
     ("view-to-clip", "matrix: view space to clip space"),
     ("clip-to-view", "matrix: its inverse"),
@@ -98,13 +98,13 @@ impl Feed {
         }
     }
 
-    /// Whether it is this name.
+    /// True if the value has the name `wanted`.
     pub fn is_named(&self, wanted: &str) -> bool {
         *self == Self::Named(NAMES.iter().find(|(name, _)| *name == wanted).map_or("", |(name, _)| name))
     }
 }
 
-/// All that values are made of in a frame.
+/// The data of a frame from which values are made.
 pub struct FrameState<'a> {
     pub camera: &'a Camera,
     pub before: &'a Camera,
@@ -122,7 +122,7 @@ pub struct FrameState<'a> {
     pub parameters: &'a [Parameter],
 }
 
-/// A field of a block, and what fills it.
+/// A field of a block, with the value that fills it.
 #[derive(Debug, Clone)]
 pub struct FilledField {
     field: BlockField,
@@ -130,17 +130,17 @@ pub struct FilledField {
 }
 
 impl FilledField {
-    /// A field with what fills it.
+    /// Makes a field with the value that fills it.
     ///
     /// # Errors
-    /// A clause that says that the field has other numbers.
+    /// A clause that says that the field's numbers do not fit the value.
     pub fn new(field: &BlockField, given: Feed) -> Result<Self, String> {
         let filled = Self { field: field.clone(), given };
         filled.check()?;
         Ok(filled)
     }
 
-    /// Whether the field has as many numbers as what fills it.
+    /// Checks that the field's numbers fit the value.
     fn check(&self) -> Result<(), String> {
         let [elements, columns, rows] = self.field.shape;
         let numbers = self.field.places.len();
@@ -167,7 +167,7 @@ impl FilledField {
         if let (Feed::Named(name), [_, columns, rows]) = (&self.given, self.field.shape)
             && is_matrix(name)
         {
-            // A smaller matrix has the first rows and columns.
+            // A smaller matrix takes the first rows and columns of the matrix of four.
             let of_four = |k: u32| numbers.get(((k / rows) * 4 + k % rows) as usize).copied().unwrap_or(0.0);
             numbers = (0..columns * rows).map(of_four).collect();
         }
@@ -178,7 +178,7 @@ impl FilledField {
                 Component::Int => (number as i32).to_le_bytes(),
                 Component::Uint => (number as u32).to_le_bytes(),
             };
-            // The block is as long as the place of its last number says.
+            // The place lies within `bytes`, since the size of the block covers its last number.
             bytes[*place as usize..][..4].copy_from_slice(&word);
         }
     }
@@ -189,7 +189,7 @@ fn is_matrix(name: &str) -> bool {
 }
 
 impl Feed {
-    /// The numbers for a field of so many.
+    /// The numbers of the value, for a field of `wanted` numbers.
     pub fn numbers(&self, state: &FrameState, wanted: usize) -> Vec<f64> {
         let [width, height] = state.extent.map(f64::from);
         let [pass_width, pass_height] = state.pass_extent.map(f64::from);
@@ -243,7 +243,7 @@ impl FrameState<'_> {
             Value::Switch(on) => f64::from(u8::from(on)),
             Value::Count(n) => f64::from(n),
             Value::Number(n) => f64::from(n),
-            // A choice is told by its number.
+            // A choice is given by its number.
             Value::Choice(chosen) => match &row.domain {
                 Domain::Choices(all) => all.iter().position(|c| c.name == chosen).unwrap_or(0) as f64,
                 _ => 0.0,
@@ -251,7 +251,7 @@ impl FrameState<'_> {
         }
     }
 
-    /// A place of the world in the shader's world space.
+    /// A place in the shader's world space, from its place in this program's world space.
     fn world(&self, place: DVec3) -> DVec3 {
         axes(self.conventions.world).transform_vector3(place)
     }
@@ -260,13 +260,13 @@ impl FrameState<'_> {
         self.world(self.camera.eye().as_dvec3())
     }
 
-    /// World to view space of a camera, in the shader's spaces.
+    /// The matrix from world to view space of a camera, in the shader's spaces.
     fn world_to_view(&self, camera: &Camera) -> DMat4 {
-        // The inverse of axes is their transpose.
+        // The inverse of a matrix of axes is its transpose.
         axes(self.conventions.view) * camera.world_to_view.as_dmat4() * axes(self.conventions.world).transpose()
     }
 
-    /// View to clip space of a camera, in the shader's spaces.
+    /// The matrix from view to clip space of a camera, in the shader's spaces.
     pub fn view_to_clip(&self, camera: &Camera) -> DMat4 {
         self.view_to_clip_with(camera, self.conventions.clip_depth)
     }
@@ -320,7 +320,7 @@ fn scale(camera: &Camera) -> [f64; 2] {
     [projection.x_axis.x, projection.y_axis.y]
 }
 
-/// From this program's axes, which are left-handed with y up, to those of a shader.
+/// The matrix from this program's axes, which are left-handed with y up, to the axes of a shader.
 pub fn axes(to: Axes) -> DMat4 {
     DMat4::from_mat3(to.to_ours().transpose())
 }

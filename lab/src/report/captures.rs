@@ -1,4 +1,4 @@
-//! Where captures stand and what they see, as records, as a table and as a map; and pictures of them.
+//! Places of captures and the share that they see, as records, as a table and as a map; and pictures of captures.
 
 use super::diagrams::COLORS;
 use super::images::{Rgb, display, picture};
@@ -26,7 +26,7 @@ pub struct CaptureRecord {
     pub near_m: f32,
     /// Width and height of a face in texels.
     pub resolution: u32,
-    /// The share, 0…1, of what mirrors show beyond the screen that this capture and those before it see.
+    /// The share, 0…1, that this capture and those before it see of what mirrors show beyond the screen.
     pub seen: f32,
 }
 
@@ -96,8 +96,8 @@ const PICTURE_SIDE: u32 = 512;
 /// Columns and rows of a cube that is laid open as a cross.
 pub const CROSS: [u32; 2] = [4, 3];
 
-/// Column and row of each face in it, in Vulkan's order: the four sides beside each other with +z in the second place, +y
-/// above it and −y below.
+/// Column and row of each face in the cross, in Vulkan's order. The four sides are beside each other with +z in the second place, and +y is
+/// above +z and −y below it.
 pub const FACES_IN_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 
 /// The grey of a cross where no face lies.
@@ -110,8 +110,8 @@ pub struct CubePictures {
 }
 
 impl CubePictures {
-    /// Adds a face (0…5 in Vulkan's order), of which every n-th texel is taken where it has more than 512 a side. Where
-    /// the sky is seen it is the built-in one.
+    /// Adds a face (0…5 in Vulkan's order). From a face with more than 512 texels a side, only every n-th texel is taken. Texels of sky
+    /// show the built-in environment.
     pub fn add(&mut self, face: usize, data: &GBufferData) {
         let step = data.width.div_ceil(PICTURE_SIDE);
         let side = data.width / step;

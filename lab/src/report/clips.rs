@@ -9,7 +9,7 @@ const QUALITY: f32 = 85.0;
 /// A film as an animated picture (WebP).
 ///
 /// # Errors
-/// What the encoder says, of images too large for the format.
+/// The encoder's message, as for images that are too large for the format.
 pub fn encode_animation(film: &Film, frames_per_second: f32) -> Result<Vec<u8>, String> {
     let said = |e: webp_animation::Error| format!("{e:?}");
     let config = EncodingConfig::new_lossy(QUALITY);

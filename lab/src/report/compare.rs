@@ -37,8 +37,8 @@ pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()
     Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
 
-/// What was compared and how, a row for each pass and total that both sides have, what one lacks, and
-/// how many totals got which verdict. With `all`, the parts of groups have rows, too.
+/// The text of a comparison: both runs, the rules, a row for each pass and total that both runs have, the passes of one run alone, and how
+/// many totals got each verdict. With `all`, the parts of groups have rows, too.
 pub fn times(records: &[TimeComparison], all: bool) -> String {
     let Some(first) = records.first() else { return String::new() };
     let mut text = sides(first);
@@ -96,7 +96,7 @@ fn interval_method_text(first: &TimeComparison) -> String {
     )
 }
 
-/// What only one side has.
+/// The passes that only one run has.
 fn only_in_one(records: &[TimeComparison], all: bool) -> String {
     let mut text = String::new();
     for (side, name) in [(Side::A, "A"), (Side::B, "B")] {
@@ -119,7 +119,8 @@ fn percent(share: f64) -> f64 {
     (share * 1e6).round() / 1e4
 }
 
-/// A difference with six digits behind the point; one of 0 is named, and a lesser one is not shown as 0.
+/// A difference with six digits behind the point. A difference of 0 is called identical, and a smaller one than the digits show is not
+/// shown as 0.
 fn number(value: f64) -> String {
     match value {
         0.0 => "identical".to_owned(),

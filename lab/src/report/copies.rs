@@ -1,15 +1,15 @@
-//! Copies of files that runs left, into the folder of the merged run. The runs may be a stranger's: only pictures that lie
-//! in their folders are copied, under names that are names alone.
+//! Copies files of runs into the folder of the merged run. A run may come from a stranger, so that only pictures in its folder are copied,
+//! under names without a path.
 
 use crate::error::{Error, Result};
 use crate::inside::PathInFolder;
 use crate::study::names::safe_word;
 use std::collections::BTreeMap;
 
-/// The endings of what measurements make beside records.
+/// The endings of the pictures that measurements make beside records.
 const PICTURES: [&str; 4] = ["png", "exr", "webp", "svg"];
 
-/// Elements of the drawings that this program makes. Others, such as a script, could do more than be seen.
+/// Elements of the drawings that this program makes. Other elements, such as a script, could do more than be seen.
 const DRAWN: [&str; 14] = [
     "svg", "g", "path", "line", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan", "title", "desc",
     "defs",
@@ -18,7 +18,7 @@ const DRAWN: [&str; 14] = [
 /// Checks the name of a picture that a file gives.
 ///
 /// # Errors
-/// What is wrong with it, as the end of a sentence about it.
+/// The fault of the name, as the end of a sentence about the name.
 pub fn check_name(name: &str) -> std::result::Result<(), String> {
     if safe_word(name) != name {
         return Err("is no name of a file".to_owned());
@@ -32,7 +32,7 @@ pub fn check_name(name: &str) -> std::result::Result<(), String> {
 /// Checks the files of a folder that [`copy_files`] would copy, before anything is written.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a file that is not copied, [`Error::Io`] for a folder that cannot be read.
+/// [`Error::Malformed`] for a file that may not be copied, [`Error::Io`] for a folder that cannot be read.
 pub fn check(folder: &PathInFolder) -> Result<()> {
     for listed in folder.list()? {
         let place = folder.join(&listed.name);
@@ -63,7 +63,7 @@ fn read_checked(place: &PathInFolder) -> Result<Option<Vec<u8>>> {
     Ok(bytes)
 }
 
-/// A drawing is opened by itself, too, where a browser would run what stands in it.
+/// Checks a drawing for elements and attributes that a browser would run or load, since a user may open the drawing by itself.
 fn check_drawing(svg: &[u8], place: &PathInFolder) -> Result<()> {
     let wrong = |why: String| Err(Error::malformed(place.path(), None, format!("is no drawing that is copied: {why}")));
     let Ok(text) = str::from_utf8(svg) else { return wrong("it is no text".to_owned()) };
@@ -84,7 +84,7 @@ fn check_drawing(svg: &[u8], place: &PathInFolder) -> Result<()> {
     Ok(())
 }
 
-/// The part of a tag before the `>` that ends it; a `>` inside quotes ends nothing.
+/// The part of a tag before the `>` that ends it; a `>` inside quotes does not end the tag.
 fn attributes(tag: &str) -> &str {
     let mut quote = None;
     let end = tag.find(|c: char| {

@@ -1,4 +1,4 @@
-//! Diagrams of the thesis, drawn as SVG from what the passes really made.
+//! Diagrams of the thesis, drawn as SVG from images that the passes made.
 
 mod chain;
 mod cone;

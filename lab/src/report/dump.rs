@@ -1,5 +1,5 @@
-//! What `ssct render --dump` writes: every image on the way to a frame, what the fade left, and whether each pixel is right
-//! (docs/dump.md has a row for every file).
+//! Writes the files of `ssct render --dump`: every image on the way to a frame, the fade, and whether each pixel is right (docs/dump.md has
+//! a row for every file).
 
 use super::files;
 use super::images::{Color, PATH_COLORS, Rgb, paths, picture, write_exr};
@@ -20,11 +20,11 @@ const VERDICT_COLORS: [(PixelVerdict, Color, &str); 4] = [
     (PixelVerdict::WrongByWorld, [60, 90, 230], "wrong by the world: the screen does not have it"),
 ];
 
-/// What is known of a frame.
+/// The images and verdicts of a frame.
 pub struct Dump<'a> {
     /// Every image on the way, with its stem.
     pub intermediates: &'a Intermediates,
-    /// The lens of the camera, by which depths are shaded.
+    /// The lens of the camera, which decides the shades of depths.
     pub lens: &'a Lens,
     /// Reflection colour, and the fade in the fourth channel.
     pub reflection: &'a Pixels,

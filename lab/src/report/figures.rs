@@ -34,7 +34,7 @@ choices! {
 }
 
 impl Figure {
-    /// The method that it is of.
+    /// The method that the figure shows.
     pub fn method(self) -> &'static str {
         match self {
             Self::VisibilityChain | Self::RaySplit => "ssct",
@@ -43,7 +43,7 @@ impl Figure {
         }
     }
 
-    /// How the method is set up for it.
+    /// The setup of the method for the figure.
     pub fn setup(self, setup: &Setup) -> Setup {
         let poster_setup = |filter, fade| {
             let setup = setup.with(|p: &mut PosterParams| p.poster_filter = filter);
@@ -58,13 +58,13 @@ impl Figure {
     }
 }
 
-/// Levels of the figures 4.9 and 4.10.
+/// Number of levels in the figures 4.9 and 4.10.
 const SSLR_LEVELS: usize = 5;
 
 /// Draws a figure.
 ///
 /// # Errors
-/// [`Error::Usage`] if the method has not what the figure shows.
+/// [`Error::Usage`] if the method does not make the images that the figure shows.
 pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
         Figure::VisibilityChain => chain(all, "visibility", 1..usize::MAX, lens),
@@ -84,8 +84,7 @@ fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pix
         .ok_or_else(|| Error::Usage(format!("this method has no {stem} to make the figure of")))
 }
 
-/// Some levels of a chain: the first at the left, the smaller ones stacked at its right, as the thesis
-/// sets them.
+/// Some levels of a chain, arranged as in the thesis: the first at the left, the smaller ones stacked at its right.
 fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> Result<Rgb> {
     let level = |stem: &str| stem.strip_prefix(name)?.strip_prefix('-')?.parse().ok();
     let levels: Vec<Rgb> = all

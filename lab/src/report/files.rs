@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Writes a file whole or not at all ([`PathInFolder::write`]); a path is one that the user named.
+/// Writes a file whole or not at all ([`PathInFolder::write`]). A plain path stands for a file that the user named.
 pub fn write(to: impl Into<PathInFolder>, bytes: &[u8]) -> Result<()> {
     to.into().write(bytes)
 }
@@ -29,7 +29,7 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
 pub fn csv(cells: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in cells {
-        // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
+        // Writing to memory can't fail; if it did, the file would lack rows, and its reader would fail.
         let _ = writer.write_record(row.iter().map(|cell| csv_cell(cell).into_owned()));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
@@ -38,17 +38,18 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 /// The records of a study, from the JSON array that it wrote.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be read, [`Error::Malformed`] if it holds other records.
+/// [`Error::Io`] if the file can't be read, [`Error::Malformed`] if it holds other records.
 pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> {
     serde_json::from_slice(&file.bytes()?)
         .map_err(|e| Error::malformed(file.path(), None, format!("holds other records: {e}")))
 }
 
-/// Reads what [`sample_cells`](crate::study::timing::sample_cells) makes, as CSV, now or at an earlier version, whose files have fewer columns.
+/// Reads samples as [`sample_cells`](crate::study::timing::sample_cells) makes them, from CSV. Files of earlier versions have fewer
+/// columns.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
-/// or has a time that is no finite number ≥ 0, or if there are no rows.
+/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if there are no rows, or with the line of a row that lacks a column or has
+/// a time that is no finite number ≥ 0.
 pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     let (path, text) = (&file.path(), file.bytes()?);
     let mut rows = Vec::new();
@@ -60,7 +61,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
         let row_subject = subject(&headers, &record, &parameters);
-        // The rows of a run are of few subjects, which follow each other.
+        // A run has few subjects, and rows of one subject follow each other, so that such rows share one value.
         let known = rows.last().map(|row: &TimeSample| &row.subject).filter(|known| ***known == row_subject);
         let row = TimeSample {
             subject: known.cloned().unwrap_or_else(|| Arc::new(row_subject)),
@@ -84,7 +85,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     Ok(rows)
 }
 
-/// A cell of a row, or what is wrong with it.
+/// A cell of a row; the error says what is wrong with the cell.
 fn parsed<T: FromStr>(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
@@ -96,7 +97,7 @@ fn parsed<T: FromStr>(
     text.parse().map_err(|_| format!("no sample of a time: {text:?} in the column {column}"))
 }
 
-/// What a row is of. Parameters that the method does not have are left out: an older file has a value in every column.
+/// The subject of a row. Parameters that the method does not have are left out: an older file has a value in every column.
 fn subject(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
@@ -111,7 +112,7 @@ fn subject(
     };
     let known = methods::find(method).is_ok();
     let columns = headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!known || has(name)));
-    // Numbers as they are written today: an older file has 1 where a newer has 1.0.
+    // Numbers are written as today, since an older file has 1 where a newer one has 1.0.
     let plain = |text: &str| text.parse::<f64>().map_or_else(|_| text.to_owned(), |n| n.to_string());
     Subject(columns.map(|(name, text)| (name.to_owned(), plain(text))).collect())
 }
@@ -119,7 +120,7 @@ fn subject(
 /// The device of a time.json, from its first record; `None` if there is no such file.
 ///
 /// # Errors
-/// [`Error::Io`] if it is there and can't be read, [`Error::Malformed`] if it holds no record with a device.
+/// [`Error::Io`] if the file exists and can't be read, [`Error::Malformed`] if it holds no record with a device.
 pub fn read_device(file: &PathInFolder) -> Result<Option<DeviceInfo>> {
     let Some(text) = file.read()? else { return Ok(None) };
     let path = &file.path();

@@ -37,7 +37,7 @@ pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     ])
 }
 
-/// How much each pixel of a G-buffer's material reflects: black nothing, white all.
+/// The reflectivity of each pixel of a G-buffer's material: black is 0, and white is 1.
 pub fn reflectivity(material: &Pixels) -> Rgb {
     Rgb::from_pixels(material, |c| [unit(c[0]); 3])
 }

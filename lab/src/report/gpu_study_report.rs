@@ -40,9 +40,9 @@ pub struct DeviceTimes {
     pub table: Vec<TimeRecord>,
     /// Every method on every view, in fragment and in compute shaders.
     pub methods: Vec<TimeRecord>,
-    /// `unified` on each view and at each roughness, with the screen and then the triangles asked first.
+    /// `unified` on each view and at each roughness: in turn with the screen traced first, and with the triangles traced first.
     pub first: Vec<TimeRecord>,
-    /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without them.
+    /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without ray queries.
     pub tracers: Vec<TimeRecord>,
     /// The variants of the README's tables.
     pub readme: Vec<TimeRecord>,
@@ -51,13 +51,13 @@ pub struct DeviceTimes {
 }
 
 impl DeviceTimes {
-    /// All of them.
+    /// All times.
     pub fn all(&self) -> Vec<TimeRecord> {
         [&self.table[..], &self.methods, &self.first, &self.tracers, &self.readme, &self.stages].concat()
     }
 }
 
-/// What the study finds beside times.
+/// The findings of the study other than times.
 pub struct Findings {
     /// The rate of a plain copy.
     pub copy: BandwidthRecord,
@@ -228,18 +228,18 @@ fn place(head: &Head) -> Vec<String> {
     ]
 }
 
-/// What the tables of every method say of their times.
+/// The text about times with the tables of every method.
 const METHODS_SAY: &str = "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was \
                            also timed against itself: the floor is how far its time strays from itself, and a smaller \
                            difference means nothing.";
 
-/// The records of a stage.
+/// The records of a shader stage.
 fn in_stage(records: &[TimeRecord], stage: Stage) -> Vec<TimeRecord> {
     let is_it = |r: &&TimeRecord| r.head.setting(STAGE) == stage.name();
     records.iter().filter(is_it).cloned().collect()
 }
 
-/// The parameter of the stage.
+/// The name of the parameter that chooses the shader stage.
 const STAGE: &str = "stage";
 
 /// Methods that were timed in both stages: their totals side by side.
@@ -290,7 +290,8 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// The passes that two variants of a method have in common, and their totals; records come in pairs of the two.
+/// The passes that two variants of a method have in common, and their totals; in `records`, each record of the first variant is followed by
+/// one of the second.
 fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String>> {
     let [one_ms, other_ms] = [format!("{one} ms"), format!("{other} ms")];
     let mut rows = header(&["view", "size", "roughness", "pass", &one_ms, &other_ms, &format!("{other} / {one}")]);

@@ -1,6 +1,5 @@
-//! The page of a study: tables, plots and pictures in one file that needs nothing from elsewhere.
-//! Pictures are embedded small; the lossless ones and the raw records lie beside it, and it links
-//! to them.
+//! The page of a study: tables, plots and pictures in one file that needs nothing from elsewhere. The page embeds pictures at a small size,
+//! and links to files beside the page with lossless pictures and raw records.
 
 mod embed;
 mod figures;
@@ -32,9 +31,9 @@ use std::path::PathBuf;
 pub struct Page<'a> {
     /// Device that everything ran on.
     pub device: &'a DeviceInfo,
-    /// The command that made it.
+    /// The command that made the page.
     pub command: String,
-    /// What is still to be made, if the study has not ended.
+    /// The parts that are still to be made, if the study has not ended.
     pub to_come: Vec<String>,
     /// Times.
     pub times: Times<'a>,
@@ -44,13 +43,13 @@ pub struct Page<'a> {
     pub views: &'a [Gallery],
     /// Figures of the thesis.
     pub figures: &'a [Picture],
-    /// The methods' images on other devices against those on this one; empty where there is no other.
+    /// Comparisons of the methods' images on other devices with those on this device; empty if there is no other device.
     pub same: &'a [AgreementRecord],
-    /// Records beside the page: file or folder, relative to it, and what it has.
+    /// Records beside the page: a file or folder, relative to the page, and its content.
     pub records: Vec<(String, String)>,
 }
 
-/// What was timed.
+/// The times that the page shows.
 pub struct Times<'a> {
     /// One sentence: which views were timed, and how.
     pub settings: String,
@@ -64,7 +63,7 @@ pub struct Times<'a> {
     pub plot: String,
 }
 
-/// What was held against the references.
+/// The errors that the page shows.
 pub struct Errors<'a> {
     /// One sentence: what was measured, and how.
     pub settings: String,
@@ -89,7 +88,7 @@ const PARTS: [(&str, &str); 8] = [
 ];
 
 impl Page<'_> {
-    /// The whole page; its pictures are read from the folder that it will lie in.
+    /// The whole page; its pictures are read from the folder in which the page will lie.
     pub fn render(&self, folder: &PictureFolder) -> Result<String> {
         let [views, figures, table, stages, error, passes, drivers, records] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
@@ -146,7 +145,7 @@ pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tabl
     frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
 }
 
-/// What every page is: its head, its header, and its body.
+/// The frame of every page: its head, its header, and its body.
 fn frame(title: &str, header: &Markup, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -191,7 +190,7 @@ fn page_header(
     }
 }
 
-/// A device with all that is known of it.
+/// The text about a device: name, kind, version of Vulkan, and driver.
 fn device_text(d: &DeviceInfo) -> String {
     format!("{} ({}, Vulkan {}, {})", d.name, d.kind, d.api, d.driver)
 }
@@ -202,7 +201,7 @@ fn head(title: &str) -> Markup {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
             title { "ssct " (title) }
-            // Without it a browser asks the server for one.
+            // Without this link, a browser asks the server for an icon.
             link rel="icon" href="data:,";
             style { (PreEscaped(include_str!("html/page.css"))) }
         }
@@ -220,24 +219,24 @@ fn missing_cells(missing: &[String]) -> Markup {
     }
 }
 
-/// A page of a study with the cells that it lacks, which are named below its header.
+/// A page of a study, to which a list of its missing cells is added below the header.
 pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     const END: &str = "</header>";
     let header_end = page.find(END).map_or(0, |offset| offset + END.len());
     format!("{}{}{}", &page[..header_end], missing_cells(missing).into_string(), &page[header_end..])
 }
 
-/// What a device made, as text.
+/// The results of a device, as text.
 pub struct DeviceText {
     /// The name of the device.
     pub title: String,
-    /// What it made.
+    /// The results.
     pub text: String,
     /// The folder with the device's files, relative to the page.
     pub folder: PathBuf,
 }
 
-/// A page with what each of several devices made.
+/// A page with the results of several devices.
 pub fn devices_page(
     title: &str,
     definitions: u32,

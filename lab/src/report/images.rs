@@ -37,7 +37,7 @@ impl Rgb {
     }
 }
 
-/// Writes 8-bit RGBA, rows from the top, as it stands.
+/// Writes 8-bit RGBA without a change, rows from the top.
 pub fn write_rgba_png(to: impl Into<PathInFolder>, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
     write_png(&to.into(), extent, rgba, image::ExtendedColorType::Rgba8)
 }
@@ -54,7 +54,7 @@ pub fn display(pixels: &Pixels) -> Rgb {
     Rgb::from_pixels(pixels, |c| [display_byte(c[0]), display_byte(c[1]), display_byte(c[2])])
 }
 
-/// An error unless a path ends as an image does that [`write_image`] writes: before the work, not after.
+/// Fails unless a path has an extension that [`write_image`] writes. The check comes before the work, so that no work is lost.
 pub fn check_extension(path: &Path) -> Result<()> {
     if is(path, "png") || is(path, "exr") {
         return Ok(());
@@ -91,22 +91,22 @@ pub fn write_exr(to: impl Into<PathInFolder>, pixels: &Pixels, names: &[&str]) -
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
-        // In order, so that equal images are equal files.
+        // Blocks are written in order, so that equal images are equal files.
         .non_parallel()
         .to_buffered(&mut bytes)
         .map_err(|e| Error::io("encode", to.path(), std::io::Error::other(e.to_string())))?;
     to.write(bytes.get_ref())
 }
 
-/// The most pixels of an image that is compared: of more, the differences alone would take gigabytes.
+/// The most pixels of an image that is compared. For a larger image, the differences alone would take gigabytes.
 const MOST_PIXELS: u64 = 1 << 26;
 
-/// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
-/// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
+/// Reads an image as linear colours. An `.exr` gives the channels R, G and B without a change; any other image is decoded from sRGB to
+/// linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`]
-/// pixels on a side or more than 2²⁶ in all; of an `.exr` this is found out before memory is taken for them.
+/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`] pixels on a side
+/// or more than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for the pixels.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
     if is(path, "exr") {
         return read_exr(path);
@@ -132,17 +132,17 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
     Ok(LinearImage { width, height, rgb: values.chunks_exact(4).map(|t| [t[0], t[1], t[2]]).collect() })
 }
 
-/// Reads the first layer that has three channels, and a fourth one if it is named; the image has four channels, of which
-/// the last is 0 where none is named.
+/// Reads the first layer that has three channels, and a fourth channel if it is named. The image has four channels, and the last is 0
+/// without a fourth name.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, lacks a channel, or has more than
-/// [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all, which is found out before memory is taken for them.
+/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if it is no such image, lacks a channel, or has more than [`MAX_EXTENT`]
+/// pixels on a side or more than 2²⁶ in all. The size is checked before memory is taken for the pixels.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
 }
 
-/// Decodes what [`read_exr_channels`] reads.
+/// Decodes the bytes of a file that [`read_exr_channels`] reads.
 ///
 /// # Errors
 /// The [`Error::Malformed`] of [`read_exr_channels`].
@@ -161,7 +161,7 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
         .try_for_each(|size| check_pixels([size.0 as u32, size.1 as u32], path))?;
     check_claims(&meta, bytes.len(), path, "the image")?;
     let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
-    // The decoder of single channels takes every channel for one of full resolution.
+    // The decoder of single channels treats every channel as one of full resolution.
     if let Some(c) = channels.clone().find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
         return Err(wrong(format!("channel {} is subsampled, which is not read", c.name)));
     }
@@ -203,13 +203,13 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }
         Content::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
         Content::StandardDepth => {
-            // The minimum alone, or in two colours with the maximum.
+            // The minimum alone is grey; with the maximum, the minimum is red and the maximum green.
             let shade = |depth: f32| depth_shade(1.0 - depth, lens);
             Rgb::from_pixels(pixels, |c| if c.len() > 1 { [shade(c[0]), shade(c[1]), 0] } else { [shade(c[0]); 3] })
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
-        // Fronts and backs of the cells with geometry; a cell without any has a front below every depth.
+        // Fronts and backs of cells with geometry. In a cell without geometry, the front is below every depth.
         Content::Pyramid(_) => Rgb::from_pixels(pixels, |c| {
             if c[0] < 0.0 { [0; 3] } else { [depth_shade(c[0], lens), depth_shade(c[1], lens), 0] }
         }),
@@ -251,7 +251,7 @@ pub const PATH_COLORS: &[(Color, &[PathCode], &str)] = &[
 /// Red, green and blue of a display image.
 pub type Color = [u8; 3];
 
-/// Which path each ray took, by [`PATH_COLORS`].
+/// The path that each ray took, in the colours of [`PATH_COLORS`].
 pub fn paths(hits: &Pixels) -> Rgb {
     let color =
         |code: PathCode| PATH_COLORS.iter().find(|(_, codes, _)| codes.contains(&code)).map(|(color, ..)| *color);
@@ -269,8 +269,8 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
 }
 
-/// Brightness of a view-space z: near is bright. The logarithm spreads what depth compresses; a hundred
-/// times the near distance is mid-grey. An orthographic projection compresses nothing.
+/// Brightness of a view-space z: near is bright. The logarithm spreads distances that a perspective depth compresses; a hundred times the
+/// near distance is mid-grey. An orthographic projection compresses nothing.
 fn distance_shade(z: f32, lens: &Lens) -> u8 {
     if lens.kind().is_orthographic() {
         return shade((lens.far_m - z) / (lens.far_m - lens.near_m));

@@ -1,5 +1,5 @@
-//! What methods made of one G-buffer on one device, kept as files, so that a device on another machine can be held against
-//! it.
+//! Keeps the images that methods made of one G-buffer on one device as files, so that the images of a device on another machine can be
+//! compared with them.
 
 use super::files;
 use super::images::{exr_channels, write_exr};
@@ -21,7 +21,7 @@ fn image_path(folder: &PathInFolder, method: &str, stem: &str, what: &str) -> Pa
     folder.join(format!("{method}-{stem}{what}.exr"))
 }
 
-/// Writes which device it was.
+/// Writes the device that made the images.
 ///
 /// # Errors
 /// Errors of writing a file.
@@ -29,10 +29,10 @@ pub fn write_device(folder: &PathInFolder, device: &DeviceInfo) -> Result<()> {
     files::write(folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
 }
 
-/// Reads which device it was.
+/// Reads the device that made the images.
 ///
 /// # Errors
-/// [`Error::Io`] for a file that cannot be read, [`Error::Malformed`] for one that says something else.
+/// [`Error::Io`] for a file that cannot be read, [`Error::Malformed`] for a file that names no device.
 pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
     let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));
@@ -40,7 +40,7 @@ pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     all.into_iter().next().ok_or_else(|| wrong(String::new()))
 }
 
-/// Writes a G-buffer and what methods made of it; `stem` tells several of a folder apart.
+/// Writes a G-buffer and the images that methods made of it; `stem` distinguishes several G-buffers in a folder.
 ///
 /// # Errors
 /// Errors of writing a file.
@@ -65,7 +65,7 @@ pub fn read_gbuffer(folder: &PathInFolder, stem: &str) -> Result<GBufferData> {
     gbuffer_file::decode(&path.bytes()?, &path.path())
 }
 
-/// Reads what methods made of the G-buffer; those of which the folder has nothing are left out.
+/// Reads the images that methods made of the G-buffer; methods without an image in the folder are left out.
 ///
 /// # Errors
 /// [`Error::Malformed`] for a file that cannot be read as such an image, or is of another size than the G-buffer.

@@ -9,11 +9,11 @@ use glam::Vec2;
 const ROW: f32 = 22.0;
 const MARGIN: f32 = 12.0;
 const TEXT: f32 = 13.0;
-/// Pixels of a text's width for each of its characters: more than any font takes.
+/// Width in pixels that a text gets for each of its characters: more than any font takes.
 const CHARACTER: f32 = 7.5;
 const EDGE: &str = r##"stroke="#888""##;
 
-/// The legend of a picture: for each colour what it means, and how many pixels have it.
+/// The legend of a picture: the meaning of each colour, and how many pixels have it.
 pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     let all: usize = entries.iter().map(|(.., count)| count).sum();
     let line = |(_, said, count): &(Color, &str, usize)| {
@@ -33,8 +33,7 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     svg.finish()
 }
 
-/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB, with a mark at the greatest number of the
-/// picture, which stands there as a text as well.
+/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB. A mark and a text show the greatest number of the picture.
 pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> String {
     const STEPS: u16 = 100;
     const STEP: f32 = 4.0;

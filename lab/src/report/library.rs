@@ -25,10 +25,10 @@ const PAGE: &str = "index.html";
 /// Raw samples of times.
 const SAMPLES: &str = "time-samples.csv";
 
-/// What was found below a folder.
+/// The runs that were found below a folder, and the folders without a run.
 #[derive(Debug, Default)]
 pub struct Library {
-    /// Runs by date, and on one day by name.
+    /// Runs in the order of their dates; runs of one day are sorted by name.
     pub runs: Vec<LibraryRun>,
     /// Folders that should hold a run and cannot be read, each with the reason.
     pub unreadable: Vec<(String, String)>,
@@ -41,14 +41,14 @@ pub struct Library {
 /// # Errors
 /// [`Error::Io`] if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
-    // That a folder below cannot be read is a part of the answer; that the root cannot is an error.
+    // A root that cannot be read is an error; a folder below it that cannot be read is part of the result.
     let inside = PathInFolder::folder(root);
     inside.list()?;
     let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
     let mut folders = folders(&inside, &mut library.unreadable);
     join_error_folders(&mut folders);
-    // The page in the root is the library's, and belongs to no run.
+    // The page in the root is the page of the library, and belongs to no run.
     folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
     for (folder, files) in folders {
         let name = relative(root, &folder);
@@ -64,7 +64,7 @@ pub fn scan(root: &Path) -> Result<Library> {
     Ok(library)
 }
 
-/// Every folder from a root down, with whatever else than folders is in it.
+/// Every folder from a root down, each with its files.
 fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut found = BTreeMap::new();
     let mut left = vec![root.clone()];
@@ -108,7 +108,7 @@ fn relative(root: &Path, folder: &Path) -> String {
     if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
 }
 
-/// What a folder turned out to hold.
+/// The content of a folder.
 enum FolderContent {
     Run(Box<LibraryRun>),
     Unreadable(String),
@@ -163,7 +163,7 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> FolderCont
     }))
 }
 
-/// The records of a file; `None` if it holds something else. A file that is named by a kind of records must hold them.
+/// The records of a file; `None` if it holds something else. A file whose name is a kind of records must hold records.
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let must = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
@@ -179,7 +179,7 @@ fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     }
 }
 
-/// What the records of a folder say together.
+/// The data of all records of a folder.
 #[derive(Default)]
 struct FolderRecords {
     files: Vec<RecordFile>,
@@ -187,17 +187,17 @@ struct FolderRecords {
     definitions: BTreeSet<u32>,
     devices: Vec<DeviceInfo>,
     measurements: Vec<Measurement>,
-    /// The index of each measurement, so that one that comes again is recognised.
+    /// The index of each measurement, by which one that comes again is recognised.
     known: HashMap<MeasurementKey, usize>,
     /// Cases of the stress study that failed, and all cases.
     stress: [usize; 2],
 }
 
-/// What tells measurements of a run apart: device, setting, view, method and quantity.
+/// The key of a measurement within a run: device, setting, view, method and quantity.
 type MeasurementKey = (usize, Setting, String, String, Quantity);
 
 impl FolderRecords {
-    /// Adds the records of a file, and a note for those that do not count.
+    /// Adds the records of a file, and a note about records that do not count.
     fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
         let (mut bad, mut again) = (Vec::new(), 0);
         let mut kinds = None;
@@ -223,7 +223,7 @@ impl FolderRecords {
         }
     }
 
-    /// Adds a record, and returns how many of its figures are there already with another value.
+    /// Adds a record, and returns how many of its figures are known already with another value.
     fn take(&mut self, record: ReadRecord) -> usize {
         let device = self.devices.iter().position(|d| *d == record.device).unwrap_or_else(|| {
             self.devices.push(record.device.clone());
@@ -257,7 +257,7 @@ fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<comp
     if file.open()?.is_none() {
         return Ok(None);
     }
-    // The samples do not name their device. Of several devices, it is not known which one they are from.
+    // The samples do not name their device, so that it is known only if the folder has one device.
     let device = match &all.devices[..] {
         [one] => Some(one.clone()),
         _ => None,
@@ -266,8 +266,7 @@ fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<comp
     Ok(Some(totals_only(run)))
 }
 
-/// When a run was measured: the date with which the name of a folder on its path begins, of several the nearest; else
-/// the date of its newest file.
+/// The date of a run: the date at the beginning of a folder's name on its path, the nearest of several; else the date of its newest file.
 fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     let names = folder.components().rev().filter_map(|part| match part {
         Component::Normal(name) => name.to_str(),

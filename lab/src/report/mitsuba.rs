@@ -1,10 +1,10 @@
-//! A scene, a camera and the world reference's answer as files, for Mitsuba 3 to check
-//! (`scripts/mitsuba_compare.py`): the thesis compares with that renderer too (ch. 5).
+//! Writes a scene, a camera and results of the world reference as files, so that Mitsuba 3 can check them (`scripts/mitsuba_compare.py`).
+//! The thesis compares with Mitsuba, too (ch. 5).
 //!
-//! `scene.xml` with `meshes/*.ply` and `textures/*.png` is the scene as Mitsuba reads it, with the
-//! same coordinates: Mitsuba takes them for right-handed, which changes no ray. The sensor's matrix
-//! mirrors x to make up for it. `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know
-//! the environment, so a surface that shows it counts as a lit one here, in the answer as well.
+//! `scene.xml` with `meshes/*.ply` and `textures/*.png` is the scene as Mitsuba reads it, with the same coordinates. Mitsuba takes these
+//! for right-handed coordinates, which changes no ray, and the sensor's matrix mirrors x to make up for it.
+//! `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know the environment, so that a surface that shows the environment
+//! counts as a lit surface here, in the reference as well.
 
 use super::images::write_rgba_png;
 use crate::error::{Error, Result};
@@ -20,13 +20,13 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// What is exported.
+/// The scene, the camera and the settings of an export.
 pub struct Export<'a> {
     /// Geometry, images and lights.
     pub scene: &'a Scene,
     /// Materials in place of the scene's own.
     pub materials: &'a [Material],
-    /// Where it is seen from.
+    /// The camera that sees the scene.
     pub camera: Camera,
     /// Size in pixels.
     pub extent: [u32; 2],
@@ -36,12 +36,12 @@ pub struct Export<'a> {
     pub seed: u64,
 }
 
-/// What an export made.
+/// Numbers of a finished export.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Exported {
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Reflecting pixels.
+    /// Number of reflecting pixels.
     pub receivers: usize,
     /// Overall standard error of the reference, linear colour.
     pub standard_error: f64,
@@ -107,8 +107,8 @@ fn texture_file(index: usize) -> String {
     format!("textures/{index:03}.png")
 }
 
-/// The scene as Mitsuba 3 reads it, seen in perspective by a field of view in radians. Materials are diffuse and the light is a constant environment,
-/// so that the scene can be rendered; the comparison only intersects rays and reads the albedo.
+/// The scene as Mitsuba 3 reads it, seen in perspective with a field of view in radians. Materials are diffuse and the light is a constant
+/// environment, so that the scene can be rendered; the comparison only intersects rays and reads the albedo.
 fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> String {
     let mirrored_x = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let to_world = what.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
@@ -210,7 +210,7 @@ fn description(what: &Export, materials: &[Material]) -> Value {
 struct Arrays<'a>(&'a PathInFolder);
 
 impl Arrays<'_> {
-    /// What each pixel's centre sees: direction, mesh and triangle (−1: none), position, lit colour.
+    /// The hit at the centre of each pixel: direction, mesh and triangle (−1: none), position, lit colour.
     fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
         let rays = PrimaryRays::new(&what.camera, what.extent);
         let rays: Vec<WorldRay> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
@@ -220,7 +220,7 @@ impl Arrays<'_> {
         self.f64s("primary_lit", 3, lit.collect())
     }
 
-    /// What reflects, in the order of its pixels, and where its mirror ray ends.
+    /// The reflecting points in the order of their pixels, and the ends of their mirror rays.
     fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
         let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
         let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
@@ -236,7 +236,7 @@ impl Arrays<'_> {
         self.ends("mirror", world, &rays)
     }
 
-    /// Where rays end: mesh, triangle (−1 for none) and position (not a number for none).
+    /// The ends of rays: mesh, triangle (−1 for none) and position (not a number for none).
     fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
         let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
         let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
@@ -246,7 +246,7 @@ impl Arrays<'_> {
         self.f64s(&format!("{name}_position"), 3, ends.collect())
     }
 
-    /// Tangents of all meshes' vertices in one row, and where each mesh begins.
+    /// Tangents of all meshes' vertices in one row, and the vertex at which each mesh begins.
     fn tangents(&self, meshes: &[Mesh]) -> Result<()> {
         let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
         self.f64s("vertex_tangent", 4, all.collect())?;

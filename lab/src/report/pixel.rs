@@ -7,7 +7,7 @@ use crate::study::pixel::{LastCell, PixelReport, WalkReport, WorldEnd};
 /// Columns before a line's text.
 const INDENT: usize = 12;
 
-/// The report of a pixel: why it is as it is, then line by line what is known of it.
+/// The report of a pixel: sentences that explain its verdict, and then its data line by line.
 pub fn text(report: &PixelReport) -> String {
     let [x, y] = report.pixel;
     let mut text = format!("pixel {x}, {y} of {}: {}\n", report.method, report.verdict.name());
@@ -17,7 +17,7 @@ pub fn text(report: &PixelReport) -> String {
     text
 }
 
-/// What is known of a pixel, a line for each part, with its name.
+/// The data of a pixel: a line for each part, with its name.
 pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     let mut lines = vec![("surface", surface(report)), ("lit", color(&report.colors.lit))];
     if report.surface.reflects {
@@ -100,7 +100,7 @@ fn world(end: &WorldEnd) -> String {
     format!("{mesh}, {length:.2} m away, {} m, {shown} {pixel}", point(place))
 }
 
-/// Where on the screen a place is seen, as a part of a line.
+/// The pixel in which a place is seen, as a part of a line; empty if the screen does not show the place.
 fn where_seen(pixel: Option<[impl std::fmt::Display; 2]>) -> String {
     pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default()
 }

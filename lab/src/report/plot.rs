@@ -24,7 +24,7 @@ pub(super) const STAGE_COLORS: [RGBColor; 10] = [
 
 /// Width of a plot in pixels: small enough that its text can still be read on a phone.
 pub(super) const WIDTH: u32 = 640;
-/// Pixels of a plot's text.
+/// Size of a plot's text in pixels.
 pub(super) const TEXT: u32 = 14;
 
 /// A chart, drawn.
@@ -39,7 +39,7 @@ pub struct DrawnChart {
 /// Draws the charts of rows that one device measured.
 ///
 /// # Errors
-/// What the drawing library says.
+/// The message of the drawing library.
 pub fn draw_charts<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
     let draw = |chart: Chart| Ok(DrawnChart { svg: draw(&chart.drawing)?, chart });
     R::charts(rows).into_iter().map(draw).collect()
@@ -48,7 +48,7 @@ pub fn draw_charts<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
 /// Draws the values of a chart as SVG.
 ///
 /// # Errors
-/// What the drawing library says.
+/// The message of the drawing library.
 pub fn draw(drawing: &Drawing) -> Result<String, String> {
     let svg = match drawing {
         Drawing::Lines([x, y], all) => lines(all, [x, y]),
@@ -113,7 +113,7 @@ fn stage_color(stages: &[String], name: &str) -> RGBColor {
 /// The colour of one of many series, by its place.
 fn series_color(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = STAGE_COLORS[index % STAGE_COLORS.len()];
-    // All methods together have more stages than there are colours that can be told apart: dark, then light ones.
+    // All methods together have more stages than there are colours that can be told apart: dark shades follow, and then light shades.
     let shade = |v: u8| match index / STAGE_COLORS.len() {
         0 => v,
         1 => (u16::from(v) * 11 / 20) as u8,
@@ -122,7 +122,7 @@ fn series_color(index: usize) -> RGBColor {
     RGBColor(shade(r), shade(g), shade(b))
 }
 
-/// Names of a line of the legend.
+/// Number of names in a line of the legend.
 const LEGEND_COLUMNS: usize = 5;
 
 fn legend_place(index: usize) -> (i32, i32) {
@@ -133,8 +133,8 @@ fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
-/// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected. A point without
-/// an error has no place on a log axis, and stands at its foot, at a tick that says 0.
+/// Draws cost against error on log axes, which `axes` names. Every point has a name, and the Pareto front is connected. A point of error 0,
+/// which a log axis does not have, is drawn at the axis's foot, at a tick that says 0.
 fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
     let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
@@ -199,7 +199,7 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
         let color = |p: &NamedPoint| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
         chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
 
-        // In the order of the errors, each name led to its point.
+        // The names are in the order of the errors, and a line leads from each name to its point.
         let mut order: Vec<&NamedPoint> = points.iter().collect();
         order.sort_by(|a, b| b.position[1].total_cmp(&a.position[1]));
         for (row, p) in order.into_iter().enumerate() {
@@ -215,12 +215,11 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
     Ok(svg)
 }
 
-/// Ticks of a log axis: 1, 2 and 5 times powers of ten inside the bounds, and what lies between them
-/// where those are too few.
+/// Ticks of a log axis inside the bounds: 1, 2 and 5 times powers of ten, or finer steps if there are fewer than three.
 fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     let inside = |steps: &[f64]| -> Vec<f64> {
         let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
-        // Written as text and read back, 3 · 10⁻² is 0.03 and prints so.
+        // The number is written as text and read back, so that 3 · 10⁻² is 0.03 and is printed as this.
         let tick = |step: &f64, power: i32| format!("{step}e{power}").parse().unwrap_or(f64::NAN);
         powers.flat_map(|p| steps.iter().map(move |s| tick(s, p))).filter(|t| (least..=most).contains(t)).collect()
     };
@@ -228,7 +227,7 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
 }
 
-/// Values over frames, from 0 up, a line each; `axes` names the frames and the values.
+/// Draws values over frames, from 0 up, as one line for each name; the axes are named after the frames and the values.
 fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
     let legend = line_legend_height(&names);
@@ -270,8 +269,8 @@ fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> 
 /// Most characters of a name in a trend's legend.
 const TREND_NAME: usize = 64;
 
-/// Values over runs, from 0 up. The runs stand side by side, marked by their numbers; each line joins the runs for
-/// which it has a value.
+/// Draws values over runs, from 0 up. The runs stand side by side, marked by their numbers; each line joins the runs for which it has a
+/// value.
 pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String, String> {
     let names: Vec<String> = lines.iter().map(|l| shortened(&l.method, TREND_NAME)).collect();
     let shown: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -338,7 +337,7 @@ fn draw_legend_entry<B: DrawingBackend>(
     root.draw(&Text::new(name, (x + 19, y), ("sans-serif", TEXT)))
 }
 
-/// Pixels of a legend with as many names in a row as there is room for.
+/// Height in pixels of a legend with as many names in a row as there is room for.
 fn line_legend_height(names: &[&str]) -> u32 {
     16 + 20 * names.len().div_ceil(legend_columns(names)) as u32
 }

@@ -1,6 +1,6 @@
-//! The files, tables and page of a study, from its rows and their columns. With one device they lie in the folder of the
-//! run; with several, those of each device lie in a folder of their own, so that no table, chart or comparison has times
-//! of two of them, and one page shows all of them (docs/many-machines.md, "Merging").
+//! The files, tables and page of a study, from its rows and their columns. With one device, the files lie in the folder of the run. With
+//! several, each device has a folder of its own, so that no table, chart or comparison mixes times of two devices, and one page shows all
+//! devices (docs/many-machines.md, "Merging").
 
 use super::devices::{by_device, device_name};
 use super::html::{DevicePart, StudyPage};
@@ -16,10 +16,10 @@ use crate::study::engine::Row;
 use crate::study::exhibit::{Content, ExtraFile, Sheet, Table};
 use std::path::{Path, PathBuf};
 
-/// Folder of the devices' folders.
+/// The folder that holds the folders of the devices.
 const DEVICES: &str = "devices";
 
-/// The folder of a device, counted from 0, in that of the run.
+/// The folder of a device, counted from 0, inside the folder of the run.
 pub fn device_folder(device: usize) -> PathBuf {
     Path::new(DEVICES).join((device + 1).to_string())
 }
@@ -83,14 +83,14 @@ impl<R: Row> Results<'_, R> {
     fn part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
         let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
-        // An interrupted run may lack the pictures of what it measured.
+        // An interrupted run may lack the pictures of rows that it measured.
         clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_there()));
         let charts = plot::draw_charts(rows).map_err(failed)?;
         let tables = R::tables(rows, &self.list.settings);
         Ok(DevicePart { device: device.clone(), folder: None, charts, tables, clips })
     }
 
-    /// The files of one device, but for the page.
+    /// Writes the files of one device except the page.
     fn write_part(&self, folder: &PathInFolder, rows: &[R], part: &DevicePart) -> Result<()> {
         let write = |name: &str, text: &str| folder.join(name).write(text.as_bytes());
         for (stem, rows) in R::files(rows) {
@@ -127,7 +127,7 @@ impl<R: Row> Results<'_, R> {
 /// The page's file.
 pub const PAGE: &str = "index.html";
 
-/// The CSV files that follow from columns: a row for each row, and one for each item of their series.
+/// The CSV files that columns define: one with a line for each row, and one with a line for each item of the rows' series.
 fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let all = R::columns();
     let named: Vec<_> = all.columns.iter().filter(|c| !c.name.is_empty()).collect();
@@ -137,7 +137,7 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
     if let Some(series) = &all.series {
         let number = series.name.trim_end_matches('s').to_owned();
-        // No two columns have one name: of a film, `flip` is the mean, and `frame_flip` that of a frame.
+        // No two columns have one name: for a film, `flip` is the mean, and `frame_flip` the value of a frame.
         let of_row: Vec<String> = header().collect();
         let name = |name: &String| if of_row.contains(name) { format!("{number}_{name}") } else { name.clone() };
         let of_item: Vec<String> = series.names.iter().map(name).collect();
@@ -152,7 +152,7 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     sheets
 }
 
-/// What the columns mean that tables have and that their row says something of.
+/// The titles and explanations of the columns that have both.
 fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
     let all = R::columns().columns.into_iter();
     let said = all.filter(|c| !c.title.is_empty() && !c.about.is_empty());

@@ -17,13 +17,13 @@ pub const JOURNAL: &str = "journal.jsonl";
 /// The file with the list of the run's cells.
 pub const CELLS: &str = "cells.json";
 
-/// The most samples that all results of a run that is read may have together.
+/// The most samples that all results of a run together may have, if the run is to be read.
 const MOST_SAMPLES: u64 = 100_000_000;
 
-/// Its last line once all is done.
+/// The last line of the journal once the run is finished.
 const FINISHED: &str = "{\"finished\":true}";
 
-/// Whether the last line of a folder's journal says that its run was finished; false if there is no journal.
+/// True if the last line of a folder's journal says that its run was finished; false if there is no journal.
 ///
 /// # Errors
 /// The errors of [`PathInFolder::read`].
@@ -32,8 +32,7 @@ pub fn is_finished(folder: &PathInFolder) -> Result<bool> {
     Ok(String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED))
 }
 
-/// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
-/// back.
+/// A folder that is reserved for one run while this value lives. However the run ends, the system releases the lock.
 pub struct FolderClaim {
     folder: PathInFolder,
     _lock: File,
@@ -50,7 +49,7 @@ impl FolderClaim {
         inside.check_writable()?;
         let lock = lockable(folder).map_err(|e| Error::io("open", folder, e))?;
         match lock.try_lock() {
-            // Where a file system has no locks, runs must keep apart by themselves.
+            // On a file system without locks, nothing keeps two runs apart.
             Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
             Err(TryLockError::Error(e)) => return Err(Error::io("lock", folder, e)),
             Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
@@ -59,7 +58,7 @@ impl FolderClaim {
         Ok(Self { folder: inside, _lock: lock })
     }
 
-    /// The folder's journal: with `resume` it goes on from what the folder has, else it begins anew.
+    /// The folder's journal: with `resume`, it goes on from the entries that the folder has; without `resume`, it begins anew.
     ///
     /// # Errors
     /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
@@ -67,7 +66,7 @@ impl FolderClaim {
     pub fn journal(&self, resume: bool) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let text = place.read()?.unwrap_or_default();
-        // A run that was killed while it wrote left a line without an end.
+        // A run that was killed while it wrote left a line without an end, which does not count.
         let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1);
         let text = String::from_utf8_lossy(&text[..whole]).into_owned();
         let unfinished = text.lines().next_back().is_some_and(|last| last != FINISHED);
@@ -85,7 +84,7 @@ impl FolderClaim {
         self.begun(0, "")
     }
 
-    /// A journal whose file keeps its first bytes, which hold the lines that are known.
+    /// A journal whose file keeps its first `bytes`, which hold the lines `known`.
     fn begun(&self, bytes: usize, known: &str) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let mut file = place.append()?;
@@ -106,7 +105,7 @@ impl FolderClaim {
         self.folder.join(CELLS).write(json_text(&format!("{text}\n")).as_bytes())
     }
 
-    /// Notes that the run is finished, so that the next may begin anew.
+    /// Notes that the run is finished, so that the next run may begin anew.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
@@ -123,7 +122,7 @@ impl FolderClaim {
 /// [`Error::Busy`] if a run is going on in the folder, [`Error::Io`] for files that cannot be read,
 /// [`Error::Malformed`] if the list of cells is missing or cannot be read.
 pub fn read(folder: &Path) -> Result<MergeInput> {
-    // A pipe in place of a folder would be waited for.
+    // Opening a pipe in place of a folder would wait for its other end.
     if !std::fs::metadata(folder).map_err(|e| Error::io("read", folder, e))?.is_dir() {
         return Err(Error::malformed(folder, None, "is no folder of a run"));
     }
@@ -146,7 +145,7 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
         Error::malformed(inside.join(CELLS).path(), Some(e.line()), format!("is no list of cells: {e}"))
     };
     let cells: CellList = serde_json::from_slice(&text).map_err(wrong)?;
-    // Rows are made of as many samples as the settings say.
+    // Each result has as many samples as the settings say, so that their number is bounded.
     let asked = ["samples", "frames"].into_iter().filter_map(|name| cells.settings.get(name)?.as_u64()).max();
     let results = cells.cells.iter().map(|cell| cell.results.len() as u64).sum::<u64>().max(1);
     if let Some(asked) = asked.filter(|asked| asked.saturating_mul(results) > MOST_SAMPLES) {
@@ -163,7 +162,7 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
     Ok(MergeInput { folder: folder.to_owned(), cells, journal: Journal::resume(text.lines(), None), lines })
 }
 
-/// The keys of everything that the journal of a folder has, for whoever is about to write over it.
+/// The keys of all entries in a folder's journal, for a caller that is about to overwrite it.
 ///
 /// # Errors
 /// The errors of [`PathInFolder::read`].
@@ -172,13 +171,13 @@ pub fn keys(folder: &PathInFolder) -> Result<BTreeSet<String>> {
     Ok(String::from_utf8_lossy(&bytes).lines().filter_map(journal::key_of).collect())
 }
 
-/// What is locked: the folder itself, which leaves nothing behind.
+/// Opens the folder itself for locking, which leaves no file behind.
 #[cfg(unix)]
 fn lockable(folder: &Path) -> std::io::Result<File> {
     File::open(folder)
 }
 
-/// What is locked: a file in it, where a folder cannot be.
+/// Opens a file in the folder for locking, since this system cannot lock a folder.
 #[cfg(not(unix))]
 fn lockable(folder: &Path) -> std::io::Result<File> {
     PathInFolder::folder(folder).join(".ssct-lock").append().map_err(std::io::Error::other)

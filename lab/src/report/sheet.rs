@@ -27,12 +27,12 @@ pub fn sheet(rows: &[Vec<Rgb>]) -> Rgb {
     sheet
 }
 
-/// A picture of one value.
+/// A picture whose bytes all have one value.
 pub(super) fn blank(width: u32, height: u32, value: u8) -> Rgb {
     Rgb { width, height, bytes: vec![value; 3 * width as usize * height as usize] }
 }
 
-/// Copies a picture to a place in one that has room for it there.
+/// Copies a picture into another one that has room for it at this place.
 pub(super) fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
     for row in 0..image.height {
         let from = 3 * (row * image.width) as usize;
@@ -50,7 +50,7 @@ fn pixels(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
     [x, y, size(w, picture.width, x), size(h, picture.height, y)]
 }
 
-/// A part in a whole number of times its size: each pixel a square, nothing interpolated.
+/// A part of a picture, enlarged by a whole number: each pixel becomes a square, and nothing is interpolated.
 pub fn enlarged(picture: &Rgb, part: Part, times: u32) -> Rgb {
     let [left, top, width, height] = pixels(picture, part);
     let mut bytes = Vec::with_capacity(3 * (width * height * times * times) as usize);

@@ -14,7 +14,7 @@ impl Svg {
         Self { size, body: String::new() }
     }
 
-    /// Writing to a string can't fail.
+    /// Adds a shape; writing to a string can't fail.
     pub(super) fn add(&mut self, shape: impl Display) {
         let _ = writeln!(self.body, "{shape}");
     }

@@ -4,7 +4,7 @@ use crate::study::exhibit::Table;
 use crate::study::names::{markdown_cell, one_line};
 use std::borrow::Cow;
 
-/// Rows of cells, each column as wide as its widest cell; the first is aligned left, others right.
+/// Rows of cells, each column as wide as its widest cell; the first column is aligned left, the others right.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let rows: Vec<Vec<Cow<str>>> = rows.iter().map(|row| row.iter().map(|cell| one_line(cell)).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -26,7 +26,7 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
 /// Columns of a terminal that has room for tables.
 pub const COLUMNS: usize = 100;
 
-/// A name and what is said of it, in lines of at most [`COLUMNS`], from a column on. Without a name the text begins there.
+/// A name and the text about it, in lines of at most [`COLUMNS`] characters; the text begins at the column `column`.
 pub fn wrapped(name: &str, column: usize, said: &str) -> String {
     let mut text = format!("{name:<column$}");
     let mut end = column;
@@ -45,7 +45,7 @@ pub fn wrapped(name: &str, column: usize, said: &str) -> String {
     text + "\n"
 }
 
-/// Rows of sentences: a paragraph for each row under its first cell, with the header's names.
+/// A table of sentences: each row is a paragraph below its first cell, in which the header names the other cells.
 fn paragraphs(table: &Table) -> String {
     const INDENT: usize = 2;
     let Some((header, rows)) = table.cells.split_first() else { return String::new() };
@@ -59,7 +59,7 @@ fn paragraphs(table: &Table) -> String {
     text
 }
 
-/// Tables for a terminal, each under its title and what it says; those that are too large for one are left out.
+/// Tables for a terminal, each below its title and the text about it; tables that are too large for a terminal are left out.
 pub fn text(tables: &[Table]) -> String {
     let shown = |table: &Table| {
         let title = if table.title.is_empty() { String::new() } else { format!("{}\n", one_line(&table.title)) };
@@ -69,7 +69,7 @@ pub fn text(tables: &[Table]) -> String {
     for_terminal(tables).map(shown).collect::<Vec<_>>().join("\n")
 }
 
-/// The tables that are not too large.
+/// The tables that are not too large for a terminal.
 fn for_terminal(tables: &[Table]) -> impl Iterator<Item = &Table> {
     tables.iter().filter(|table| !table.is_large)
 }

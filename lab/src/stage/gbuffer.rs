@@ -20,7 +20,7 @@ pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
     read_drawn(context, &shot.gbuffer, shot.camera)
 }
 
-/// Reads the G-buffer that a pass drew last, with the camera that it drew with; the colour is what a lighting pass wrote.
+/// Reads the G-buffer that a pass drew last; `camera` is the camera of that pass, and the lighting pass wrote the colour.
 fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -> Result<GBufferData> {
     let gbuffer = drawn.gbuffer();
     let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
@@ -28,7 +28,7 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
     let material = context.read(gbuffer.material.all())?;
     let albedo = context.read(drawn.albedo().all())?;
     let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
-        // The lighting pass uses the same condition; the albedo is cleared where nothing stands.
+        // The lighting pass uses the same condition; the albedo is cleared where no surface is.
         if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
     });
     Ok(GBufferData {
@@ -44,11 +44,11 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
     })
 }
 
-/// Draws captures of a scene and hands over each face (0…5) of each, counted from 0, as it is drawn: black where the sky
-/// is seen.
+/// Draws captures of a scene. Calls `face` with each face as it is drawn: the capture's number, counted from 0, the face's (0…5), and its
+/// G-buffer, in which sky is black.
 ///
 /// # Errors
-/// Errors of the device, and what `face` returns.
+/// Errors of the device, and errors that `face` returns.
 pub fn draw_captures(
     stage: &mut Stage,
     materials: &[Material],
@@ -77,7 +77,7 @@ pub fn read_sky(stage: &mut Stage) -> Result<SkyCube> {
     Ok(SkyCube { side: texels.width, texels: texels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect() })
 }
 
-/// What a method makes of a G-buffer.
+/// The images that a method makes from a G-buffer.
 pub struct ReflectedImages {
     /// Linear colour, RGBA.
     pub composite: Pixels,
@@ -85,7 +85,7 @@ pub struct ReflectedImages {
     pub reflection: Pixels,
 }
 
-/// Runs a method on a G-buffer from the host, beside captures if there are any; `setup`'s size is the G-buffer's.
+/// Runs a method on a G-buffer from the host, with captures if there are any; the size in `setup` is replaced by the G-buffer's.
 ///
 /// # Errors
 /// Errors of [`Effect::new`], [`Effect::with_captures`], [`CaptureFolder::face`] and [`CaptureFolder::sky`].
@@ -110,7 +110,7 @@ pub fn reflect(
         }
         None => Effect::new(&mut context, method, &setup, wants, None)?,
     };
-    // Without a sky beside it, the sky of a G-buffer is that of the built-in environment.
+    // If no captures bring a sky, a G-buffer with sky surfaces shows the built-in environment.
     let sky = match sky {
         None if data.surface.contains(&Surface::Sky) => Some(scene_data::environment(&mut context)?),
         sky => sky,
@@ -119,8 +119,8 @@ pub fn reflect(
     reflected(&mut context, &effect, &input)
 }
 
-/// Runs a method on a G-buffer from the host that shows a scene, for methods that see more than the screen: rays go on among
-/// the scene's triangles, whose materials are the scene's own. The triangle of each pixel is not known.
+/// Runs a method on a G-buffer from the host that shows a scene, for methods that see more than the screen. Rays go on among the scene's
+/// triangles, which have the scene's own materials. The triangle of each pixel is not known.
 ///
 /// # Errors
 /// Errors of [`Stage::new`] and [`Effect::new`].
@@ -150,7 +150,8 @@ fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Resu
     })
 }
 
-/// What an effect makes of a G-buffer at rest: with a history, after as many frames as this averages, from the first on.
+/// The output of an effect on a G-buffer at rest. With a history, the history begins anew, and the output is that of the last frame that it
+/// averages.
 pub fn reflect_at_rest<'a>(
     context: &mut FrameContext,
     effect: &'a Effect,
@@ -177,8 +178,8 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
     }
 }
 
-/// Where a method takes its rays to end in the world: the places of its hits on the screen or in captures, the sky where
-/// captures show it, and unknown where it misses. `hits` is the image of [`crate::passes::Hits`], of the G-buffer's size.
+/// The ends of a method's rays in the world: the places of hits on the screen or in captures, the sky where captures show it, and unknown
+/// where a ray misses. `hits` is the image of [`crate::passes::Hits`], of the G-buffer's size.
 pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let clip_to_view = gbuffer.view_to_clip().inverse();
     let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
@@ -189,7 +190,7 @@ pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let depths = hits.texels().map(|t| 1.0 - f64::from(t[2]));
     let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| place((p, depth))));
     let eye = gbuffer.camera.eye().as_dvec3();
-    // In a capture the image holds the place relative to the eye, in world axes.
+    // For a hit beyond the screen, the image holds the place relative to the eye, in world axes.
     let beyond = |t: &[f32]| match PathCode::from_channel(t[3]) {
         Some(PathCode::Capture | PathCode::Triangle) => RayEnd::Place(eye + Vec3::from_slice(t).as_dvec3()),
         Some(PathCode::Sky) => RayEnd::Sky,
@@ -198,8 +199,8 @@ pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     ends.zip(hits.texels()).map(|(end, t)| end.unwrap_or_else(|| beyond(t))).collect()
 }
 
-/// Where a method takes its rays to have hit, in continuous pixel coordinates; `None` for
-/// a miss. `hits` is the image of [`crate::passes::Hits`].
+/// The hits of a method's rays on the screen, in continuous pixel coordinates; `None` for a miss. `hits` is the image of
+/// [`crate::passes::Hits`].
 pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let size = [f64::from(hits.width), f64::from(hits.height)];
     let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];

@@ -1,4 +1,4 @@
-//! One image and, on request, everything that led to it.
+//! Renders one image and, on request, every image on the way to it.
 
 use super::gbuffer;
 use super::{Shot, Stage};
@@ -17,9 +17,9 @@ pub struct RenderedImage {
     pub reflection: Pixels,
     /// Meshes drawn and culled.
     pub drawn: DrawnCounts,
-    /// Passes recorded.
+    /// The passes that were recorded.
     pub report: FrameReport,
-    /// Where each ray ended, if the shot was made with hits and the method tells.
+    /// The ends of rays, if the shot was made with hits and the method writes them.
     pub hits: Option<Pixels>,
     /// The intermediates, if asked for.
     pub intermediates: Option<Intermediates>,
@@ -28,7 +28,7 @@ pub struct RenderedImage {
 /// Every intermediate with its file stem.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
-/// What led to a frame's reflection: the G-buffer, the method's intermediates and its hits.
+/// The images on the way to a frame's reflection: the G-buffer, the method's intermediates and its hits.
 pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
     let gbuffer = shot.gbuffer.gbuffer();
     let image = |name, content, image| Intermediate { name, content, image };
@@ -44,8 +44,7 @@ pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
     all
 }
 
-/// Renders a shot and reads it back. With `dump`, intermediates too, among them the hits if the shot was made with
-/// them.
+/// Renders a shot and reads it back. With `dump`, intermediates are read, too; the hits are among them if the shot was made with hits.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output_at_rest(shot)?;
     let composite = stage.context.read(output.composite.level(0))?;
@@ -61,7 +60,8 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
             let parts = image.parts();
             let is_chain = parts.len() > 1 || matches!(content, Content::Pyramid(_));
             let stem = |n: usize| if is_chain { format!("{name}-{n}") } else { name.to_owned() };
-            // Levels that no pass of the frame needed hold nothing. Reading one makes it look written.
+            // Levels that no pass of the frame needed hold nothing. They are found before any is read, since reading a level marks it as
+            // written.
             let written: Vec<_> = parts.iter().map(ImageSlice::is_written).collect();
             for (n, part) in parts.iter().enumerate().filter(|(n, _)| written[*n]) {
                 let pixels = stage.context.read(*part)?;

@@ -1,5 +1,5 @@
-//! Error over age: things move a step each frame, captures are renewed by so many faces a frame, and each frame is held
-//! against the world as it then is (docs/definitions.md, "Captures in time").
+//! Error over age: things move a step each frame, some faces of captures are renewed in each frame, and each frame is compared
+//! with the world at that moment (docs/definitions.md, "Captures in time").
 
 use super::columns::{Column, columns, figure, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
@@ -20,15 +20,15 @@ use crate::stage::{Globals, Shot, Stage};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-/// What moves, and how captures follow.
+/// The scene, what moves in it, and how captures follow.
 pub struct AgeStudy {
-    /// Scene, with its captures or without; those that are found are of the scene before it moves.
+    /// Scene, with its captures or without; captures that the program finds are of the scene before anything moves.
     pub scene: Scene,
     /// View, which stands still.
     pub view: View,
-    /// Methods that look into captures, or have them behind them.
+    /// Methods that trace into captures, or whose rays go on in captures.
     pub methods: Vec<&'static MethodInfo>,
-    /// Their parameters, with captures.
+    /// Parameters of the methods, with captures.
     pub setup: Setup,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
@@ -36,9 +36,9 @@ pub struct AgeStudy {
     pub globals: Vec<Globals>,
     /// The meshes that move, by name.
     pub moving: Vec<String>,
-    /// By how much from one frame to the next, in metres along the world's axes.
+    /// Motion from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
-    /// Faces that are renewed in each frame: a row of the study each.
+    /// Numbers of faces that are renewed in each frame; each number makes a row of the study.
     pub faces: Vec<u32>,
     /// Frames, ≥ 1, the first of which shows the scene as it was captured.
     pub frames: u32,
@@ -105,8 +105,7 @@ impl Row for AgeRecord {
         &self.head.program
     }
 
-    /// The error at the beginning and at the end, that of the pixels that something moved for in the middle and at the end,
-    /// and times.
+    /// Adds the error of the first and the last frame, the error of touched pixels in the middle and the last frame, and times.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let first = |r: &Self| r.frames.first().map(|f| f.rmse);
         let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
@@ -127,7 +126,7 @@ impl Row for AgeRecord {
         vec![Table::with_columns("table", rows, more)]
     }
 
-    /// The error of the pixels that something moved for over the frames, a line for each record.
+    /// Draws the error of touched pixels over the frames, a line for each record.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
@@ -142,7 +141,7 @@ impl Row for AgeRecord {
 }
 
 impl AgeStudy {
-    /// Refuses methods without captures.
+    /// Refuses methods that use no captures.
     ///
     /// # Errors
     /// [`Error::Usage`] with the method.
@@ -225,7 +224,7 @@ impl Study for AgeStudy {
                 let made: Vec<[f32; 3]> = made.texels().map(|t| [t[0], t[1], t[2]]).collect();
                 let truth = match &mut truth {
                     Some(truth) => truth,
-                    // Every row draws the same G-buffer.
+                    // Every row draws the same G-buffer, so that one truth serves all rows of a frame.
                     none => {
                         let screen = gbuffer::read(&mut stage.context, shot)?;
                         none.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
@@ -251,8 +250,8 @@ impl Study for AgeStudy {
     }
 }
 
-/// The mean age in frames of so many faces at a frame, counted from 0, of which some are renewed in turn in each frame
-/// before it is shown: a face that was never renewed is as old as the frame's number.
+/// Mean age of `faces` faces at a frame, in frames; frames count from 0. Faces are renewed in turn, `per_frame` in each frame
+/// before it is shown. A face that was never renewed is as old as the frame's number.
 pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     let renewed = per_frame.min(faces);
     let age = |place: u32| (place / renewed.max(1)).min(frame);
@@ -260,11 +259,11 @@ pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     if faces == 0 { 0.0 } else { f64::from(ages) / f64::from(faces) }
 }
 
-/// The world of a frame.
+/// The world reference of a frame.
 struct Truth {
     color: Vec<[f32; 3]>,
     mask: Vec<bool>,
-    /// Reflecting pixels that something moved for.
+    /// Reflecting pixels whose reflection a moved thing changes.
     touched: Vec<bool>,
     standard_error: f64,
 }
@@ -307,7 +306,7 @@ impl Truth {
 mod tests {
     use super::*;
 
-    /// Against a plain count: faces that are drawn in turn, one by one.
+    /// Compares the mean age with a plain count, which draws faces in turn, one by one.
     #[test]
     fn the_mean_age_is_that_of_faces_renewed_in_turn() {
         for (faces, per_frame) in [(6, 0), (6, 1), (12, 5), (24, 2), (24, 24), (12, 30)] {

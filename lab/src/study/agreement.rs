@@ -1,5 +1,5 @@
-//! Agreement of devices: what methods make of one G-buffer on one device, held against what they make of it on another;
-//! and how far the G-buffers differ that two devices draw of one view.
+//! Agreement of devices: compares what methods make of one G-buffer on two devices, and the G-buffers that two devices draw of
+//! one view.
 
 use super::columns::{Column, columns, figure, part};
 use super::compare::display;
@@ -21,7 +21,7 @@ use crate::stage::gbuffer::{self, hit_positions, reflect_at_rest};
 use crate::stage::{Globals, Shot, Stage};
 use std::rc::Rc;
 
-/// What is looked at on every device.
+/// The scene, view and methods that every device draws.
 #[derive(Clone)]
 pub struct AgreementSpec<'a> {
     /// Scene.
@@ -32,17 +32,17 @@ pub struct AgreementSpec<'a> {
     pub globals: Globals,
     /// The methods.
     pub methods: Vec<&'static MethodInfo>,
-    /// How they are set up, with the size.
+    /// Setup of the methods, with the size.
     pub setup: Setup,
 }
 
-/// What a method made of a G-buffer.
+/// Images that a method made from a G-buffer.
 pub struct DeviceImage {
     /// The method.
     pub method: &'static MethodInfo,
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
     pub reflection: Pixels,
-    /// Where its rays ended, if it traces any.
+    /// Where the method's rays ended, if it traces any.
     pub hits: Option<Pixels>,
 }
 
@@ -116,7 +116,7 @@ const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table
     contributes. The three numbers of bits are those of the position of a vertex within a pixel, of a position between two texels \
     and of one between two levels.";
 
-/// The columns of a row's device and of the device beside it, by the shortest names that tell all devices of a table apart.
+/// The columns of a row's device and of the base device, by the shortest names that tell all devices of a table apart.
 fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
     let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(device_pair).cloned().collect());
     [("device", 0), ("beside", 1)].map(|(title, n)| {
@@ -126,7 +126,7 @@ fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [
 }
 
 impl AgreementRecord {
-    /// What methods make of one G-buffer.
+    /// The table of what methods make of one G-buffer.
     pub fn table(rows: &[Self]) -> Table {
         let [device, beside] = devices(rows, |r: &Self| [&r.head.program.device, &r.base]);
         let agree = Column::derived("hits agree %", 4, |r: &Self| r.hits.hit_agreement.map(|share| 100.0 * share));
@@ -136,7 +136,7 @@ impl AgreementRecord {
 }
 
 impl DrawnRecord {
-    /// The G-buffers that devices draw.
+    /// The table of the G-buffers that devices draw.
     pub fn table(rows: &[Self]) -> Table {
         let [device, beside] = devices(rows, |r: &Self| [&r.device, &r.base]);
         let bits = |p: &Precision| format!("{}/{}/{}", p.sub_pixel_bits, p.sub_texel_bits, p.mipmap_bits);
@@ -160,7 +160,7 @@ pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
     gbuffer::read(&mut stage.context, &shot)
 }
 
-/// What the methods make of a G-buffer, beside the scene for those that see more than the screen.
+/// Draws the methods' images from a G-buffer; methods that see more than the screen also get the scene.
 ///
 /// # Errors
 /// Errors of the device.
@@ -187,7 +187,7 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     Ok(all)
 }
 
-/// Compares what a device made with what `base` made of the same G-buffer; both in the order of the methods.
+/// Compares a device's images with those that `base` made from the same G-buffer; both lists are in the order of the methods.
 pub fn compare(
     gpu: &Gpu,
     base: &DeviceInfo,
@@ -204,7 +204,7 @@ pub fn compare(
         let positions = base_made.hits.as_ref().zip(made.hits.as_ref());
         let positions = positions.map(|(a, b)| [hit_positions(a), hit_positions(b)]);
         let version = setup.effect().oracle;
-        // Ties are told of mirrors' rays by version 1 of the oracle.
+        // Ties are found for mirrors alone, by version 1 of the oracle.
         let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
         let told = made.method.follows_oracle && version.is_first() && mirrors;
         let ties = positions.as_ref().filter(|_| told).map(|ends| ties_of(data, &mask, ends));
@@ -229,7 +229,7 @@ pub fn compare(
     theirs.iter().zip(ours).map(pair).collect()
 }
 
-/// The reflecting pixels whose hits are apart, and how many of them by rounding alone.
+/// Counts the reflecting pixels whose hits differ between two devices, and how many of them differ by rounding alone.
 fn ties_of(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
     let apart = |i: &usize| mask[*i] && HitVerdict::of(other[*i], base[*i]) != HitVerdict::Agrees;
     let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();

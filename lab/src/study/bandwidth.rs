@@ -1,5 +1,5 @@
-//! The rates of the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its time;
-//! and the rate of a plain copy of an image, to compare them with.
+//! The rates of the passes that make a pyramid of depth: the bytes that a pass must at least read and write, divided by its
+//! time. Beside them stands the rate of a plain copy of an image.
 
 use super::columns::{columns, figure, time};
 use super::exhibit::Table;
@@ -12,10 +12,10 @@ use ash::vk;
 
 /// The pass of `unified` that builds its pyramid.
 const PYRAMID: &str = "pyramid";
-/// The passes of the thesis's Hi-Z buffer begin with this, and end with the number of their level.
+/// How labels of the passes of the thesis's Hi-Z chain begin; they end with the number of the level.
 const HI_Z: &str = "hi-z/";
 
-/// Bytes of a texel of the image that is copied, of depth, and of a level of the Hi-Z buffer without maxima (R32F).
+/// Bytes of a texel in R32F: the copied image, the depth, and a level of the Hi-Z chain without maxima.
 const R32F_BYTES: u64 = 4;
 /// Bytes of a cell of the pyramid: front and back (RG32F).
 const RG32F_BYTES: u64 = 8;
@@ -92,7 +92,7 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
     let mut context = FrameContext::new(gpu)?;
     context.once(|frame| frame.clear("copied", from.all(), [0.5; 4]))?;
     let mut times = Vec::new();
-    // The first one warms up.
+    // The first copy warms up.
     for sample in 0..=samples {
         let mut frame = context.begin(Mode::Timed)?;
         frame.copy("copy", from.all(), to.all())?;
@@ -103,7 +103,7 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
     Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::of(&times).median_ms, 0.0))
 }
 
-/// The rates of the passes of a record that build a pyramid of depth, beside that of a copy.
+/// The rates of the passes in a record that build a pyramid of depth, followed by the rate of a copy.
 pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
     let extent = [record.head.width, record.head.height];
     let pass_rate = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
@@ -118,7 +118,7 @@ pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRe
     pyramid.into_iter().chain((hi_z > 0.0).then(|| pass_rate("hi-z", hi_z_bytes(extent), hi_z))).collect()
 }
 
-/// Every depth read once, and every cell of every level written once.
+/// Bytes of a pyramid: each depth is read once, and each cell of every level is written once.
 fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     let area = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
     let padded = pyramid::padded(extent);
@@ -126,7 +126,8 @@ fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     R32F_BYTES * area(extent) + RG32F_BYTES * cells
 }
 
-/// Bytes of a Hi-Z chain: for each level, all texels of the level below are read once, and its own written once.
+/// Bytes of a Hi-Z chain: for each level, all texels of the level below are read once, and all texels of the level are written
+/// once.
 fn hi_z_bytes(extent: [u32; 2]) -> u64 {
     let area = |level: u32| extent.map(|side| u64::from((side >> level).max(1))).iter().product::<u64>();
     (1..image::full_chain(extent)).map(|level| R32F_BYTES * (area(level - 1) + area(level))).sum()

@@ -1,5 +1,5 @@
-//! The times that stand under the thesis's figures 5.2 to 5.9, and what they are here. What carries
-//! over between machines is the ratio of a figure's two times.
+//! The times in the captions of the thesis's figures 5.2 to 5.9, beside times measured here. Only the ratio of a figure's two
+//! times can be compared between machines.
 
 use super::exhibit::Table;
 use super::names::roughness;
@@ -21,19 +21,19 @@ pub const REFERENCE: &str = "reference";
 /// The two times under a figure (thesis ch. 5; NVIDIA GeForce GTX 670, the effect without the scene).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Caption {
-    /// Its number.
+    /// Number of the figure.
     pub figure: &'static str,
-    /// The built-in scene that stands for it.
+    /// Built-in scene that stands for the figure.
     pub scene: &'static str,
-    /// The view that stands for it, in that scene and in the scene files of the originals.
+    /// View that stands for the figure, in the built-in scene and in the scene files of the originals.
     pub view: &'static str,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Milliseconds of SSCT.
     pub ssct_ms: f64,
-    /// What stands beside SSCT: a method, or [`REFERENCE`].
+    /// Method or reference that SSCT is compared with: a method, or [`REFERENCE`].
     pub other: &'static str,
-    /// Its milliseconds.
+    /// Milliseconds of the method or reference that SSCT is compared with.
     pub other_ms: f64,
 }
 
@@ -62,18 +62,18 @@ pub const CAPTIONS: [Caption; 6] = [
 /// Wall time of the world reference on the CPU.
 #[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct ReferenceTime {
-    /// What it is of; the method is [`REFERENCE`].
+    /// Scene, view and size of the measurement; the method is [`REFERENCE`].
     #[serde(flatten)]
     pub head: Head,
     /// Rays a pixel.
     pub rays: u32,
-    /// Threads that they were spread over.
+    /// Threads that traced the rays.
     pub threads: usize,
-    /// Milliseconds for the first hits and all rays; the hierarchy of the triangles was built before.
+    /// Milliseconds for the first hits and all rays; building the hierarchy of the triangles is not included.
     pub wall_ms: f64,
 }
 
-/// Samples the world reference once and takes its time.
+/// Samples the world reference once and measures the time.
 pub fn time_reference(
     gpu: &Gpu,
     scene: &Scene,
@@ -102,9 +102,9 @@ pub fn time_reference(
 pub struct Pair {
     /// Milliseconds of SSCT.
     pub ssct_ms: f64,
-    /// Milliseconds of the other.
+    /// Milliseconds of the other method or of the reference.
     pub other_ms: f64,
-    /// The other's over SSCT's.
+    /// `other_ms` over `ssct_ms`.
     pub ratio: f64,
 }
 
@@ -119,11 +119,11 @@ impl Pair {
 pub struct ComparedCaption {
     /// The caption.
     pub caption: Caption,
-    /// Roughness here; the captions give none.
+    /// Roughness of the measurement; the captions give none.
     pub roughness: Option<f32>,
-    /// In print.
+    /// Times in print.
     pub published: Pair,
-    /// Here; `None` where one of the two was not measured.
+    /// Times measured here; `None` where one of the two is missing.
     pub measured: Option<Pair>,
 }
 
@@ -150,7 +150,7 @@ pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Comp
     rows.collect()
 }
 
-/// The captions beside times here, with what stands in the place of Mitsuba.
+/// The table of the captions beside times measured here, with a note on the reference that stands in for Mitsuba.
 pub fn table(records: &[TimeRecord], references: &[ReferenceTime]) -> Table {
     let note = |r: &ReferenceTime| {
         format!(

@@ -8,7 +8,7 @@ use crate::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a run measures, and its cells.
+/// The cells of a run, with everything that must be equal in two runs of one study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellList {
     /// The kind of study: "error", "stress", "time", …
@@ -23,7 +23,7 @@ pub struct CellList {
     pub command: String,
     /// The shard that this run is; null for the whole study.
     pub shard: Option<Shard>,
-    /// Settings that the files of the run depend on and that no cell has.
+    /// Settings that the files of the run depend on, and that are not part of any cell.
     pub settings: Value,
     /// Name and digest of each scene.
     pub scenes: Vec<(String, String)>,
@@ -38,7 +38,7 @@ pub struct CellList {
 pub struct ListedCell {
     /// The name of the cell, for people.
     pub name: String,
-    /// A digest of everything that the cell depends on but the device and the program.
+    /// A digest of everything, except the device and the program, that the cell depends on.
     pub setup: String,
     /// Whether this run measures the cell.
     pub own: bool,
@@ -49,11 +49,11 @@ pub struct ListedCell {
 /// A result in the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedResult {
-    /// The device that measures it, by its place in the list of devices.
+    /// The device that measures the result, as an index into the list of devices.
     pub device: usize,
-    /// The key of the result in the journal, or what the keys of its samples begin with.
+    /// The key of the result in the journal, or the common beginning of the keys of its samples.
     pub key: String,
-    /// The fields of the result's record that the journal does not have.
+    /// The fields of the result's record that are missing in the journal.
     #[serde(rename = "of", default, skip_serializing_if = "Value::is_null")]
     pub record_head: Value,
 }
@@ -62,7 +62,7 @@ pub struct ListedResult {
 pub struct PlannedCell {
     /// The name of the cell, for people.
     pub name: String,
-    /// Everything that the cell depends on but the device and the program.
+    /// Everything, except the device and the program, that the cell depends on.
     pub setup: Value,
     /// Where the journal will keep the results: `key` and `record_head` of each [`ListedResult`].
     pub results: Vec<(String, Value)>,
@@ -75,7 +75,7 @@ impl PlannedCell {
     }
 }
 
-/// The fields of a [`CellList`] that a command decides, its cells apart.
+/// The fields of a [`CellList`], except its cells, that a command decides.
 pub struct CellListHead {
     /// The kind of study: "error", "stress", "time", …
     pub kind: &'static str,
@@ -85,7 +85,7 @@ pub struct CellListHead {
     pub command: String,
     /// The shard that this run is; `None` for the whole study.
     pub shard: Option<Shard>,
-    /// Settings that the files of the run depend on and that no cell has.
+    /// Settings that the files of the run depend on, and that are not part of any cell.
     pub settings: Value,
     /// Name and digest of each scene.
     pub scenes: Vec<(String, String)>,
@@ -117,12 +117,12 @@ impl CellList {
         }
     }
 
-    /// Whether this run measures a cell, by its place in the list.
+    /// Whether this run measures the cell with an index in the list.
     pub fn owns(&self, cell: usize) -> bool {
         self.cells.get(cell).is_some_and(|c| c.own)
     }
 
-    /// Selects the cells that this run measures from all cells of the study, which are in the order of the list.
+    /// Selects the cells that this run measures; `all` has the cells of the study in the order of the list.
     pub fn own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
         all.iter().enumerate().filter(|(n, _)| self.owns(*n)).map(|(_, cell)| cell)
     }
@@ -132,8 +132,8 @@ impl CellList {
         self.cells.iter().filter(|c| c.own).count()
     }
 
-    /// The properties that this run and another must have in common to be of one study, in the order in which they are
-    /// compared, each with its name.
+    /// The named properties in which this run and another must be equal to be of one study, in the order in which they are
+    /// compared.
     pub fn in_common(&self) -> [(&'static str, String); 6] {
         let scenes: Vec<String> = self.scenes.iter().map(|(name, digest)| format!("{name} {digest}")).collect();
         [

@@ -1,6 +1,6 @@
-//! The columns of a study's rows. A row declares each of them once, with `columns!`: its name in records,
-//! what it means, how tables show it, and whether it is a figure, which is equal to the bit on every machine, or a time,
-//! which is kept apart by device. Tables, CSV files and the comparison of shards follow from that.
+//! The columns of a study's rows. A row declares each column once, with `columns!`: its name in records, its meaning, and how
+//! tables show it. A column is either a figure, which is equal to the bit on every machine, or a time, which is kept apart by
+//! device. Tables, CSV files and the comparison of shards follow from the declaration.
 
 use crate::metrics::HitAgreement;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,13 +19,13 @@ pub enum Datum {
     Number(f64),
 }
 
-/// What a field of a row can be to be a column.
+/// A type that a field of a row may have to be a column.
 pub trait AsDatum {
     /// The value.
     fn datum(&self) -> Datum;
 }
 
-/// Makes datums of types, each by how one is made of a value.
+/// Implements [`AsDatum`] for types, each by an expression that makes a datum of a value.
 macro_rules! as_datum {
     ($($T:ty: $make:expr),* $(,)?) => {
         $( impl AsDatum for $T {
@@ -39,7 +39,7 @@ macro_rules! as_datum {
 
 as_datum! {
     f64: |v| Datum::Number(*v),
-    // By its shortest text, 0.1 stays 0.1.
+    // The shortest decimal text keeps 0.1 as 0.1.
     f32: |v| Datum::Number(v.to_string().parse().unwrap_or(f64::NAN)),
     u32: |n| Datum::Count((*n).into()),
     u64: |n| Datum::Count(*n),
@@ -54,18 +54,18 @@ impl<T: AsDatum> AsDatum for Option<T> {
     }
 }
 
-/// A value of a row, found anew each time.
+/// Computes a column's value of a row, each time it is called.
 type Value<R> = Rc<dyn Fn(&R) -> Datum>;
 
 /// A column of rows of one type.
 pub struct Column<R> {
-    /// The name in CSV files, which is that of the record's field. A column without a name is in tables alone.
+    /// The name in CSV files, which the field of the record has, too. A column without a name is shown in tables alone.
     pub name: String,
-    /// The header in tables. A column without a header is in CSV files alone.
+    /// The header in tables. A column without a header is written to CSV files alone.
     pub title: String,
-    /// What it means.
+    /// Meaning of the column.
     pub about: &'static str,
-    /// How tables show it.
+    /// How tables show the value.
     form: Form,
     value: Value<R>,
 }
@@ -99,14 +99,14 @@ impl<R> Clone for Column<R> {
 }
 
 impl<R: 'static> Column<R> {
-    /// A column that only tables have: a value that follows from others.
+    /// A column for tables alone, whose value follows from other columns.
     pub fn derived<T: AsDatum>(title: &str, digits: usize, value: impl Fn(&R) -> T + 'static) -> Self {
         let form = Form { digits, is_share: false };
         let value: Value<R> = Rc::new(move |row| value(row).datum());
         Self { name: String::new(), title: title.to_owned(), about: "", form, value }
     }
 
-    /// A column that only CSV files have: what a row is of.
+    /// A column for CSV files alone, which says what a row is about.
     pub fn named<T: AsDatum>(name: &str, value: impl Fn(&R) -> T + 'static) -> Self {
         let value: Value<R> = Rc::new(move |row| value(row).datum());
         Self { name: name.to_owned(), title: String::new(), about: "", form: Form::PLAIN, value }
@@ -117,7 +117,7 @@ impl<R: 'static> Column<R> {
         self.form.text(&(self.value)(row))
     }
 
-    /// The value where it is a number.
+    /// The value, if it is a number.
     pub fn number(&self, row: &R) -> Option<f64> {
         if let Datum::Number(v) = (self.value)(row) { Some(v) } else { None }
     }
@@ -127,7 +127,7 @@ impl<R: 'static> Column<R> {
         self.form.text(&number.datum())
     }
 
-    /// The value as a CSV file has it: a number with all its digits.
+    /// The value as a CSV file has it; a number has all its digits.
     pub fn written(&self, row: &R) -> String {
         match (self.value)(row) {
             Datum::Nothing => String::new(),
@@ -137,19 +137,19 @@ impl<R: 'static> Column<R> {
         }
     }
 
-    /// Returns the column for rows that have this one's rows as a part.
+    /// Returns the column for rows of type `O`, which have a row of type `R` as a part.
     fn within<O: 'static>(&self, get: fn(&O) -> &R) -> Column<O> {
         let Self { name, title, about, form, value } = self.clone();
         Column { name, title, about, form, value: Rc::new(move |row| value(get(row))) }
     }
 }
 
-/// The values of the items of a row, found anew each time.
+/// Computes the values of the items of a row, each time it is called.
 type Items<R> = Rc<dyn Fn(&R) -> Vec<Vec<String>>>;
 
-/// The items of a list that each row has, such as its frames: a CSV file of their own.
+/// The items of a list that each row has, such as its frames, which get a CSV file of their own.
 pub struct Series<R> {
-    /// The field of the record.
+    /// The field of the record that holds the list.
     pub name: &'static str,
     /// The names of the items' columns.
     pub names: Vec<String>,
@@ -157,15 +157,15 @@ pub struct Series<R> {
     pub items: Items<R>,
 }
 
-/// Everything that rows of one type have.
+/// Everything that is declared about rows of one type.
 pub struct ColumnSet<R> {
     /// The columns, in order.
     pub columns: Vec<Column<R>>,
-    /// A list that each row has, if it has one.
+    /// The list of items that each row has, if any.
     pub series: Option<Series<R>>,
-    /// The fields of records, at whatever depth, that are times.
+    /// The names of the fields that are times, at whatever depth of a record.
     pub times: BTreeSet<&'static str>,
-    /// The fields of records, at whatever depth, with the least and the greatest number that each can be.
+    /// The least and the greatest value of each field that is a number, at whatever depth of a record.
     pub ranges: BTreeMap<&'static str, [f64; 2]>,
 }
 
@@ -177,7 +177,7 @@ impl<R> Default for ColumnSet<R> {
 
 /// A type whose fields are columns.
 pub trait Columns: Sized + 'static {
-    /// Its columns.
+    /// The columns of the type.
     fn columns() -> ColumnSet<Self>;
 }
 
@@ -189,34 +189,34 @@ pub struct Scalar {
     range: [f64; 2],
 }
 
-/// What numbers can be unless their column says otherwise.
+/// The range of numbers whose column gives no other.
 const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 
-/// A figure, which is equal to the bit on every machine; `title` is its header in tables, where it has one.
+/// A figure, which is equal to the bit on every machine; `title` is its header in tables, or empty.
 pub const fn figure(title: &'static str) -> Scalar {
     Scalar { title, form: Form { digits: 4, is_share: false }, is_time: false, range: NOT_NEGATIVE }
 }
 
-/// A time, or what follows from times, which is kept apart by device.
+/// A time, or a value that follows from times, which is kept apart by device.
 pub const fn time(title: &'static str) -> Scalar {
     Scalar { title, form: Form { digits: 3, is_share: false }, is_time: true, range: NOT_NEGATIVE }
 }
 
 impl Scalar {
-    /// The digits that tables show behind the point.
+    /// Sets the digits that tables show behind the point.
     pub const fn digits(mut self, digits: usize) -> Self {
         self.form.digits = digits;
         self
     }
 
-    /// A share, which tables show in percent.
+    /// Marks a share, which tables show in percent.
     pub const fn share(mut self) -> Self {
         self.form.is_share = true;
         self.range = [0.0, 1.0];
         self
     }
 
-    /// A number that may be negative.
+    /// Allows the number to be negative.
     pub const fn signed(mut self) -> Self {
         self.range = [f64::NEG_INFINITY, f64::INFINITY];
         self
@@ -245,12 +245,12 @@ pub struct Part {
     prefix: Option<&'static str>,
 }
 
-/// A field whose fields stand beside the others in records.
+/// A field whose own fields stand beside the row's other fields in records.
 pub const fn part() -> Part {
     Part { prefix: None }
 }
 
-/// A field whose fields stand below it in records; tables put `title` before their headers, and show none without it.
+/// A field whose own fields are nested in records; tables put `title` before their headers, and leave them out if it is empty.
 pub const fn nested(title: &'static str) -> Part {
     Part { prefix: Some(title) }
 }
@@ -281,7 +281,7 @@ impl Part {
 /// A field of times that tables do not show.
 pub struct Times;
 
-/// A field that has times alone, whatever it consists of.
+/// A field of any type that consists of times alone.
 pub const fn times() -> Times {
     Times
 }
@@ -307,7 +307,7 @@ pub const fn series() -> List {
 }
 
 impl List {
-    /// Adds the list to what its row has.
+    /// Adds the list to the row's columns.
     pub fn add<R: 'static, T: Columns>(
         self,
         (name, _): (&'static str, &'static str),
@@ -327,8 +327,8 @@ impl List {
     }
 }
 
-/// Declares a row: a struct, its fields, and behind `=` what each is as a column. A field without that is none: it says
-/// what the row is of. Records are the struct as JSON.
+/// Declares a row: a struct with its fields, and behind `=` the column that a field makes. A field without `=` is no column; it
+/// says what the row is about.
 macro_rules! columns {
     (
         $(#[$about:meta])*
@@ -355,7 +355,7 @@ macro_rules! columns {
     };
 }
 
-/// Declares the columns that follow from something measured: behind `=>`, how each is found in it.
+/// Declares columns that are computed from a measured value; the expression behind `=>` finds a column in the value.
 macro_rules! measured_columns {
     (
         $(#[$about:meta])*
@@ -381,7 +381,7 @@ macro_rules! measured_columns {
     };
 }
 
-/// Adds the column of a field, if it is one.
+/// Adds the column of a field, if the field has one.
 macro_rules! column_of {
     ($all:ident, $name:ident, [$($about:tt)*]) => {};
     ($all:ident, $name:ident, [$($about:tt)*], $column:expr) => {
@@ -389,7 +389,7 @@ macro_rules! column_of {
     };
 }
 
-/// The text of doc comments, from the attributes that they are.
+/// The text of doc comments, from their `#[doc]` attributes.
 macro_rules! text_of_doc {
     () => { "" };
     (#[doc = $text:literal] $($rest:tt)*) => { concat!($text, $crate::study::columns::text_of_doc!($($rest)*)) };

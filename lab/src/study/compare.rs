@@ -1,5 +1,5 @@
-//! Two runs of the time study, two settings of one, or two images, beside each other (docs/definitions.md, "Verdicts" and
-//! "Image error"). Times are compared pass by pass from their raw samples.
+//! Two runs of the time study, or two settings of one run, or two images, compared (docs/definitions.md, "Verdicts" and "Image
+//! error"). Times are compared pass by pass from their raw samples.
 
 mod images;
 mod rows;
@@ -30,32 +30,32 @@ pub const SEED: u64 = 1;
 /// Change of a time that counts, unless the user says otherwise.
 pub const THRESHOLD: f64 = 0.05;
 
-/// How an interval was found, and what it was held against.
+/// How an interval was found, and the threshold it was compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Judgement {
-    /// Change that counts, 0 ≤ t < 1.
+    /// Change that counts, as a share, 0 ≤ t < 1.
     pub threshold: f64,
     /// Share of the resamples in the interval.
     pub confidence: f64,
     /// Resamples.
     pub resamples: u32,
-    /// Their seed.
+    /// Seed of the resamples.
     pub seed: u64,
 }
 
 /// One of the two runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Side {
-    /// The first, what is compared with.
+    /// The first run, which the other one is compared with.
     A,
-    /// The second.
+    /// The second run.
     B,
 }
 
-/// What a record of a comparison begins with.
+/// The first fields of a comparison's record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareHead {
-    /// Which comparison.
+    /// Kind of comparison.
     pub kind: &'static str,
     /// [`DEFINITIONS`].
     pub definitions: u32,
@@ -63,9 +63,9 @@ pub struct CompareHead {
     pub version: &'static str,
     /// Commit of the program's source.
     pub commit: String,
-    /// The first, what is compared with.
+    /// The first run, which the other one is compared with.
     pub a: String,
-    /// The second.
+    /// The second run.
     pub b: String,
 }
 
@@ -76,19 +76,19 @@ impl CompareHead {
     }
 }
 
-/// A pass, or the total, of two runs. What one run lacks is null, and then so is the verdict.
+/// A pass, or the total, of two runs. A value that one run lacks is null, and the verdict is then null, too.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimeComparison {
     /// "compare"; the runs' names.
     #[serde(flatten)]
     pub head: CompareHead,
-    /// What was timed: everything that was set for both.
+    /// Subject that was timed: everything that was set for both.
     #[serde(flatten)]
     pub subject: Subject,
-    /// The method of A, and what is set otherwise than for B, where two settings are compared.
+    /// The method of A, and the settings in which it differs from B, where two settings are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setting_a: Option<String>,
-    /// The method of B, and what is set otherwise than for A, where two settings are compared.
+    /// The method of B, and the settings in which it differs from A, where two settings are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setting_b: Option<String>,
     /// Label of a pass, name of a group of passes, or [`TOTAL`].
@@ -97,44 +97,46 @@ pub struct TimeComparison {
     pub part_of: Option<String>,
     /// Whether the pass counts towards the total.
     pub counted: bool,
-    /// The run that has it, if only one has.
+    /// The run that has the pass, if the other run lacks it.
     pub only_in: Option<Side>,
-    /// If only one has it: in what the other's frames of the same scene, view and method differ, if it has any.
+    /// The settings in which the other run's nearest frames differ, if only one run has the pass and the other has frames of
+    /// the same scene, view and method.
     pub differs: Option<String>,
-    /// Whether A and B were timed in turn: then the ratio is the median over the turns, else that of the medians.
+    /// Whether A and B were timed in turn: if so, the ratio is the median of the ratios of the turns, else the ratio of the
+    /// medians.
     pub paired: bool,
-    /// Samples.
+    /// Number of samples of A.
     pub samples_a: usize,
-    /// Samples.
+    /// Number of samples of B.
     pub samples_b: usize,
-    /// Median in milliseconds.
+    /// Median of A in milliseconds.
     pub median_a_ms: Option<f64>,
-    /// Median in milliseconds.
+    /// Median of B in milliseconds.
     pub median_b_ms: Option<f64>,
-    /// B over A; null in JSON if infinite, for an A of 0.
+    /// Ratio of B to A; null in JSON if infinite, for an A of 0.
     pub ratio: Option<f64>,
-    /// Lower end of its interval.
+    /// Lower end of the ratio's interval.
     pub low: Option<f64>,
-    /// Upper end of its interval.
+    /// Upper end of the ratio's interval.
     pub high: Option<f64>,
-    /// How far a run strays from itself, as a share: the greater of the two, where one was measured. Nothing within it is
-    /// faster or slower.
+    /// How far a run's times stray from themselves, as a share: the greater of the two runs' values, where measured. A
+    /// difference within the noise floor is no verdict.
     pub noise_floor: Option<f64>,
-    /// What the interval says; undecided with fewer than [`MIN_SAMPLES`] on a side.
+    /// Verdict on the interval; undecided with fewer than [`MIN_SAMPLES`] samples of A or B.
     pub verdict: Option<Verdict>,
-    /// If it is undecided: about how many samples would decide; null if they are too many to say.
+    /// About how many samples would decide an undecided verdict; null if they are too many to say.
     pub samples_to_decide: Option<u64>,
-    /// How much longer the scene passes of B took, as a share: they are the same work as those of A. Null if the files say nothing
-    /// of scene passes.
+    /// How much longer the scene passes of B took than those of A, which do the same work, as a share. Null if the files have
+    /// no times of scene passes.
     pub drift: Option<f64>,
-    /// How.
+    /// How the interval was found and judged.
     #[serde(flatten)]
     pub judgement: Judgement,
     /// Device of A; null if not known.
     pub device_a: Option<DeviceInfo>,
     /// Device of B; null if not known.
     pub device_b: Option<DeviceInfo>,
-    /// Why the runs are no fair pair, if they may be none.
+    /// Why the runs may not be comparable, if so.
     pub warning: Option<String>,
 }
 
@@ -195,7 +197,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// The records of every pass of two subjects, in A's order; what only B has comes last.
+    /// The records of every pass of two subjects, in A's order; passes of B alone come last.
     fn records(&self, subject: &Subject, [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
         let first = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
         let missing = b.iter().filter(|s| find(a, s).is_none());
@@ -206,7 +208,7 @@ impl<'a> Comparison<'a> {
 }
 
 impl Judgement {
-    /// The verdict on a ratio of `n` samples, and if it is open, about how many would decide.
+    /// The verdict on a ratio of `n` samples; if it is undecided, also about how many samples would decide.
     fn on(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
         let verdict = if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::of(ratio, self.threshold, floor) };
         let is_open = verdict == Verdict::Undecided;
@@ -214,8 +216,8 @@ impl Judgement {
     }
 }
 
-/// B over A with its interval, and of how many samples it is: of frames that were timed in turn, the median of their
-/// ratios; of others, the ratio of the medians.
+/// The ratio of B to A with its interval, and its number of samples. Frames that were timed in turn give the median of their
+/// ratios; other frames give the ratio of the medians.
 fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     let [Some(a), Some(b)] = sides else { return None };
     if paired {
@@ -225,8 +227,8 @@ fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
 }
 
-/// How much longer the passes that do not count took in B, as a share: they draw the scene, which is the same work on both
-/// sides, so that the machine alone makes the difference. `None` if the two have no such pass in common.
+/// How much longer the passes that do not count took in B, as a share. The passes draw the scene, which is the same work on
+/// both sides, so that any difference comes from the machine. `None` if A and B have no such pass in common.
 fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
     let is_work = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
     let both = a.iter().filter(is_work).filter_map(|s| Some([s, find(b, s)?]));
@@ -235,9 +237,9 @@ fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
     Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
 }
 
-/// Compares every pass, group and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
-/// Frames are a pair only if everything that was set is the same. What one run's file does not say is left out of account,
-/// and the warning names it.
+/// Compares every pass, group and total, in A's order; passes of B alone come last. Threshold: 0 ≤ t < 1. Frames are a pair
+/// only if everything that was set is the same. A setting that one run's file does not give is ignored, and the warning names
+/// it.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let mut comparison = Comparison::new(a, b, threshold);
     if !a.samples.is_empty() && a.samples == b.samples {
@@ -267,8 +269,8 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     records
 }
 
-/// How two settings are named that two runs have instead of one in common: the values of the options `--a` and `--b`. The
-/// second value says whether they are of one place, so that one run can time both in turn.
+/// Names the two settings in which two runs differ, as values of the options `--a` and `--b`. The second value says whether
+/// both settings were measured at one place, so that one run can time them in turn.
 pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
     let [groups_a, groups_b] = groups_of_both(a, b);
     let (first, _) = groups_a.first()?;
@@ -276,10 +278,10 @@ pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
     Some(([first.difference_from(other, "--"), other.difference_from(first, "--")], first.place() == other.place()))
 }
 
-/// What is wrong with a comparison of something with itself.
+/// End of the warning about a comparison of a run with itself.
 const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
 
-/// Why two runs may be no fair pair.
+/// Why two runs may not be comparable.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
     let device = match (&a.device, &b.device) {
@@ -300,14 +302,14 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-/// The subject like a given one that differs from it in the fewest values; `None` if it is there itself, and lacks no more
-/// than a pass, or if there is none like it.
+/// The subject in `groups`, of the same scene, view and method, that differs from `subject` in the fewest values. `None` if
+/// `groups` has none, or has `subject` itself.
 fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
     let like = groups.iter().map(|(s, _)| s).filter(|s| s.is_like(subject));
     like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
 }
 
-/// The pass of the same name in the same group, which counts if this one counts.
+/// The pass of the same name in the same group, with the same value of `counted`.
 fn find<'g>(passes: &'g [Samples], like: &Samples) -> Option<&'g Samples> {
     passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of && s.counted == like.counted)
 }

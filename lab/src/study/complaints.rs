@@ -1,5 +1,5 @@
-//! Complaints of engines' users about reflections, each as a small scene with its truth: what methods show there, and one
-//! number for each that says what users complain of. `ssct stress --complaints` measures them.
+//! Complaints of engines' users about reflections. Each is a small scene with its truth, what methods show there, and one
+//! number for what users complain of. `ssct stress --complaints` measures them.
 
 mod cases;
 mod frames;
@@ -13,5 +13,5 @@ pub use cases::{COMPLAINTS, Complaint};
 pub use row::ComplaintRow;
 pub use suite::ComplaintStudy;
 
-/// Methods that are tried where none are named.
+/// Methods that are measured if the user names none.
 pub const METHODS: [&str; 4] = ["ssct", "dda", "stochastic", "unified"];

@@ -1,10 +1,10 @@
-//! What changed on the machine between rows that were timed at different moments, by work that is the same in both
-//! (docs/definitions.md, "Verdicts").
+//! Change of the machine's speed between rows that were timed at different moments, measured by the scene passes, whose work is
+//! the same (docs/definitions.md, "Verdicts").
 
 use crate::study::record::TimeRecord;
 
 /// How much longer the scene passes of each record took than those of the first moment at the same view and size, as a share.
-/// Methods that were timed in turn have one value. `None` where there is but one moment, and for records without scene passes.
+/// Methods that were timed in turn share one value. A record without scene passes, or of the only moment, has `None`.
 pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
     let since_first = |record: &TimeRecord| {
         let same_work: Vec<&TimeRecord> = records.iter().filter(|r| work(r) == work(record)).collect();
@@ -17,13 +17,13 @@ pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
     records.iter().map(since_first).collect()
 }
 
-/// What decides how much work the scene passes are.
+/// The properties that decide how much work the scene passes do.
 fn work(record: &TimeRecord) -> (&str, &str, u32, u32) {
     let head = &record.head;
     (&head.scene, &head.view, head.width, head.height)
 }
 
-/// What tells the moments of one view and size from each other: the factors, with which all methods were timed in turn.
+/// The factors that distinguish moments of one view and size: all methods with the same factors were timed in turn.
 fn moment(record: &TimeRecord) -> [String; 3] {
     ["roughness", "normal_deviation", "reflectivity"].map(|name| record.head.setting(name))
 }

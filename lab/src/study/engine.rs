@@ -1,6 +1,6 @@
-//! The engine of studies: what every study has, once. A study says which cells it has and how one is measured; from that
-//! follow the list of cells, the journal and its keys, shards, what is left to measure, and the rows of whatever a journal
-//! holds. Tables, files and pages of the rows are made by `report::results`, and `app::measure` runs it from flags.
+//! The engine of studies: everything that all studies have in common. A study says which cells it has and how one cell is
+//! measured. The engine makes the list of cells, the journal and its keys, shards, what is left to measure, and the rows of a
+//! journal. `report::results` makes tables, files and pages of the rows, and `app::measure` runs the engine from flags.
 
 use super::cell_list::{CellList, CellListHead, ListedResult, PlannedCell};
 use super::columns::Columns;
@@ -21,9 +21,9 @@ use std::collections::HashSet;
 
 /// A study: cells that are measured one after the other.
 pub trait Study {
-    /// What one measurement is of.
+    /// The type of a cell, which is measured at once.
     type Cell;
-    /// What a measurement finds.
+    /// The type of a row, which is the result of a measurement.
     type Row: Row;
 
     /// Every cell, in the order of its rows.
@@ -32,17 +32,17 @@ pub trait Study {
     /// The scenes, whose digests tell studies apart.
     fn scenes(&self) -> Vec<&Scene>;
 
-    /// Settings that tables depend on and that no cell has.
+    /// Settings that tables depend on, and that are not part of any cell.
     fn settings(&self) -> Value {
         Value::Null
     }
 
-    /// The keys of the cell's results in the journal, each with the fields of its row that the journal does not have.
+    /// The keys of the cell's results in the journal, each with the fields of its row that are missing in the journal.
     fn results(&self, gpu: &Gpu, cell: &Planned<Self::Cell>) -> Vec<(String, Value)> {
         vec![(cell.key::<Self::Row>(gpu), Value::Null)]
     }
 
-    /// Steps of the progress bar that a cell takes. A cell of one step need not count it.
+    /// Steps of the progress bar that a cell takes. The engine counts the step of a cell that takes one.
     fn steps(&self, _cell: &Self::Cell) -> usize {
         1
     }
@@ -58,9 +58,9 @@ pub trait Study {
 pub struct Planned<C> {
     /// The name, for people.
     pub name: String,
-    /// Everything that the result depends on but the device and the program.
+    /// Everything, except the device and the program, that the result depends on.
     pub setup: Value,
-    /// The cell.
+    /// The cell as the study measures it.
     pub cell: C,
 }
 
@@ -71,18 +71,18 @@ impl<C> Planned<C> {
     }
 }
 
-/// What a study finds: a record of JSON, whose fields are columns.
+/// The result of a study: a JSON record whose fields are columns.
 pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
-    /// The kind of study, which is the name of its files and, without further kinds, that of its records.
+    /// The kind of study, which names its files and, if the study has no other kinds of records, its records.
     const KIND: &'static str;
-    /// The title of its page.
+    /// The title of the study's page.
     const TITLE: &'static str;
-    /// Folders of files that measurements make beside rows.
+    /// Folders of files that measurements make in addition to rows.
     const FOLDERS: &'static [&'static str] = &[];
-    /// Whether measurements keep samples in the journal, from which [`Row::read`] makes rows, and return no rows.
+    /// Whether measurements return no rows, but keep samples in the journal, from which [`Row::read`] makes rows.
     const IS_SAMPLED: bool = false;
 
-    /// Which program measured it, on which device.
+    /// The program and the device that measured the row.
     fn program(&self) -> &Provenance;
 
     /// Tables of rows that one device measured.
@@ -105,7 +105,7 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
         Vec::new()
     }
 
-    /// CSV files beside that of the rows and that of their series.
+    /// Further CSV files, beside the file of the rows and the file of their series.
     fn sheets(_rows: &[Self]) -> Vec<Sheet> {
         Vec::new()
     }
@@ -115,38 +115,38 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
         vec![(Self::KIND, rows.to_vec())]
     }
 
-    /// Says what is wrong if rows have to pass and do not.
+    /// Says what is wrong, if rows have to pass a test and fail it.
     fn failure(_rows: &[Self]) -> Option<String> {
         None
     }
 
-    /// Whether a journal has all of a result, in a form that can be read.
+    /// Whether a journal has a complete result in a readable form.
     fn is_whole(_list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
         kept::<Self>(journal, &result.key).is_some()
     }
 
-    /// The rows of a result, as far as a journal has it.
+    /// The rows of a result that a journal has, which may be incomplete.
     fn read(_list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         kept(journal, &result.key).unwrap_or_default()
     }
 }
 
-/// What a study measures with.
+/// The device, journal and callbacks that a study measures with.
 pub struct Bench<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// What was measured until now.
+    /// The results that were measured until now.
     pub journal: &'a mut Journal,
-    /// Fails once a signal asked to stop. It is called between two steps of a measurement.
+    /// Fails once a signal asked to stop. Measurements call it between two steps of a measurement.
     pub go_on: fn() -> Result<()>,
     /// Moves the progress bar on by some steps.
     pub advance: &'a mut dyn FnMut(usize),
-    /// Keeps a file that a measurement makes beside its rows.
+    /// Keeps a file that a measurement makes in addition to its rows.
     pub keep: &'a mut dyn FnMut(&ExtraFile) -> Result<()>,
 }
 
 impl Bench<'_> {
-    /// One step further, unless a signal asked to stop.
+    /// Advances the progress bar by one step, and fails if a signal asked to stop.
     ///
     /// # Errors
     /// Errors of [`Bench::go_on`].
@@ -156,7 +156,7 @@ impl Bench<'_> {
     }
 }
 
-/// What was made last, which is kept as long as the same is asked for.
+/// The value that was made last, which is kept until another key is asked for.
 pub struct LastMade<K, T>(Option<(K, T)>);
 
 impl<K, T> Default for LastMade<K, T> {
@@ -166,8 +166,8 @@ impl<K, T> Default for LastMade<K, T> {
 }
 
 impl<K: PartialEq, T> LastMade<K, T> {
-    /// What was made last, if it was made for this key; otherwise it is dropped first, for its memory, and a new one is
-    /// made.
+    /// The last value, if it was made for this key. Otherwise the last value is dropped first, to free its memory, and a new
+    /// one is made.
     ///
     /// # Errors
     /// Errors of `make`.
@@ -181,7 +181,8 @@ impl<K: PartialEq, T> LastMade<K, T> {
     }
 }
 
-/// The list of a study's cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
+/// Lists a study's cells for a run on a device; `shard` says which of them the run owns, and `command` is the command of the
+/// whole study.
 pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard>) -> CellList {
     let planned = |cell: Planned<S::Cell>| {
         let results = study.results(gpu, &cell);
@@ -225,15 +226,15 @@ pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> R
     Ok(())
 }
 
-/// The rows that a journal keeps under a key; `None` if it keeps none there, or none that can be.
+/// The rows that a journal keeps under a key; `None` if the journal has no entry there, or an unreadable one.
 pub fn kept<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
     journal.value(key).and_then(|value| rows_of(value).ok())
 }
 
-/// The rows that a value of a journal is.
+/// Reads rows from a value of a journal.
 ///
 /// # Errors
-/// Why it is none, as the end of a sentence about it.
+/// Why the value is no list of rows, as the end of a sentence about it.
 pub fn rows_of<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
     let rows = Vec::deserialize(value).map_err(|e| format!("is no list of records of this study: {e}"))?;
     value.as_array().into_iter().flatten().find_map(sound::fault::<R>).map_or(Ok(rows), Err)
@@ -244,13 +245,12 @@ pub fn keys_of(list: &CellList) -> HashSet<&str> {
     list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str()).collect()
 }
 
-/// Whether a key of a journal is that of a sample of one of some results: it begins with the key of the result, and one or two
-/// words follow.
+/// Whether a key belongs to a sample of one of some results: it is the key of the result, followed by one or two words.
 fn is_sample(results: &HashSet<&str>, key: &str) -> bool {
     key.rmatch_indices(' ').take(2).any(|(end, _)| results.contains(&key[..end]))
 }
 
-/// The keys of what a journal has of a list and what cannot be read: it is measured again.
+/// The keys of a list whose entries in the journal cannot be read, so that the results are measured again.
 pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     let keys = keys_of(list);
     let is_unread = |key: &&str| match journal.value(key) {
@@ -263,10 +263,10 @@ pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     found
 }
 
-/// Checks every entry that a run's journal has of its results, and the rows that follow from them.
+/// Checks every entry of a run's journal that belongs to its results, and the rows that follow from the entries.
 ///
 /// # Errors
-/// The line, if it is known, and why what it says cannot be, as the end of a sentence about it.
+/// The line, if known, and what is wrong with it, as the end of a sentence about it.
 pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usize>, String)> {
     let keys = keys_of(&input.cells);
     for line in &input.lines {
@@ -278,14 +278,14 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
             interleave::sample_of(&value).map_err(wrong)?;
         }
     }
-    // What the list of cells says of samples becomes rows, too.
+    // Rows made of samples also take fields from the list of cells, which are checked here.
     let results = input.cells.cells.iter().flat_map(|cell| &cell.results);
     let rows = results.flat_map(|result| R::read(&input.cells, result, &input.journal));
     let fault = rows.map(|row| json!(row)).find_map(|row| sound::fault::<R>(&row));
     fault.map_or(Ok(()), |why| Err((None, format!("a record that follows from its cells {why}"))))
 }
 
-/// The rows of everything that a journal has of a run, in the order of the list.
+/// The rows of all results that a journal has of a run, in the order of the list.
 pub fn rows<R: Row>(list: &CellList, journal: &Journal) -> Vec<R> {
     let results = list.cells.iter().filter(|cell| cell.own).flat_map(|cell| &cell.results);
     results.flat_map(|result| R::read(list, result, journal)).collect()

@@ -1,5 +1,5 @@
-//! Run time against error: some variants of methods on one view, size and roughness, timed in turn
-//! and held against three references on the very same G-buffer (docs/definitions.md, "Oracle", "Image error").
+//! Run time against error: variants of methods on one view, size and roughness are timed in turn, and compared with three
+//! references on the same G-buffer (docs/definitions.md, "Oracle", "Image error").
 
 mod judged;
 mod pictures;
@@ -40,12 +40,12 @@ use serde_json::{Value, json};
 pub struct Variant {
     /// The method.
     pub method: &'static MethodInfo,
-    /// Its parameters; the size is the cell's.
+    /// Parameters of the method; the cell sets the size.
     pub setup: Setup,
 }
 
 impl Variant {
-    /// Some methods with one setup.
+    /// Makes a variant of each method, all with one setup.
     pub fn of(methods: &[&'static MethodInfo], setup: &Setup) -> Vec<Self> {
         methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
     }
@@ -63,19 +63,19 @@ impl Variant {
     }
 }
 
-/// The greatest number of bounces among some variants, with which their world is rendered.
+/// The greatest number of bounces among some variants, which the world reference uses, too.
 pub(super) fn greatest_bounces(variants: &[Variant]) -> u32 {
     variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)
 }
 
-/// Images of a cell for the picture strip, linear: reflection colour before fade.
+/// Linear images of a cell for the picture strip: reflection colour before fade.
 struct Strip {
     /// File stem.
     name: String,
     /// The image, three channels a pixel.
     color: Vec<[f32; 3]>,
-    /// Its errors, for methods: against the screen reference, or the world's for what shows the
-    /// environment.
+    /// Errors, for methods: against the screen reference, or against the world reference if the variant sees more than the
+    /// screen.
     error: Option<ErrorMaps>,
 }
 
@@ -87,7 +87,7 @@ struct ErrorMaps {
     flip: FlipMap,
 }
 
-/// What a cell gives.
+/// The results of a cell.
 struct MeasuredCell {
     /// Width and height in pixels.
     extent: [u32; 2],
@@ -97,7 +97,7 @@ struct MeasuredCell {
     strips: Vec<Strip>,
 }
 
-/// How a cell is measured, whatever the device.
+/// Inputs of a cell's measurement, on any device.
 struct ErrorSpec<'a> {
     /// Scene.
     scene: &'a Scene,
@@ -107,11 +107,11 @@ struct ErrorSpec<'a> {
     extent: [u32; 2],
     /// Global factors.
     globals: Globals,
-    /// What is compared.
+    /// Variants that are compared.
     variants: &'a [Variant],
-    /// Frames before the first that counts.
+    /// Frames that warm up before the first timed one.
     warmup: usize,
-    /// Frames that count.
+    /// Number of timed frames.
     samples: usize,
     /// Rays a pixel of the references.
     rays: u32,
@@ -120,14 +120,14 @@ struct ErrorSpec<'a> {
 }
 
 impl ErrorSpec<'_> {
-    /// Everything that the cell depends on, but for the device, the program and how often it is sampled.
+    /// Everything that the cell depends on, except the device, the program and the number of samples.
     fn settings(&self) -> Value {
         let variants: Vec<_> = self.variants.iter().map(|v| v.settings(self.extent)).collect();
         let view = format!("{:?}", self.view);
         json!([self.scene_digest, view, self.globals, variants, self.warmup])
     }
 
-    /// Everything that the cell depends on, but for how often it is sampled.
+    /// Digest of everything that the cell depends on, except the number of samples.
     fn digest(&self, gpu: &Gpu) -> String {
         digest(gpu, &self.settings())
     }
@@ -147,13 +147,13 @@ fn measure(
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
         Shot::new(stage, method, &setup.at(spec.extent), wants, camera, materials.clone())
     };
-    // Timed without a reflection of its own, as the time study does.
+    // Times shots that write no separate image of the reflection, as the time study does.
     let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
     let mut shots = made.collect::<Result<Vec<_>>>()?;
     let times = totals((gpu, spec), stage, &mut shots, journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
-    // Where the journal has all times, no frame has run.
+    // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
     stage.draw(first)?;
     let truth =
         truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, greatest_bounces(spec.variants), go_on)?;
@@ -178,7 +178,7 @@ fn measure(
                 colors(&gbuffer::reflection(&mut stage.context, &output)?)
             }
         };
-        // Where its rays end is of the method alone, without what lies behind it.
+        // The ends of rays belong to the method alone, so that its fallback is left out.
         let mut hits = None;
         let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
         if variant.method.is_screen_space() || among_triangles {
@@ -196,12 +196,12 @@ fn measure(
         cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
         let is_same = |other: &&Variant| other.method.name == variant.method.name;
         let is_alone = spec.variants.iter().filter(is_same).count() == 1;
-        // Variants of one method have pictures of their own.
+        // Several variants of one method get different names for their pictures.
         let name = if is_alone { variant.method.name.to_owned() } else { head.record.head.variant().replace(' ', "-") };
         cell.strips.push(method_strip(&name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
-        // What is left of the error when every hit is right, and what screen space itself costs.
+        // Measures the error that is left when every hit is right, and the error of screen space itself.
         let setup = without_fallback(&variant.setup);
         let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
         let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
@@ -219,14 +219,14 @@ fn measure(
     Ok(cell)
 }
 
-/// Name in records of the oracle's hits with the thesis's cone.
+/// Name in records of the oracle's hits shaded by the thesis's cone.
 pub const EXACT_HITS: &str = "exact-hits+cone";
-/// Name in records of the screen reference, when it is held against the world.
+/// Name in records of the screen reference, when its error against the world is measured.
 pub const SCREEN_REFERENCE: &str = "screen-reference";
 /// Name of the world reference's picture.
 pub const WORLD_REFERENCE: &str = "world-reference";
 
-/// A picture's name: of the second version of the oracle it says so.
+/// A picture's name, which says so if the second version of the oracle was used.
 fn strip_name(name: &str, version: OracleVersion) -> String {
     if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
 }
@@ -241,8 +241,8 @@ fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant
     Strip { name: strip_name(name, version), color: color.to_vec(), error: Some(error) }
 }
 
-/// The thesis's cone at the oracle's hits: the method's error without its ray tracing's. Each bounce reflects the image with
-/// the one before in it, as methods do.
+/// Shades the oracle's hits by the thesis's cone, which shows the method's error without the error of its ray tracing. Each
+/// bounce reflects the image that includes the bounce before, as in methods.
 fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
     let [width, height] = spec.extent;
     let mut context = FrameContext::new(gpu)?;
@@ -272,7 +272,7 @@ fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setu
     Ok(made.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
 }
 
-/// The lit colour of a G-buffer with a reflection and its fade in it (docs/definitions.md, "Surfaces").
+/// Adds a reflection, times reflectivity and fade, to the lit colour of a G-buffer (docs/definitions.md, "Surfaces").
 fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
     let share = |i: usize| if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
     let pixels = data.color.iter().zip(reflection).enumerate();
@@ -282,11 +282,11 @@ fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
 /// The time of a variant in a cell, in milliseconds.
 struct VariantTime {
     median_ms: f64,
-    /// Both ends of the interval of the median over resamples of the frames; `None` with too few frames.
+    /// Ends of the interval of the median over resamples of the frames; `None` with too few frames.
     interval: Option<[f64; 2]>,
 }
 
-/// Totals of the shots, timed in turn.
+/// Total times of the variants, whose shots are timed in turn.
 fn totals(
     (gpu, spec): (&Gpu, &ErrorSpec),
     stage: &mut Stage,
@@ -307,7 +307,7 @@ fn totals(
     Ok((0..shots.len()).map(|m| timed(all(m))).collect())
 }
 
-/// A method without what lies behind it, whose rays go where they go in front of that.
+/// The setup without its fallback; rays go on beyond the screen in the same way as with it.
 fn without_fallback(setup: &Setup) -> Setup {
     let beyond = setup.effect().beyond(true);
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))

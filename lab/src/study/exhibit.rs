@@ -1,4 +1,4 @@
-//! What rows come to, as plain data that a report writes and draws: tables, charts, clips, and files beside the records.
+//! Results of rows as plain data that a report writes and draws: tables, charts, clips, and files beside the records.
 
 use super::columns::{Column, Columns};
 use crate::metrics::flip::FlipMap;
@@ -7,17 +7,17 @@ use crate::metrics::video::Film;
 /// A table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Table {
-    /// Its place on a page, unlike that of any other there.
+    /// Place of the table on a page, unique there.
     pub id: &'static str,
-    /// The title; a table that is all there is has none.
+    /// Title; empty for a table that is the only one.
     pub title: String,
-    /// What it says, in a paragraph.
+    /// Description of the table, in a paragraph.
     pub about: String,
-    /// The rows, its header first.
+    /// Rows of the table, header first.
     pub cells: Vec<Vec<String>>,
-    /// Whether it is too large for a terminal, and stands on the page alone.
+    /// Whether the table is too large for a terminal and is shown on the page alone.
     pub is_large: bool,
-    /// Whether its cells are sentences: a terminal shows a paragraph for each row, and what the table says above them.
+    /// Whether the cells are sentences: a terminal then shows the table's description above them, and a paragraph for each row.
     pub is_prose: bool,
 }
 
@@ -32,12 +32,13 @@ impl Table {
         Self { is_prose: true, ..Self::new(id, title, about, cells) }
     }
 
-    /// A row for each row, with the columns that have a header.
+    /// A table with a line for each of `rows`, and the columns that have a header.
     pub fn of_rows<R: Columns>(id: &'static str, rows: &[R]) -> Self {
         Self::with_columns(id, rows, [])
     }
 
-    /// A row for each row, with the columns that have a header, and some more. Without rows there is no header either.
+    /// A table with a line for each of `rows`, the columns that have a header, and some more. Without rows the table has no
+    /// header either.
     pub fn with_columns<R: Columns, const N: usize>(id: &'static str, rows: &[R], more: [Column<R>; N]) -> Self {
         let own = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
         let columns: Vec<_> = own.chain(more).collect();
@@ -49,7 +50,7 @@ impl Table {
     }
 }
 
-/// Values without those that came before, in order.
+/// Distinct values, in the order in which they first appear.
 pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     let mut all = Vec::new();
     for value in values {
@@ -60,8 +61,8 @@ pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     all
 }
 
-/// Cells with a row and a column for each value of two properties of some rows, in the order of the values; `meet` says
-/// what stands where two of them meet.
+/// A table with a line and a column for each value of two properties of some rows, in the order of the values. `meet` gives the
+/// text of a cell from the rows that have both values.
 pub fn pivot<R>(
     corner: &str,
     rows: &[R],
@@ -84,11 +85,11 @@ pub fn pivot<R>(
 /// A chart.
 #[derive(Debug, Clone)]
 pub struct Chart {
-    /// The name of its file, without the ending.
+    /// The name of the chart's file, without the ending.
     pub stem: String,
-    /// What it shows.
+    /// Subject of the chart.
     pub title: String,
-    /// The points as rows of a table, where no other table has them.
+    /// The points as rows of a table, if no other table has them.
     pub cells: Vec<Vec<String>>,
     /// The values, and how they are drawn.
     pub drawing: Drawing,
@@ -104,18 +105,18 @@ impl Chart {
 /// The values of a chart. A pair of axes is the names of the horizontal and the vertical one.
 #[derive(Debug, Clone)]
 pub enum Drawing {
-    /// Values over frames, a line each.
+    /// Lines of values over frames.
     Lines([String; 2], Vec<Line>),
-    /// Cost against error on log axes, each point named.
+    /// Named points of cost against error, on log axes.
     Points([String; 2], Vec<NamedPoint>),
-    /// Milliseconds of the stages of each bar.
+    /// Bars that are divided into the milliseconds of stages.
     Bars(Vec<StageBar>),
 }
 
 /// A line of a chart.
 #[derive(Debug, Clone)]
 pub struct Line {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
     /// Frames and their values, ≥ 0.
     pub points: Vec<(f64, f64)>,
@@ -124,27 +125,27 @@ pub struct Line {
 /// A point of a chart.
 #[derive(Debug, Clone)]
 pub struct NamedPoint {
-    /// What it is called.
+    /// Name of the point.
     pub name: String,
     /// Cost, above 0, and error, at least 0.
     pub position: [f64; 2],
-    /// Whether nothing beats it in both.
+    /// Whether no other point is better in both cost and error.
     pub on_front: bool,
 }
 
-/// A bar of stages, one behind the other.
+/// A bar of stages, one after the other.
 #[derive(Debug, Clone)]
 pub struct StageBar {
-    /// What stands above it.
+    /// Label above the bar.
     pub label: String,
     /// The stages with their milliseconds.
     pub stages: Vec<(String, f64)>,
 }
 
-/// Animated pictures that are looked at together.
+/// Animated pictures that are shown beside each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClipGroup {
-    /// What they are of.
+    /// Subject of the pictures.
     pub title: String,
     /// The pictures.
     pub clips: Vec<Clip>,
@@ -155,9 +156,9 @@ pub struct ClipGroup {
 pub struct Clip {
     /// File, relative to the page.
     pub file: String,
-    /// What is filmed.
+    /// Name of what is filmed.
     pub name: String,
-    /// What is known of it.
+    /// Caption below the picture.
     pub caption: String,
 }
 
@@ -165,30 +166,30 @@ pub struct Clip {
 pub struct Sheet {
     /// The name of the file.
     pub file: String,
-    /// The rows, its header first.
+    /// Rows of the file, header first.
     pub cells: Vec<Vec<String>>,
 }
 
-/// A file that a measurement makes, beside its rows.
+/// A file that a measurement makes in addition to its rows.
 pub struct ExtraFile {
-    /// Its path in the folder of the run, with slashes.
+    /// Path in the folder of the run, with slashes.
     pub path: String,
-    /// What is in it.
+    /// Contents of the file.
     pub content: Content,
 }
 
-/// What is in a file of a measurement.
+/// Contents of a file that a measurement makes.
 pub enum Content {
     /// A picture, 3 bytes a pixel.
     Picture([u32; 2], Vec<u8>),
-    /// A number for each pixel, and its name.
+    /// A number for each pixel, and the name of the number.
     Map([u32; 2], Vec<f32>, &'static str),
-    /// Finished images that are shown at so many a second.
+    /// Finished images, with the number of images a second.
     Film(Film, f32),
 }
 
 impl Content {
-    /// An error of each pixel as a picture in FLIP's colours, where white is 1.
+    /// Picture of each pixel's error in FLIP's colours, where white is 1.
     pub fn heat([width, height]: [u32; 2], errors: &[f32]) -> Self {
         let map = FlipMap { width, height, errors: errors.iter().map(|e| e.clamp(0.0, 1.0)).collect() };
         Self::Picture([width, height], map.picture())

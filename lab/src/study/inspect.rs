@@ -31,7 +31,7 @@ pub struct Inspection {
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
     oracle: OracleVersion,
-    /// Whether rays go on where the screen loses them.
+    /// Whether rays that leave the screen are followed in captures or among triangles.
     is_followed: bool,
     /// Whether the method's own rays of a rough pixel are drawn from its lobe.
     traces_lobes: bool,
@@ -50,19 +50,19 @@ enum Twin {
 /// A ray as the method, the twin of its traversal, and the oracle see it.
 #[derive(Debug, Clone)]
 pub struct PickedRay {
-    /// The pixel that it starts from.
+    /// Pixel that the ray starts from.
     pub pixel: [u32; 2],
     /// The ray's path in the image; `None` if there is no ray.
     pub segment: Option<Segment>,
     /// How the method reports that the ray ended, and where, in pixels.
     pub method: Option<(PathCode, [f32; 2])>,
-    /// The visited cells and levels, if the method traverses a Hi-Z chain and its traversal has a twin.
+    /// Visited cells and levels, if the method traverses a Hi-Z chain and its traversal has a twin.
     pub walk: Option<Walk>,
-    /// What the ray really hits in the G-buffer.
+    /// Hit of the ray in the G-buffer by the oracle.
     pub oracle: Trace,
-    /// Its way through the world, as far as the method reports how it ended.
+    /// Way of the ray through the world, if the method reports how the ray ended.
     pub in_world: Option<RayInWorld>,
-    /// Its way from where the screen lost it, where the camera would see it, in pixels, which may lie outside the image.
+    /// Way of the ray after the screen lost it, projected onto the image, in pixels, which may lie outside the image.
     pub beyond_on_screen: Option<Vec<Vec2>>,
 }
 
@@ -71,28 +71,28 @@ pub struct PickedRay {
 pub struct RayInWorld {
     /// Where the ray begins, in world space, in metres.
     pub begin: Vec3,
-    /// Where the screen lost it, or hit; the method `captures` follows rays from where they begin.
+    /// Where the screen lost or hit the ray; the method `captures` follows rays from where they begin.
     pub lost: Vec3,
-    /// Where it ends: at its hit, or a point far along it for the sky; where the screen lost it, if no image sees it.
+    /// Where the ray ends: at its hit, at a point far along it for the sky, or where the screen lost it if no image sees its
+    /// end.
     pub end: Vec3,
-    /// How it ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
+    /// How the ray ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
     pub code: PathCode,
-    /// The capture in which it hit, counted from 0.
+    /// The capture in which the ray hit, counted from 0.
     pub capture: Option<usize>,
 }
 
 impl RayInWorld {
-    /// How far beyond the last point the way to the sky is drawn, in metres.
+    /// Length of the last part of a way to the sky, in metres.
     const SKY_M: f32 = 1e4;
 
-    /// Points along its way from where it begins to where it ends, as close to each other near the ends of the parts as
-    /// pictures of them need.
+    /// Points along the way from its begin to its end, spaced closely enough near the start of each part for a picture.
     pub fn way(&self) -> Vec<Vec3> {
         const POINTS: u16 = 256;
         let part = |from: Vec3, to: Vec3| {
             (0..=POINTS).map(move |i| {
                 let t = f32::from(i) / f32::from(POINTS);
-                // Equal ratios of distances, as perspective has it.
+                // Cubing `t` spaces points closely near `from`, where perspective magnifies them.
                 from.lerp(to, t * t * t)
             })
         };
@@ -134,7 +134,7 @@ pub struct TileClasses {
 }
 
 impl Inspection {
-    /// Prepares the analysis of a method's frame, of which the recorded passes say whether its rays walk over the screen.
+    /// Prepares the analysis of a method's frame; the names of the recorded passes tell whether its rays walk over the screen.
     pub fn new(
         gbuffer: GBufferData,
         hits: Option<Pixels>,
@@ -158,7 +158,7 @@ impl Inspection {
                 chain: chain(&depth),
             }
         };
-        // At a lower resolution the rays are those of other pixels.
+        // At a lower resolution rays start from other pixels, so that they have no twin.
         let effect = setup.effect();
         let walks_pyramid = method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid");
         let twin = match effect.divisor() {
@@ -173,7 +173,7 @@ impl Inspection {
         Self { gbuffer, hits, twin, oracle, is_followed, traces_lobes, is_unified }
     }
 
-    /// The number of rays for each way of ending.
+    /// The number of rays that ended with each path code.
     pub fn ends(&self) -> Vec<(PathCode, usize)> {
         let mut counts: Vec<(PathCode, usize)> = Vec::new();
         for code in self.hits.iter().flat_map(Pixels::texels).filter_map(|t| PathCode::from_channel(t[3])) {
@@ -192,7 +192,7 @@ impl Inspection {
         (0..self.gbuffer.depth.len()).filter(|i| self.gbuffer.reflects(*i)).count()
     }
 
-    /// The tiles by content, which determines the work of a method that classifies them.
+    /// The tiles by content, which decides how much work a method that classifies tiles has.
     pub fn tiles(&self) -> TileClasses {
         let g = &self.gbuffer;
         let mut classes = TileClasses::default();
@@ -240,12 +240,12 @@ impl Inspection {
         classes
     }
 
-    /// The version of the oracle that the method is held against.
+    /// The version of the oracle that the method is compared with.
     pub fn oracle(&self) -> OracleVersion {
         self.oracle
     }
 
-    /// Whether the method's own rays of a rough pixel are drawn from its lobe, so that they are not mirror rays.
+    /// Whether the method draws the rays of a rough pixel from its lobe, so that they are not mirror rays.
     pub fn traces_lobes(&self) -> bool {
         self.traces_lobes
     }
@@ -311,7 +311,7 @@ impl Inspection {
         }
     }
 
-    /// The ray of a pixel; `None` off the image.
+    /// The ray of a pixel; `None` outside the image.
     pub fn pick(&self, pixel: [u32; 2]) -> Option<PickedRay> {
         let [x, y] = pixel;
         if x >= self.gbuffer.width || y >= self.gbuffer.height {
@@ -336,7 +336,7 @@ impl Inspection {
         })
     }
 
-    /// The points of a ray's way from where the screen lost it that lie before the camera, in pixels.
+    /// Points of a ray's way after the screen lost it that lie in front of the camera, in pixels.
     fn projected(&self, ray: &RayInWorld) -> Vec<Vec2> {
         let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
         let way = ray.way();
@@ -349,7 +349,7 @@ impl Inspection {
         after.filter_map(project).collect()
     }
 
-    /// The way of a pixel's ray through the world; `None` if the screen alone is looked into, and it missed.
+    /// The way of a pixel's ray through the world; `None` if the method looks into the screen alone and the ray missed.
     fn in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
         let g = &self.gbuffer;
         let texel = self.hits.as_ref()?.at(x, y);
@@ -366,7 +366,7 @@ impl Inspection {
         let begin = place(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(g.depth[g.index(x, y)]));
         let direction = view_to_world.transform_vector3(setup.mirror(x, y)?).normalize().as_vec3();
         let lost = if code.is_hit() {
-            // The image has texture coordinates and standard depth.
+            // The image of hits has texture coordinates and standard depth.
             let [u, v, depth] = [0, 1, 2].map(|c| f64::from(texel[c]));
             place(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
         } else if self.is_followed {

@@ -1,5 +1,5 @@
-//! The one timing loop: shots in turn, frame by frame, so that what changes on the machine meanwhile changes all of
-//! them alike. Each frame that counts goes into the journal as soon as it is measured.
+//! The one timing loop: draws shots in turn, frame by frame, so that a change of the machine's speed affects all of them alike.
+//! Each frame that counts goes into the journal as soon as it is measured.
 
 use super::journal::Journal;
 use super::sound;
@@ -16,45 +16,45 @@ use serde_json::Value;
 /// A frame as the journal keeps it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Sample {
-    /// Its passes and their times.
+    /// Passes of the frame and their times.
     pub report: FrameReport,
-    /// What the scene passes drew.
+    /// Counts of what the scene passes drew.
     pub drawn: DrawnCounts,
 }
 
 impl Sample {
-    /// Milliseconds of the passes that count: the method's.
+    /// Milliseconds of the passes that count, which are the method's.
     pub fn effect_ms(&self) -> f64 {
         self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
     }
 }
 
-/// The sample that a journal keeps under a key; `None` if it keeps none there, or none that can be.
+/// The sample that a journal keeps under a key; `None` if the journal has no entry there, or an unreadable one.
 pub fn kept(journal: &Journal, key: &str) -> Option<Sample> {
     journal.value(key).and_then(|value| sample_of(value).ok())
 }
 
-/// The sample that a value of a journal is.
+/// Reads a sample from a value of a journal.
 ///
 /// # Errors
-/// Why it is none, as the end of a sentence about it.
+/// Why the value is no sample, as the end of a sentence about it.
 pub fn sample_of(value: &Value) -> std::result::Result<Sample, String> {
     let sample = Sample::deserialize(value).map_err(|e| format!("is no sample of times: {e}"))?;
     sound::fault_of_sample(value).map_or(Ok(sample), Err)
 }
 
-/// A frame of every shot.
+/// One frame of every shot.
 pub struct Round {
-    /// What the journal calls the frames; `None` for frames that warm up and do not count.
+    /// Label of the frames in the journal; `None` for frames that warm up and do not count.
     pub label: Option<String>,
-    /// What is measured.
+    /// Mode of measurement.
     pub mode: Mode,
-    /// Where the shots look from; `None` leaves their cameras as they are.
+    /// Camera of the shots; `None` leaves their cameras as they are.
     pub camera: Option<Camera>,
 }
 
 impl Round {
-    /// Some frames that warm up, and some that are timed, which are called by their numbers.
+    /// Some frames that warm up, and some timed frames, labelled by their numbers.
     pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
         let round = |label| Self { label, mode: Mode::Timed, camera: None };
         let warm = (0..warmup).map(|_| round(None));
@@ -62,15 +62,14 @@ impl Round {
     }
 }
 
-/// The shot that is drawn at a turn of a round, of `shots` in all. The shots begin in turn, since the first of a round
-/// may find colder caches.
+/// Index of the shot that is drawn at a turn of a round, among `shots`. Each round begins with the next shot, since the first
+/// shot of a round may find colder caches.
 fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
     (round + turn) % shots
 }
 
-/// Runs every round that the journal lacks of a shot; `key` says where the journal keeps a shot's frame of a label. A
-/// shot of which the journal has every frame is not warmed up either. `progress` is called after each frame; its error
-/// ends the loop.
+/// Draws the frames of every shot that the journal lacks; `key` gives the key of a shot's frame with a label. A shot whose
+/// frames are all in the journal is not warmed up either. `progress` is called after each frame; its error ends the loop.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.

@@ -1,5 +1,5 @@
-//! What a study has measured so far, so that whatever ends it, nothing is lost or measured twice. A
-//! study asks the journal before it measures and tells it after; where the lines go is the caller's.
+//! The results of a study so far, so that nothing is lost or measured twice, whatever ends the study. A study asks the journal
+//! before each measurement and adds the result afterwards; the caller decides where lines are written.
 
 use super::record::Provenance;
 use crate::error::Result;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 
-/// Takes a line, without its end, to where it is kept.
+/// Writes a line, given without its line ending, to where the caller keeps lines.
 pub type Sink = Box<dyn FnMut(&str) -> Result<()>>;
 
 /// Results under keys.
@@ -22,28 +22,27 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// A journal that goes on from some lines, and keeps its own in a sink. Lines that are no entry are
-    /// left out.
+    /// A journal that begins with some lines, and writes new ones to a sink. Lines that are no entry are ignored.
     pub fn resume<'l>(lines: impl Iterator<Item = &'l str>, sink: Option<Sink>) -> Self {
         Self { known: lines.filter_map(entry).collect(), sink }
     }
 
-    /// A result that is known, if it reads as what it should be.
+    /// A known result, if it can be read as type `T`.
     pub fn get<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
         T::deserialize(self.known.get(key)?).ok()
     }
 
-    /// The keys of everything that is known.
+    /// The keys of all known results.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.known.keys().map(String::as_str)
     }
 
-    /// A known result, as the journal keeps it.
+    /// A known result as JSON.
     pub fn value(&self, key: &str) -> Option<&Value> {
         self.known.get(key)
     }
 
-    /// Keeps an entry of another journal, whose line is copied as it stands there. A line that is no entry is left out.
+    /// Keeps an entry of another journal by copying its line unchanged. A line that is no entry is ignored.
     ///
     /// # Errors
     /// Errors of the sink.
@@ -81,8 +80,8 @@ pub fn key_of(line: &str) -> Option<String> {
     entry(line).map(|(key, _)| key)
 }
 
-/// A short name for everything that a result depends on: program, device, and settings, of which the
-/// scene's may be one. Two that differ in any of it have different names.
+/// Digest of everything that a result depends on: program, device and settings, which may include the scene's digest. Results
+/// that differ in any of them have different digests.
 pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(json!(Provenance::on(gpu)).to_string());
@@ -90,7 +89,7 @@ pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     name(hash)
 }
 
-/// A short name for settings alone, the same on every machine and device.
+/// Digest of settings alone, equal on every machine and device.
 pub fn setup_digest(settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(settings.to_string());
@@ -134,7 +133,7 @@ mod tests {
             Ok(())
         });
         let mut journal = Journal::resume([].into_iter(), Some(sink));
-        // A number that a careless reader of decimals rounds.
+        // Numbers that an inexact parser of decimals rounds.
         let value = vec![0.1 + 0.2, 5e-324, 1.797_693_134_862_315_7e308, 122.416_294_033_786_58];
         journal.put("a".into(), &value).unwrap();
         assert_eq!(journal.get::<Vec<f64>>("a").as_ref(), Some(&value));

@@ -1,6 +1,6 @@
-//! A library of results: many runs of the studies, of different dates, commits and devices, beside each other. Runs of
-//! all versions are read ([`read`]), their figures are followed over the runs ([`trends`]), and the times of each run
-//! are compared with those of an earlier one ([`changes`]).
+//! A library of results: many runs of the studies, of different dates, commits and devices, in one place. Runs of all versions
+//! are read ([`read`]), their figures are followed over the runs ([`trends`]), and the times of each run are compared with
+//! those of an earlier one ([`changes`]).
 
 pub mod changes;
 pub mod read;
@@ -12,7 +12,7 @@ use crate::gpu::DeviceInfo;
 /// A folder with the records of a run.
 #[derive(Debug, Clone)]
 pub struct LibraryRun {
-    /// The run's folder, relative to the library's, with slashes; "." for the library's own.
+    /// The run's folder, relative to the library's folder, with slashes; "." for the library's folder itself.
     pub name: String,
     /// When it was measured, as YYYY-MM-DD.
     pub date: String,
@@ -24,7 +24,7 @@ pub struct LibraryRun {
     pub has_page: bool,
     /// Versions and commits of the programs that measured.
     pub programs: Vec<String>,
-    /// Versions of docs/definitions.md that the figures are of.
+    /// Versions of docs/definitions.md that the figures follow.
     pub definitions: Vec<u32>,
     /// The devices that the records name.
     pub devices: Vec<DeviceInfo>,
@@ -38,7 +38,7 @@ pub struct LibraryRun {
     pub notes: Vec<String>,
 }
 
-/// Where the date of a run comes from; its records do not hold one.
+/// Where the date of a run comes from; records hold no date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DatedBy {
     /// The name of a folder on the run's path begins with the date.
@@ -71,13 +71,13 @@ pub enum Quantity {
     ScreenRmse,
     /// RMSE against the world reference.
     WorldRmse,
-    /// How far the change of the image under a moving camera deviates from the screen reference's change, over the
+    /// How far the change of the image under a moving camera deviates from the change of the screen reference, divided by the
     /// latter.
     MotionDeviation,
 }
 
 impl Quantity {
-    /// All, in the order in which pages show them.
+    /// All quantities, in the order in which pages show them.
     pub const ALL: [Self; 6] =
         [Self::Time, Self::ErrorStudyTime, Self::WrongHits, Self::ScreenRmse, Self::WorldRmse, Self::MotionDeviation];
 
@@ -99,7 +99,7 @@ impl Quantity {
     }
 }
 
-/// Where a measurement was made, except for the view.
+/// Scene, size and settings of a measurement, without the view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Setting {
     /// Scene name.
@@ -108,25 +108,25 @@ pub struct Setting {
     pub size: [u32; 2],
     /// Global roughness as text; "own" where the materials keep theirs.
     pub roughness: String,
-    /// The version of the definitions, then lens, reflectivity and normal deviation as far as the record has them: each
-    /// as "name value".
+    /// The version of the definitions, then lens, reflectivity and normal deviation, if the record has them: each as "name
+    /// value".
     pub rest: Vec<String>,
 }
 
-/// One figure of one method in one place.
+/// One figure of one method, in one setting and view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Index of the device among the run's.
+    /// Index of the device among the run's devices.
     pub device: usize,
-    /// Where it was measured.
+    /// Scene, size and settings of the measurement.
     pub setting: Setting,
     /// The view, followed by the motion of the camera if it moves.
     pub view: String,
-    /// The method and the parameters that are not its preset's.
+    /// The method, with the parameters that differ from its preset.
     pub method: String,
-    /// What was measured.
+    /// Quantity that was measured.
     pub quantity: Quantity,
-    /// Finite, ≥ 0.
+    /// Value of the figure, finite, ≥ 0.
     pub value: f64,
 }
 

@@ -1,6 +1,5 @@
-//! Puts the shards of a study together: the results of all their journals become those of one run
-//! (docs/many-machines.md, "Merging"). Shards of different studies are refused, and so are cells for which two shards
-//! have different figures.
+//! Merges the shards of a study: the results of all journals become the results of one run (docs/many-machines.md, "Merging").
+//! Shards of different studies are refused, and so are cells for which two shards have different figures.
 
 use super::cell_list::{CellList, ListedCell, ListedResult};
 use super::journal::{Journal, key_of};
@@ -9,7 +8,7 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// What a run left in its folder.
+/// The contents of a run's folder.
 pub struct MergeInput {
     /// The folder.
     pub folder: PathBuf,
@@ -24,17 +23,17 @@ pub struct MergeInput {
 /// A line of a journal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Its number, counted from 1.
+    /// Number of the line, counted from 1.
     pub number: usize,
-    /// What it says, without its end.
+    /// Text of the line, without its line ending.
     pub text: String,
 }
 
-/// Several runs as one.
+/// Several runs merged into one.
 pub struct MergedRun {
-    /// The cells of the whole study; the run's own are those that were measured.
+    /// The cells of the whole study; the cells marked as the run's own are those that were measured.
     pub cells: CellList,
-    /// The journal of all runs, whose entries are `lines`.
+    /// The journal of all runs, made of `lines`.
     pub journal: Journal,
     /// The lines of the journal.
     pub lines: Vec<String>,
@@ -47,26 +46,26 @@ pub struct MergedRun {
 /// A result of a merged run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedResult {
-    /// The device that measured it, by its place in the list of devices.
+    /// The device that measured the result, as an index into the list of devices.
     pub device: usize,
     /// The value that the journal keeps.
     pub value: Value,
 }
 
-/// What merging knows of a kind of study.
+/// Functions that merging needs for a kind of study.
 #[derive(Clone, Copy)]
 pub struct ResultKind {
-    /// Reads a result of a cell from a journal; `None` where the journal does not have all of it.
+    /// Reads a result of a cell from a journal; `None` where the result in the journal is incomplete.
     pub read: fn(&CellList, &ListedResult, &Journal) -> Option<Value>,
-    /// Whether a field of its records, at whatever depth, is a time, which may differ from run to run.
+    /// Whether a field of the kind's records, at whatever depth, is a time, which may differ from run to run.
     pub is_time: fn(&str) -> bool,
 }
 
-/// Puts runs together. Where several runs measured a cell on one device, the first of them counts.
+/// Puts runs together. Where several runs measured a cell on one device, the first of these runs counts.
 ///
 /// # Errors
-/// [`Error::Malformed`] with the folder that does not fit those before it: its study is another one, or it has other
-/// figures for a cell that they have as well. [`Error::Usage`] without any run.
+/// [`Error::Malformed`] with the first folder that does not fit those before it: it is of another study, or it has other
+/// figures for a cell that one of them measured, too. [`Error::Usage`] without any run.
 pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
         return Err(Error::Usage("nothing to merge: name the folders of some shards".into()));
@@ -115,7 +114,7 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     Ok(MergedRun { cells, journal, lines, results, missing })
 }
 
-/// The first of some named properties in which two things differ, as the end of a sentence about the second of them.
+/// The first of some named properties in which `a` and `b` differ, as the end of a sentence about `b`.
 pub fn difference_of_properties<const N: usize>(
     a: [(&'static str, String); N],
     b: [(&'static str, String); N],
@@ -175,13 +174,13 @@ const DEVICE: &str = "device";
 
 /// The first difference of two results.
 struct Difference {
-    /// The names of the fields that lead to it, from the outermost.
+    /// The names of the fields that lead to the difference, from the outermost.
     place: Vec<String>,
     /// The two values, as the end of a sentence about the second result.
     values: String,
 }
 
-/// The first difference of two results, devices and times apart.
+/// The first difference of two results, ignoring devices and times.
 fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Option<Difference> {
     let within = |name: String, a: &Value, b: &Value| {
         let mut difference = difference_of_figures(a, b, is_time)?;
@@ -199,7 +198,7 @@ fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Opt
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             a.iter().zip(b).enumerate().find_map(|(n, (a, b))| {
-                // A record says of which method it is.
+                // The place of a difference names the method of its record.
                 let method = a.get("method").and_then(Value::as_str).map(|name| format!(" ({name})"));
                 within(format!("{n}{}", method.unwrap_or_default()), a, b)
             })
@@ -279,7 +278,7 @@ mod tests {
         let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], KIND).expect("they agree");
         let devices: Vec<_> = two.results.iter().map(|r| r.value[0]["device"].as_str().map(str::to_owned)).collect();
         assert_eq!(devices, ["x", "x", "y", "x", "y"].map(|d| Some(d.to_owned())));
-        // And what was merged is merged again.
+        // Merging a merged run again changes nothing.
         let again = MergeInput {
             folder: "AB".into(),
             journal: Journal::resume(two.lines.iter().map(String::as_str), None),

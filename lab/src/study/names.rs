@@ -1,28 +1,28 @@
-//! How cells, roughness values and devices are called, on pages and in the names of files.
+//! Names of cells, roughness values and devices, on pages and in the names of files.
 
 use crate::gpu::DeviceInfo;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 
-/// The name of a cell, with which its files begin.
+/// The name of a cell, with which the names of its files begin.
 pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], of_roughness: Option<f32>) -> String {
     let [scene, view] = [scene, view].map(safe_word);
     format!("{scene}-{view}-{width}x{height}-r{}", roughness(of_roughness))
 }
 
-/// The name of a global roughness: materials that keep theirs have their own.
+/// The name of a global roughness; without a value, materials keep their own roughness.
 pub fn roughness(value: Option<f32>) -> String {
     value.map_or_else(|| "own".into(), |r| format!("{r}"))
 }
 
-/// A number of things, whose name gets an s where there is not one of them.
+/// A number of things; the name of the thing gets an s unless the number is 1.
 pub fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// A name as a part of a file's name, whatever a user or a file calls a scene, a view or a variant: without separators of
-/// folders and other characters that file systems, shells' patterns or addresses of pages give a meaning, and short. A
-/// name that had to be changed ends in a digest of what it was, so that different names stay different.
+/// Makes a short part of a file's name of whatever name a user or a file gives a scene, a view or a variant. Separators of
+/// folders, and characters with a meaning in file systems, shell patterns or addresses of pages, are replaced. A name that had
+/// to be changed ends in a digest of the original, so that different names stay different.
 pub fn safe_word(name: &str) -> Cow<'_, str> {
     const MOST_BYTES: usize = 64;
     let is_safe = |c: char| !is_obeyed(c) && !r#"/\:*?"<>|%#"#.contains(c);
@@ -42,19 +42,19 @@ pub fn safe_word(name: &str) -> Cow<'_, str> {
     word.into()
 }
 
-/// Whether a character is obeyed by whoever shows a text, instead of being shown: control characters, ends of lines, and
-/// what turns the direction in which a text runs.
+/// Whether programs that show a text obey a character instead of showing it: control characters, ends of lines, and characters
+/// that change the direction of text.
 pub fn is_obeyed(c: char) -> bool {
     let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     c.is_control() || turns || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
-/// Whether a character is obeyed in a text of several lines, where ends of lines and tabs are wanted.
+/// Whether a character is obeyed in a text of several lines, in which ends of lines and tabs are allowed.
 pub fn is_obeyed_in_lines(c: char) -> bool {
     is_obeyed(c) && !matches!(c, '\n' | '\t')
 }
 
-/// A text with a mark in the place of some characters.
+/// A text with a mark in place of each unsafe character.
 pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_unsafe) {
         return text.into();
@@ -62,12 +62,13 @@ pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, s
     text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// A name of others in a line of text: without characters that are obeyed, ends of lines among them.
+/// A foreign name for one line of text: without characters that are obeyed, such as ends of lines.
 pub fn one_line(name: &str) -> Cow<'_, str> {
     without_obeyed(name, is_obeyed)
 }
 
-/// A cell of a table in Markdown: one line, and nothing in it ends the cell, begins HTML, or makes a link or an image.
+/// A cell of a table in Markdown, on one line: no character of the text ends the cell, begins HTML, or makes a link or an
+/// image.
 pub fn markdown_cell(text: &str) -> String {
     let escaped = |c: char| match c {
         '<' => "&lt;".to_owned(),
@@ -77,13 +78,13 @@ pub fn markdown_cell(text: &str) -> String {
     one_line(text).chars().map(escaped).collect()
 }
 
-/// A cell of a CSV file: one line, and no programs for tables take it for a formula.
+/// A cell of a CSV file, on one line, which spreadsheet programs do not take for a formula.
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
     let is_formula = text.len() > 1 && text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
     if is_formula { format!("'{}", one_line(text)).into() } else { one_line(text) }
 }
 
-/// JSON with the numbers of the characters that a terminal obeys; they stand in names alone.
+/// JSON with the characters that a terminal obeys written as escapes; such characters occur in names alone.
 pub fn json_text(json: &str) -> String {
     let escaped = |c: char| {
         if is_obeyed_in_lines(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
@@ -91,8 +92,8 @@ pub fn json_text(json: &str) -> String {
     json.chars().map(escaped).collect()
 }
 
-/// Returns the shortest name that tells a device from the others in a table: its own name, with the driver and its version
-/// if another device has the same name, and with the version of Vulkan if that one has the same driver, too.
+/// The shortest name that tells a device from the others in a table. The name is the device's own; if another device has the
+/// same name, the driver and its version follow. If that device has the same driver, too, the version of Vulkan follows.
 pub fn name_among(device: &DeviceInfo, others: &[&DeviceInfo]) -> String {
     let (name, driver) = (&device.name, &device.driver);
     let mut namesakes = others.iter().filter(|other| **other != device && other.name == *name).peekable();

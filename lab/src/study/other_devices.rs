@@ -1,11 +1,11 @@
-//! The other devices of this machine: what they make of a view, held against what one of them makes of it.
+//! The other devices of this machine: compares what they make of a view with what the base device makes of it.
 
 use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::error::Result;
 use crate::gpu::{DeviceQuery, Gpu, device};
 use crate::stage::Globals;
 
-/// Opens every device that can be used but `base`.
+/// Opens every usable device except `base`.
 ///
 /// # Errors
 /// Errors of opening a device.
@@ -23,10 +23,10 @@ pub fn validated(gpu: &Gpu) -> Result<Gpu> {
     open(gpu.index(), true, false)
 }
 
-/// Opens a device once more, to compile only.
+/// Opens a device once more, for compiling only.
 ///
 /// # Errors
-/// Errors of opening a device; [`crate::error::Error::NoDevice`] for one that does not tell what its compiler made.
+/// Errors of opening a device; [`crate::error::Error::NoDevice`] for a device that does not report what its compiler made.
 pub fn compiler(gpu: &Gpu) -> Result<Gpu> {
     let device = gpu.index().map(|index| index.to_string());
     Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })
@@ -37,7 +37,7 @@ fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> 
     Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })
 }
 
-/// What devices make of the G-buffer that `base` draws, against what `base` makes of it.
+/// Compares what devices make of the G-buffer that `base` draws with what `base` makes of it.
 ///
 /// # Errors
 /// Errors of the devices.
@@ -56,8 +56,8 @@ pub fn compare<'g>(
     Ok(records)
 }
 
-/// The G-buffers that two devices draw, the first of them the base: as methods see them, without anisotropy, and without
-/// normal maps, too.
+/// Compares the G-buffers that two devices draw, the first of them the base: as methods see them, then without anisotropy, then
+/// without normal maps, too.
 ///
 /// # Errors
 /// Errors of the devices.

@@ -1,5 +1,5 @@
-//! The camera on its way: methods interleaved frame by frame along a path, and the frames per second of
-//! each (what Schmidt's figures 42 and 52 plot, 2013, sections 5.3.2 and 5.4.2).
+//! The camera on its way: methods are drawn in turn, frame by frame, along a path. The result is each method's frames per
+//! second, as Schmidt's figures 42 and 52 plot them (2013, sections 5.3.2 and 5.4.2).
 
 use super::cell_list::{CellList, ListedResult};
 use super::columns::{columns, nested, part, series, time};
@@ -18,21 +18,21 @@ use crate::stage::{Globals, Shot, Stage};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// What runs along which path.
+/// Methods and settings of the study, with the path of the camera.
 pub struct PathStudy {
-    /// Scene; its own lens and materials hold on the whole way.
+    /// Scene, whose own lens and materials are used on the whole way.
     pub scene: Scene,
-    /// The way.
+    /// Path of the camera.
     pub path: CameraPath,
-    /// Methods, taken in turn at every frame.
+    /// Methods, drawn in turn at every frame.
     pub methods: Vec<&'static MethodInfo>,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
     /// Global factors.
     pub globals: Globals,
-    /// How the methods are set up; the size is each of `sizes`.
+    /// Setup of the methods; each of `sizes` replaces its size.
     pub setup: Setup,
-    /// Frames at the first place that don't count.
+    /// Frames at the first place that warm up and do not count.
     pub warmup: usize,
     /// Frames from the first key frame to the last, ≥ 1.
     pub frames: usize,
@@ -106,7 +106,7 @@ impl Row for PathRecord {
         (0..frames_of(list)).all(|n| kept(journal, &key(&result.key, n)).is_some())
     }
 
-    /// The record of what the journal has: a way that was not walked to its end has fewer frames.
+    /// Makes the record from the journal's frames; a run that was ended early has fewer frames.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let frame = |n: usize| {
             let sample = kept(journal, &key(&result.key, n))?;
@@ -125,18 +125,18 @@ impl Row for PathRecord {
     }
 }
 
-/// The frames of the way, by the settings of its study.
+/// The number of frames of the way, from the study's settings.
 fn frames_of(list: &CellList) -> usize {
     list.settings["frames"].as_u64().unwrap_or(0) as usize
 }
 
-/// Where the journal keeps a frame of a method, whose keys begin alike.
+/// The key of a frame in the journal; `prefix` stands for the method.
 fn key(prefix: &str, frame: usize) -> String {
     format!("{prefix} {frame}")
 }
 
 impl Fps {
-    /// The rates of frames whose times are given in milliseconds; all 0 for none.
+    /// Frame rates from the times of frames in milliseconds; all 0 for no frames.
     fn of(frame_ms: &[f64]) -> Self {
         let fps = |ms: f64| if ms > 0.0 { 1000.0 / ms } else { 0.0 };
         let stats = Stats::of(frame_ms);
@@ -149,13 +149,13 @@ impl Fps {
 }
 
 impl PathStudy {
-    /// The place of a frame as a view.
+    /// The view at a frame of the path.
     fn view(&self, frame: usize) -> View {
         let (eye, look_at) = self.path.at(frame as f32 / (self.frames - 1).max(1) as f32);
         View { name: self.path.name.clone(), eye, look_at, ..View::default() }
     }
 
-    /// What the keys of each method's frames begin with, at a size.
+    /// The prefix of each method's keys in the journal, at a size.
     fn prefixes(&self, gpu: &Gpu, extent: [u32; 2]) -> Vec<String> {
         let key = self.planned(extent).key::<PathRecord>(gpu);
         self.methods.iter().map(|method| format!("{key} {}", method.name)).collect()
@@ -172,7 +172,7 @@ impl PathStudy {
     }
 }
 
-/// A cell is a size: all methods, whose frames are timed in turn.
+/// A cell is a size, at which the frames of all methods are timed in turn.
 impl Study for PathStudy {
     type Cell = [u32; 2];
     type Row = PathRecord;

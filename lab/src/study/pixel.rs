@@ -1,5 +1,5 @@
-//! One pixel explained: what a method made of it, where its ray ends by the method, by the oracle and in the world, what
-//! hid that place from the screen, and which colours were mixed (docs/dump.md, "One pixel").
+//! One pixel explained: its colour by a method, and the end of its ray by the method, by the oracle and in the world. The
+//! explanation also names what hid the end from the screen, and the colours that were mixed (docs/dump.md, "One pixel").
 
 mod reasons;
 
@@ -17,13 +17,13 @@ use crate::scene::{Camera, GBufferData, Surface};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Rays of each reference of a pixel.
+/// Rays of each reference of a single pixel.
 pub const RAYS: u32 = 256;
 
-/// Rays of each reference of a pixel where all pixels of a picture are judged.
+/// Rays of each reference of a pixel when all pixels of a picture are judged.
 pub const PICTURE_RAYS: u32 = 16;
 
-/// What a frame made, on the host: images of one size.
+/// Images of one size that a frame made, on the host.
 #[derive(Clone, Copy)]
 pub struct MethodImages<'a> {
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
@@ -32,12 +32,12 @@ pub struct MethodImages<'a> {
     pub composite: &'a Pixels,
 }
 
-/// A method as far as its pixels depend on it.
+/// The properties of a method that the report of a pixel needs.
 #[derive(Clone, Copy)]
 pub struct PixelMethod<'a> {
-    /// Its name.
+    /// Name of the method.
     pub name: &'a str,
-    /// How often light is reflected.
+    /// Number of times that light is reflected.
     pub bounces: u32,
 }
 
@@ -49,28 +49,28 @@ pub struct PixelReport {
     pub pixel: [u32; 2],
     /// The method.
     pub method: String,
-    /// Whether the reflection is right, and if not, whether the screen has what belongs there.
+    /// Whether the reflection is right, and if it is wrong, whether the screen reference is right.
     pub verdict: PixelVerdict,
-    /// Why the pixel is as it is, in sentences.
+    /// Reasons for the pixel's colour, in sentences.
     pub why: Vec<String>,
-    /// What the pixel shows.
+    /// Surface that the pixel shows.
     pub surface: SurfaceReport,
-    /// What its colour was mixed of.
+    /// Colours that the pixel was mixed from.
     pub colors: ColorReport,
-    /// Where its ray ends by the method; null where the method does not tell, or there is no ray.
+    /// Where the pixel's ray ends by the method; null where the method does not report it, or there is no ray.
     pub method_end: Option<MethodEnd>,
-    /// Where its mirror ray ends by the oracle, on the screen alone; null if there is no ray.
+    /// Where the pixel's mirror ray ends by the oracle, on the screen alone; null if there is no ray.
     pub oracle_end: Option<OracleEnd>,
-    /// Where its mirror ray ends among the triangles of the scene; null if there is no ray.
+    /// Where the pixel's mirror ray ends among the triangles of the scene; null if there is no ray.
     pub world_end: Option<WorldEnd>,
-    /// How the mirror ray walks over the cells of the Hi-Z; null where the method does not walk, or has no twin.
+    /// How the mirror ray walks over the cells of the Hi-Z; null where the method does not walk, or its walk has no twin.
     pub walk: Option<WalkReport>,
 }
 
 /// The surface that a pixel shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceReport {
-    /// The name of its mesh; null for sky.
+    /// The name of the surface's mesh; null for sky.
     pub mesh: Option<String>,
     /// View-space z in metres; null for sky.
     pub view_z_m: Option<f64>,
@@ -80,7 +80,7 @@ pub struct SurfaceReport {
     pub reflectivity: f32,
     /// Roughness; 0 is a mirror.
     pub roughness: f32,
-    /// Whether it reflects.
+    /// Whether the surface reflects.
     pub reflects: bool,
 }
 
@@ -99,23 +99,23 @@ pub struct ColorReport {
     pub image: [f32; 3],
     /// The finished image as a PNG has it.
     pub display: [u8; 3],
-    /// The reflection that the screen reference has; null if the pixel does not reflect.
+    /// Reflection of the screen reference; null if the pixel does not reflect.
     pub screen: Option<ReferenceColor>,
-    /// The reflection that the world reference has; null if the pixel does not reflect.
+    /// Reflection of the world reference; null if the pixel does not reflect.
     pub world: Option<ReferenceColor>,
 }
 
-/// A reflection of a reference.
+/// The reflection by a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReferenceColor {
-    /// Mean over its rays, before fade and reflectivity.
+    /// Mean over the reference's rays, before fade and reflectivity.
     pub color: [f32; 3],
     /// Standard error of the mean.
     pub standard_error: [f32; 3],
-    /// Its rays.
+    /// Number of the reference's rays.
     pub rays: u32,
-    /// How far the reflection that the method shows, after the fade, differs from it on a display: a share of the way from black
-    /// to white.
+    /// How far the method's reflection, after the fade, differs from the reference's on a display: a share of the way from
+    /// black to white.
     pub difference: f32,
 }
 
@@ -124,15 +124,15 @@ pub struct ReferenceColor {
 pub struct MethodEnd {
     /// The path code, as docs/dump.md lists them.
     pub path: u8,
-    /// How it ended, in words.
+    /// How the ray ended, in words.
     pub end: &'static str,
-    /// Whether the method takes it for a hit on the screen.
+    /// Whether the method takes the end for a hit on the screen.
     pub hits_screen: bool,
-    /// Where on the screen it ends, if it is a hit there.
+    /// Where on the screen the ray ends, if it hits there.
     pub pixel: Option<[f32; 2]>,
-    /// Where in the world it ends, if it ends at a surface.
+    /// Where in the world the ray ends, if it ends at a surface.
     pub place_m: Option<[f32; 3]>,
-    /// The capture in which it ends, counted from 0.
+    /// The capture in which the ray ends, counted from 0.
     pub capture: Option<usize>,
 }
 
@@ -141,11 +141,11 @@ pub struct MethodEnd {
 pub struct OracleEnd {
     /// The version of the oracle.
     pub version: u32,
-    /// How it ended, in words.
+    /// How the ray ended, in words.
     pub end: &'static str,
-    /// Where on the screen it hits.
+    /// Where on the screen the ray hits.
     pub pixel: Option<[f64; 2]>,
-    /// Pixels that it looked at.
+    /// Number of pixels that the oracle looked at.
     pub pixels: u32,
 }
 
@@ -154,55 +154,55 @@ pub struct OracleEnd {
 pub struct WorldEnd {
     /// The name of the mesh; null where the ray ends in the sky.
     pub mesh: Option<String>,
-    /// Where it ends.
+    /// Where the ray ends.
     pub place_m: Option<[f64; 3]>,
-    /// Its length in metres.
+    /// Length of the ray in metres.
     pub length_m: Option<f64>,
-    /// View-space z of its end in metres.
+    /// View-space z of the ray's end in metres.
     pub view_z_m: Option<f64>,
-    /// Where its end lies on the screen, or beside it; null behind the eye.
+    /// Where the ray's end is projected, on the screen or beside it; null behind the eye.
     pub pixel: Option<[f64; 2]>,
-    /// Whether the screen shows the place.
+    /// Whether the screen shows the ray's end.
     pub shown: bool,
-    /// What keeps the screen from showing it, in words.
+    /// Why the screen does not show the ray's end, in words.
     pub hidden: Option<&'static str>,
-    /// The name of the mesh that stands before it.
+    /// The name of the mesh that hides the ray's end.
     pub hidden_by: Option<String>,
-    /// View-space z in metres of what the screen shows instead.
+    /// View-space z in metres of the surface that the screen shows instead.
     pub shown_view_z_m: Option<f64>,
 }
 
-/// The walk of a ray, and the cell at which it looked last.
+/// The walk of a ray, and the last cell that it looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WalkReport {
-    /// Cells that it looked at.
+    /// Number of cells that the walk looked at.
     pub steps: usize,
-    /// How it ended, in words.
+    /// How the walk ended, in words.
     pub end: &'static str,
     /// The convention of the depths.
     pub depth: &'static str,
-    /// The cell at which it looked last; null if it looked at none.
+    /// The last cell that the walk looked at; null if it looked at none.
     pub last: Option<LastCell>,
 }
 
 /// A cell of the Hi-Z.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LastCell {
-    /// Its level; 0 is the pixels.
+    /// Level of the cell; level 0 is the pixels.
     pub level: u32,
-    /// Its column and row in the level.
+    /// Column and row of the cell in its level.
     pub cell: [u32; 2],
-    /// Its top left and bottom right corner, in pixels.
+    /// Top left and bottom right corner of the cell, in pixels.
     pub corners: [[f32; 2]; 2],
-    /// The nearest depth in it.
+    /// The nearest depth in the cell.
     pub nearest: f32,
-    /// The ray's depth after it.
+    /// The ray's depth after the cell.
     pub ray: f32,
-    /// Whether the ray passed on to the next cell; else it met what the cell holds.
+    /// Whether the ray passed on to the next cell; otherwise it met the depths that this cell holds.
     pub crossed: bool,
 }
 
-/// Explains a pixel of a frame; `None` off the picture.
+/// Explains a pixel of a frame; `None` outside the picture.
 pub fn explain(
     inspection: &Inspection,
     made: MethodImages,

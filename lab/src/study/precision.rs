@@ -1,6 +1,5 @@
-//! The precision ladder: a G-buffer that is traced in f64 through the pixels' centres, stored in one set of
-//! formats after another, and what methods make of each, against the oracle and the screen reference on the
-//! unrounded one.
+//! The precision ladder. A G-buffer is traced in f64 through the pixels' centres, and stored in one set of formats after
+//! another. The methods' results on each are compared with the oracle and the screen reference on the unrounded G-buffer.
 
 mod ladder;
 mod storage;
@@ -32,8 +31,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::json;
 
-/// Name in records of the oracle itself on the stored G-buffer: what storage alone costs, whatever the
-/// arithmetic behind it.
+/// Name in records of the oracle on the stored G-buffer, which measures the error of storage alone, without the methods'
+/// arithmetic.
 pub const ORACLE: &str = "oracle";
 
 columns! {
@@ -62,7 +61,7 @@ columns! {
 /// A G-buffer before any format rounds it.
 #[derive(Debug, Clone)]
 pub struct ExactGBuffer {
-    /// Everything in f32; reflectivity and roughness as 16-bit floats hold them.
+    /// The G-buffer in f32; reflectivity and roughness as 16-bit floats hold them.
     pub data: GBufferData,
     /// Reversed depth in f64.
     pub depth: Vec<f64>,
@@ -109,7 +108,7 @@ impl ExactGBuffer {
     }
 }
 
-/// What is measured.
+/// Scene, view and methods of one ladder.
 pub struct PrecisionSpec<'a> {
     /// Device.
     pub gpu: &'a Gpu,
@@ -121,13 +120,13 @@ pub struct PrecisionSpec<'a> {
     pub globals: Globals,
     /// Screen-space methods.
     pub methods: &'a [&'static MethodInfo],
-    /// How they are set up, and the size.
+    /// Setup of the methods, with the size.
     pub setup: Setup,
     /// Rays a pixel of the screen reference.
     pub rays: u32,
 }
 
-/// The unrounded G-buffer, and what is true there.
+/// The unrounded G-buffer with its references.
 struct Truth {
     exact: ExactGBuffer,
     /// Reflecting pixels.
@@ -179,7 +178,7 @@ impl Truth {
     }
 }
 
-/// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
+/// Samples the screen reference with a fixed seed, so that differences come from the G-buffers alone.
 fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
     let bounces = spec.setup.effect().bounces;
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
@@ -202,13 +201,13 @@ pub struct PrecisionStudy {
     pub globals: Vec<Globals>,
     /// Screen-space methods.
     pub methods: Vec<&'static MethodInfo>,
-    /// How they are set up, and the size.
+    /// Setup of the methods, with the size.
     pub setup: Setup,
     /// Rays a pixel of the screen reference.
     pub rays: u32,
 }
 
-/// A cell is a view, by its place among those of the study, with a set of factors.
+/// A cell is a view, by its index in the study, with a set of factors.
 impl Study for PrecisionStudy {
     type Cell = (usize, Globals);
     type Row = PrecisionRecord;
@@ -244,7 +243,7 @@ impl Study for PrecisionStudy {
     }
 }
 
-/// Every rung of the ladder for a view: the oracle (mirrors only) and each method.
+/// Measures every rung of the ladder for a view: the oracle (mirrors only) and each method.
 pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     let truth = Truth::new(spec);
     let mut context = FrameContext::new(spec.gpu)?;
@@ -266,7 +265,8 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
                 Some(&hits),
             ));
         }
-        // The exact walk loads normals and colours as 16-bit floats, and nothing else: of 32-bit floats it sees those.
+        // A method that follows the oracle loads normals and colours as 16-bit floats alone; the other methods see 32-bit
+        // floats.
         let wide = GBufferImages::upload_wide(&mut context, &stored)?;
         let own = GBufferImages::upload(&mut context, &stored)?;
         for (method, effect) in &effects {

@@ -1,8 +1,8 @@
-//! The README's numbers beside what a device does: which of them are the same there, which are other, and which this study
-//! does not measure.
+//! Compares the README's numbers with measurements on a device: which of them are the same there, which differ, and which this
+//! study does not measure.
 //!
-//! The README's figures are medians over many views. So that like is held against like, the numbers of the views that are
-//! measured here come with them (`readme.csv`, which `make docs` writes from the README's own records).
+//! The README's figures are medians over many views. This study measures a few of these views, and compares their medians with
+//! those of the same views in the README's own records. `make docs` writes these numbers to `readme.csv`.
 
 use super::error::{ErrorRecord, ErrorReference, Variant};
 use super::exhibit::Table;
@@ -13,48 +13,49 @@ use crate::methods::{self, EffectParams, Setup};
 use crate::metrics::bootstrap::median_of;
 use serde::{Deserialize, Serialize};
 
-/// What `make docs` writes.
+/// The file that `make docs` writes.
 const QUOTED: &str = include_str!("readme.csv");
 
 /// The size at which the README's times were measured.
 pub const TIMED_SIZE: [u32; 2] = [960, 540];
-/// The size at which its errors and hits were.
+/// The size at which the README's errors and hits were measured.
 pub const JUDGED_SIZE: [u32; 2] = [480, 270];
-/// The views that are measured again: the scene and its view.
+/// The views that are measured again: each a scene and a view.
 pub const VIEWS: [[&str; 2]; 4] =
     [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
 
-/// Their scenes that the README's table of the screen has, at several roughness values. Its table of the triangles has mirrors alone.
+/// The scenes of these views that the README's table of the screen has, at several roughness values. The README's table of the
+/// triangles has mirrors alone.
 pub const SCREEN_SCENES: [&str; 2] = ["rooms", "atrium"];
 
-/// How far a ratio of times may be from the README's and count as the same.
+/// The greatest relative difference of a ratio of times from the README's that counts as the same.
 const TIME_TOLERANCE: f64 = 0.1;
-/// How far a ratio of errors may be: the rays of the references are others on another device's G-buffer.
+/// Limit like [`TIME_TOLERANCE`] for a ratio of errors; the references' rays differ on another device's G-buffer.
 const ERROR_TOLERANCE: f64 = 0.05;
-/// How far a share of rays may be.
+/// Greatest absolute difference of a share of rays from the README's that counts as the same.
 const SHARE_TOLERANCE: f64 = 0.002;
 
-/// A number of the README as its record has it on one view.
+/// A number of the README, with its value on one view from the README's records.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Quoted")]
 pub struct QuotedNumber {
-    /// Which table or text of the README.
+    /// Table or text of the README that has the number.
     pub place: String,
-    /// Its row there.
+    /// Row of the number in the table.
     pub row: String,
-    /// Its column there.
+    /// Column of the number in the table.
     pub column: String,
-    /// What the README says, over all its views.
+    /// Number in the README, over all the README's views.
     pub says: String,
-    /// The kind of device that it was measured on.
+    /// Kind of device that the number was measured on.
     pub measured_on: String,
-    /// What it is.
+    /// Kind of figure that the number is.
     pub figure: Figure,
-    /// The variant that it belongs to; empty where this study does not measure it.
+    /// Variant whose figure the number is; empty where this study does not measure it.
     pub variant: String,
-    /// The variant that it is divided by; empty for a share.
+    /// Variant whose figure is the divisor; empty for a share.
     pub over: String,
-    /// What measures it where this study does not; else empty.
+    /// Command that measures the number where this study does not; else empty.
     pub command: String,
     /// The roughness.
     pub roughness: Option<f32>,
@@ -66,31 +67,31 @@ pub struct QuotedNumber {
     pub value: Option<f64>,
 }
 
-/// What a number of the README is.
+/// Kind of figure that a number of the README is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Figure {
-    /// A time over another.
+    /// Ratio of two times.
     Time,
-    /// An error over another.
+    /// Ratio of two errors.
     Error,
-    /// The share of mirror rays that end where they do in the world.
+    /// The share of mirror rays that end where they end in the world.
     Ends,
     /// The share of mirror rays that end where the oracle says.
     Hits,
-    /// What another command measures.
+    /// A figure that another command measures.
     Elsewhere,
 }
 
-/// What a device says of a number.
+/// Result of comparing a device's number with the README's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It is as near as [`Figure`] allows.
+    /// The difference is within the tolerance of the [`Figure`].
     Same,
-    /// Further away.
+    /// The difference exceeds the tolerance.
     Other,
-    /// Nothing here measures it.
+    /// This study does not measure the number.
     NotComparable,
 }
 
@@ -104,34 +105,34 @@ impl Verdict {
     }
 }
 
-/// A number of the README beside that of a device.
+/// A number of the README beside the number of a device.
 #[derive(Debug, Clone, Serialize)]
 pub struct ReadmeRecord {
     /// Always `readme`.
     pub kind: &'static str,
-    /// Where the number stands, and what it says.
+    /// The number, with its place in the README.
     #[serde(flatten)]
     pub quoted: QuotedNumber,
-    /// The number by the README's records: the median of the views that were measured here.
+    /// Median of the README's records over the views that were measured here.
     pub there: Option<f64>,
-    /// The median of the same views here.
+    /// Median of the measurements here over the same views.
     pub here: Option<f64>,
     /// The number of these views.
     pub views: usize,
-    /// What it comes to.
+    /// Verdict on the difference.
     pub verdict: Verdict,
 }
 
-/// What was measured here.
+/// Records that were measured here.
 pub struct MeasuredRecords<'a> {
     /// Times of [`variants`].
     pub times: &'a [TimeRecord],
-    /// Errors of them.
+    /// Errors of [`variants`].
     pub errors: &'a [ErrorRecord],
 }
 
-/// The variants that the README's tables are of, with the names that they have there. On a GPU all are compute shaders, so that
-/// like stands beside like; on a CPU each runs in the stage that it has by default, as it did for the README.
+/// The variants in the README's tables, with the names that they have there. On a GPU all are compute shaders, for a fair
+/// comparison. On a CPU each runs in its default stage, as it did for the README.
 ///
 /// # Errors
 /// [`Error::Usage`] if there is no such method.
@@ -149,17 +150,17 @@ pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
         .collect()
 }
 
-/// What `unified` is called in a table of the screen alone.
+/// Name of `unified` in a table of the screen alone.
 pub const ON_SCREEN: &str = "unified on the screen";
 
-/// The README's name of what a record is of.
+/// The README's name of the variant that a record is about.
 fn name(head: &Head) -> String {
     let is_alone = head.method == "unified" && head.setting("beyond") == "none";
     if is_alone { ON_SCREEN.to_owned() } else { head.method.clone() }
 }
 
 impl MeasuredRecords<'_> {
-    /// A number of the README on its view, as measured here.
+    /// The measured value, on the view of a number of the README.
     fn value(&self, quoted: &QuotedNumber) -> Option<f64> {
         let one = |variant: &str| match quoted.figure {
             Figure::Time => {
@@ -169,7 +170,7 @@ impl MeasuredRecords<'_> {
             Figure::Error => {
                 let against = if quoted.variant == ON_SCREEN { ErrorReference::Screen } else { ErrorReference::World };
                 let own = self.error(quoted, variant, against)?;
-                // The reference's own variance is no error of the method's.
+                // The variance of the reference is subtracted, since it is no error of the method.
                 let noise = own.image.standard_error.unwrap_or_default();
                 own.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
             }
@@ -196,7 +197,7 @@ fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
     is_there && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| near(a, b))
 }
 
-/// The README's numbers by view.
+/// The README's numbers, one for each view.
 ///
 /// # Errors
 /// [`Error::Usage`] if the file cannot be read, which a test excludes.
@@ -205,7 +206,7 @@ pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     read.map_err(|e| Error::Usage(format!("the README's numbers: {e}")))
 }
 
-/// Every number of the README beside what was measured.
+/// Compares every number of the README with the measurements.
 ///
 /// # Errors
 /// Errors of [`quoted_numbers`].
@@ -234,7 +235,7 @@ fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
     if near { Verdict::Same } else { Verdict::Other }
 }
 
-/// The table of the page.
+/// The table of the comparison for the page.
 pub fn table(records: &[ReadmeRecord]) -> Table {
     let about = format!(
         "A row has a number as the README says it, over all the README's views. Beside it stand two medians over the views that were \
@@ -266,7 +267,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         "measured by",
     ];
     let mut cells = vec![head.map(str::to_owned).to_vec()];
-    // What compares stands first.
+    // Numbers that can be compared come first.
     let (others, compared): (Vec<_>, Vec<_>) = records.iter().partition(|r| r.verdict == Verdict::NotComparable);
     for r in compared.into_iter().chain(others) {
         let is_share = matches!(r.quoted.figure, Figure::Ends | Figure::Hits);

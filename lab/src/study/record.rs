@@ -1,5 +1,4 @@
-//! Records: what a measurement was of, and what it found. One is one JSON object (docs/definitions.md,
-//! "Records").
+//! Records: the subject and the result of a measurement, as one JSON object (docs/definitions.md, "Records").
 
 use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
 use super::names::roughness;
@@ -13,7 +12,7 @@ use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 
-/// The version of docs/definitions.md that figures are of.
+/// The version of docs/definitions.md that figures follow.
 pub const DEFINITIONS: u32 = 3;
 
 columns! {
@@ -32,7 +31,7 @@ columns! {
 }
 
 impl Stats {
-    /// The statistics of any number of samples; all zero for none.
+    /// The statistics of samples; all zero without samples.
     pub fn of(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -53,26 +52,26 @@ impl Stats {
 /// A pass's times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PassRecord {
-    /// Label; a level of a chain follows a slash.
+    /// Label; a slash precedes the number of a chain's level.
     pub name: String,
-    /// Whether it counts towards the total (scene passes don't).
+    /// Whether the pass counts towards the total (scene passes don't).
     pub counted: bool,
-    /// Its times.
+    /// Times of the pass.
     #[serde(flatten)]
     pub stats: Stats,
-    /// How far its time strays from itself, as a share, where the method was timed against itself
+    /// How far the pass's time strays from itself, as a share, if the method was timed against itself
     /// ([`super::timing::TimeSpec::a_a`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor: Option<f64>,
-    /// Its work, counted in a frame of its own, where the device counts.
+    /// Work of the pass, counted in a separate frame, if the device can count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work: Option<PassWork>,
 }
 
-/// Which program measured, by which definitions, on which device.
+/// The program, the version of the definitions and the device of a measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// The version of docs/definitions.md that the figures are of.
+    /// The version of docs/definitions.md that the figures follow.
     pub definitions: u32,
     /// Version of this program.
     pub version: String,
@@ -85,16 +84,16 @@ pub struct Provenance {
 impl Provenance {
     /// This program's version.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    /// The commit it was built from.
+    /// The commit that the program was built from.
     const COMMIT: &'static str = env!("SSCT_COMMIT");
 
-    /// The commit that the program was built from, and whether its shaders are others than those of that commit.
+    /// The commit that the program was built from, with a remark if the program uses other shaders than those of that commit.
     pub fn commit() -> String {
         let others = crate::gpu::sources::named().map_or("", |_| " with other shaders");
         format!("{}{others}", Self::COMMIT)
     }
 
-    /// This program on a device.
+    /// The provenance of measurements by this program on a device.
     pub fn on(gpu: &Gpu) -> Self {
         Self {
             definitions: DEFINITIONS,
@@ -105,8 +104,8 @@ impl Provenance {
     }
 }
 
-/// Everything that was set for a measurement, by name: size, lens, the global factors, the preset, and every parameter
-/// of the effect and of the method. What is not set (a roughness that the materials keep) is null.
+/// Everything that was set for a measurement, by name: size, lens, the global factors, the preset, and every parameter of the
+/// effect and of the method. A value that is not set, such as a roughness that the materials keep, is null.
 pub type RecordedSetup = Map<String, Json>;
 
 /// The setup of a method seen through a lens.
@@ -141,12 +140,12 @@ pub fn cell(value: &Json) -> String {
     }
 }
 
-/// What every record of a scene's view begins with.
+/// The first fields of every record about a view of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Head {
     /// "time", "error", …
     pub kind: String,
-    /// Which program measured on what.
+    /// Program and device that measured.
     #[serde(flatten)]
     pub program: Provenance,
     /// Scene name.
@@ -157,19 +156,18 @@ pub struct Head {
     pub method: String,
     /// Preset.
     pub preset: Preset,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Global roughness; null where the materials keep theirs.
+    /// Global roughness; null where the materials keep their own.
     pub roughness: Option<f32>,
-    /// All that was set.
+    /// Everything that was set for the measurement, by name.
     pub setup: RecordedSetup,
 }
 
 impl Head {
-    /// The head of a measurement by this program. What is of no method, such as a reference, is called by a name of its
-    /// own.
+    /// The head of a measurement by this program. A subject that is no method, such as a reference, has a name of its own.
     pub fn new(
         kind: &str,
         gpu: &Gpu,
@@ -197,12 +195,12 @@ impl Head {
         }
     }
 
-    /// A value of the setup as text; nothing for what is null or not there.
+    /// A value of the setup as text; empty if it is null or missing.
     pub fn setting(&self, name: &str) -> String {
         self.setup.get(name).map(cell).unwrap_or_default()
     }
 
-    /// The method and what is behind it, if anything is.
+    /// The method with its fallback, if it has one.
     pub fn method_and_fallback(&self) -> String {
         match self.setting("fallback").as_str() {
             "" | "none" => self.method.clone(),
@@ -210,7 +208,8 @@ impl Head {
         }
     }
 
-    /// The name of its line in a chart beside those of others: `first`, and what tells it from them.
+    /// The name of the record's line in a chart: `first`, and the properties in which the record differs from some record of
+    /// `all`.
     pub fn line_name(&self, all: &[&Self], first: &str) -> String {
         let method = |h: &Self| h.method_and_fallback();
         let place = |h: &Self| format!("{} {}", h.scene, h.view);
@@ -225,8 +224,7 @@ impl Head {
         words.collect::<Vec<_>>().join(", ")
     }
 
-    /// What a variant of a method is called: method, fallback, preset, and the parameters that differ from the preset's
-    /// values.
+    /// The name of a variant: method, fallback, preset, and the parameters that differ from the preset's values.
     pub fn variant(&self) -> String {
         let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::reads);
         let has_presets = rows.iter().any(|row| row.author != row.published);
@@ -260,8 +258,8 @@ impl Columns for Head {
     }
 }
 
-/// A parameter's value in a few words, if it is not the preset's; `text` is the value as a record has it. `None` also if a
-/// record does not say it: it is of a time before there was the parameter.
+/// A parameter's value in a few words, if it differs from the preset's; `text` is the value in a record. `None` also if the
+/// record is older than the parameter, and does not have it.
 pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
     if text.is_empty() || text == cell(&json!(row.of(preset))) {
         return None;
@@ -269,7 +267,7 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
     Some(match row.domain {
         Domain::Switch if text == "true" => row.typed_name(),
         Domain::Switch => format!("no {}", row.typed_name()),
-        // A number alone says nothing, and nor does on or off.
+        // A number, "on" or "off" does not explain itself without the parameter's name; other choices do.
         Domain::Choices(_) | Domain::ChoicesOrCount(..)
             if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
         {
@@ -279,14 +277,14 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
     })
 }
 
-/// What a record is of.
+/// The subject of a record.
 #[derive(Clone, Copy)]
 pub enum RecordSubject<'a> {
     /// A method.
     Method(&'a MethodInfo),
-    /// Something else, with the method whose parameters it uses, if it uses any.
+    /// Another subject, with the method whose parameters it uses, if any.
     Other {
-        /// Its name in records.
+        /// Name in records.
         name: &'a str,
         /// The method.
         method: Option<&'a MethodInfo>,
@@ -321,7 +319,7 @@ columns! {
 }
 
 impl TimeRecord {
-    /// Sum of the medians of all passes over the median of the frame: 1 if nothing lies between.
+    /// Sum of the medians of all passes over the median of the frame: 1 if no time passes between the passes.
     pub fn sum_over_frame(&self) -> f64 {
         self.passes.iter().map(|p| p.stats.median_ms).sum::<f64>() / self.frame.median_ms
     }
@@ -335,13 +333,13 @@ impl TimeRecord {
         self.samples.iter().map(counted).collect()
     }
 
-    /// Medians of the counted passes with the levels of a chain added up, in order.
+    /// Medians of the passes that count towards the time of the method, in order, as [`Self::grouped`] adds them up.
     pub fn stages(&self) -> Vec<(String, f64)> {
         self.grouped(true)
     }
 
-    /// Medians of the passes that count, or of those that do not, with the levels of a chain added up in each frame, in order.
-    /// A record without its samples has the sums of the medians of the levels.
+    /// Medians of the passes that count, or of those that do not, in order. The times of a chain's levels are added up in each
+    /// frame. A record without its samples adds the medians of the levels instead.
     pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for (n, pass) in self.passes.iter().enumerate().filter(|(_, p)| p.counted == counted) {
@@ -354,7 +352,7 @@ impl TimeRecord {
         groups.into_iter().map(|(name, parts)| (name, self.median_of_sum(&parts))).collect()
     }
 
-    /// The median over the frames of the sum of some passes, by their numbers.
+    /// The median over the frames of the sum of some passes, given by their indices.
     fn median_of_sum(&self, parts: &[usize]) -> f64 {
         if self.samples.is_empty() {
             return parts.iter().filter_map(|n| self.passes.get(*n)).map(|pass| pass.stats.median_ms).sum();
@@ -364,7 +362,7 @@ impl TimeRecord {
     }
 }
 
-/// The name of the group that a label with a slash is in: the levels of a chain are one.
+/// The name of the group of a label: all levels of a chain have the part of the label before the slash in common.
 pub fn group_of(label: &str) -> &str {
     label.split('/').next().unwrap_or(label)
 }
@@ -374,7 +372,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::methods::METHODS;
 
-    /// A value that a parameter takes and that is not the given one.
+    /// A value that the parameter allows, other than the given one.
     pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
         use crate::parameter::Domain;
         let candidates = match parameter.domain {
@@ -385,7 +383,7 @@ pub(crate) mod tests {
         candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
     }
 
-    /// The property that keeps records honest: whatever is changed, the recorded setup says so.
+    /// Tests that the recorded setup shows whichever parameter is changed.
     #[test]
     fn a_changed_parameter_changes_the_recorded_setup_of_each_method_that_reads_it() {
         for method in METHODS {

@@ -1,6 +1,6 @@
-//! What the compiler of a device made of the programs that methods run: registers, instructions, occupancy and whatever else
-//! the driver states (VK_KHR_pipeline_executable_properties). It is measured on a device that compiles only
-//! ([`crate::gpu::DeviceQuery::compiles_only`]), so that hardware which is not there is enough.
+//! Statistics of a device's compiler about the programs that methods run: registers, instructions, occupancy and whatever else
+//! the driver reports (VK_KHR_pipeline_executable_properties). A device that compiles only
+//! ([`crate::gpu::DeviceQuery::compiles_only`]) is enough, so that the hardware need not be in the machine.
 
 pub mod compare;
 pub mod kinds;
@@ -22,12 +22,13 @@ use glam::{Mat4, Vec3};
 use kinds::{Fold, Kind};
 use serde_json::{Value, json};
 
-/// Frames that are recorded at rest, so that a history that begins and one that goes on are both among them.
+/// Frames that are recorded at rest: one program begins a history, and another continues it.
 const FRAMES_AT_REST: usize = 2;
-/// How far the camera has moved in the frame after them, in metres: a history then looks for what it showed.
+/// Motion of the camera, in metres, in the frame after the frames at rest, which makes a history search for the surfaces that
+/// it showed.
 const MOVED_M: f32 = 0.01;
 
-/// Which programs are compiled: those that frames of some variants run.
+/// Scene, view and variants whose frames run the programs that are compiled.
 pub struct ShadersStudy {
     /// Scene.
     pub scene: Scene,
@@ -35,11 +36,11 @@ pub struct ShadersStudy {
     pub view: View,
     /// Methods with their parameters.
     pub variants: Vec<Variant>,
-    /// Width and height in pixels. Few programs depend on it.
+    /// Width and height in pixels. Few programs depend on the size.
     pub extent: [u32; 2],
     /// Global factors. A roughness decides which programs a method runs.
     pub globals: Vec<Globals>,
-    /// The scene on the device, once it is there.
+    /// The scene on the device, once it was uploaded.
     pub stage: LastMade<(), Stage>,
 }
 
@@ -85,7 +86,7 @@ impl ShaderRecord {
         self.statistics.iter().find(|s| s.name == name).map(|s| s.value)
     }
 
-    /// What tells the record from others of a run: variant, roughness, when it runs, program, constants and stage.
+    /// The values that identify a record among others of a run: variant, roughness, when it runs, program, constants and stage.
     pub fn identity(&self) -> [String; 6] {
         let Self { head, runs_in, program, constants, stage, .. } = self;
         let roughness = super::names::roughness(head.roughness);
@@ -93,7 +94,7 @@ impl ShaderRecord {
     }
 }
 
-/// The names of some records' statistics, in the driver's order, without those that identify code and count nothing.
+/// The names of some records' statistics, in the driver's order, without those that only identify code.
 fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for statistic in records.iter().flat_map(|r| &r.statistics) {
@@ -137,7 +138,7 @@ impl Row for ShaderRecord {
     }
 }
 
-/// A row for each frame.
+/// Makes a line of the table for each frame.
 fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let folded: Vec<(&String, Fold)> =
         names.iter().filter_map(|name| Some((*name, Kind::named(name).fold()?))).collect();
@@ -156,7 +157,7 @@ fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     cells
 }
 
-/// A row for each program that a frame runs, once for all frames in which the same comes of it.
+/// Makes a line for each program that a frame runs; programs with equal lines in several frames have one.
 fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
@@ -171,7 +172,7 @@ fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<Strin
     cells
 }
 
-/// A row for each record.
+/// Makes a line for each record.
 fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
     let header = header.map(str::to_owned).into_iter();
@@ -183,7 +184,7 @@ fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     cells
 }
 
-/// When a program runs.
+/// The times at which a program can run.
 const FRAME: &str = "frame";
 const FRAME_AT_REST: &str = "frame at rest";
 const PREPARE: &str = "prepare";
@@ -218,7 +219,7 @@ impl Study for ShadersStudy {
     }
 }
 
-/// What a device that compiles only makes of the programs that frames of a variant run, on a stage of a scene.
+/// Compiles the programs that frames of a variant run, on a stage of a scene and a device that compiles only.
 ///
 /// # Errors
 /// [`crate::error::Error::Usage`] on a device that was opened for something else, and errors of the driver.
@@ -230,7 +231,7 @@ pub fn compiled(
     globals: &Globals,
 ) -> Result<Vec<ShaderRecord>> {
     let (gpu, setup) = (stage.context.gpu().clone(), setup.at(extent));
-    // What was compiled before belongs to other frames.
+    // Programs that were compiled before belong to other frames.
     gpu.take_programs()?;
     let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));
     let mut shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
@@ -251,7 +252,7 @@ pub fn compiled(
 }
 
 impl ShaderRecord {
-    /// The programs of frames by the numbers that matter, once for all frames in which the same comes of one.
+    /// The main numbers of the programs that frames run; programs with equal lines in several frames have one.
     pub fn table(records: &[Self]) -> Table {
         let names = statistic_names(records);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
@@ -275,7 +276,7 @@ fn records(head: &Head, runs_in: &str, ran: &[CompiledProgram]) -> Vec<ShaderRec
     all
 }
 
-/// Leaves out the vertex stage of a pipeline that has a fragment stage: it makes a triangle that covers the targets.
+/// Leaves out the vertex stage of a pipeline that has a fragment stage: its only work is a triangle that covers the targets.
 fn is_listed(program: &CompiledProgram, executable: &Executable) -> bool {
     executable.stage != "vertex" || program.executables.iter().all(|e| e.stage == "vertex")
 }

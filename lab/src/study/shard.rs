@@ -1,6 +1,6 @@
-//! Shards: the cells of a study divided among machines that know nothing of each other (docs/many-machines.md,
-//! "Shards"). The shard of a cell follows from the setups of all cells, and not from the order of the cells, the device or
-//! the machine, so that every machine divides a study in the same way.
+//! Shards: the cells of a study are divided among machines that do not communicate (docs/many-machines.md, "Shards"). The shard
+//! of a cell follows from the setups of all cells, and not from their order, the device or the machine. Every machine therefore
+//! divides a study in the same way.
 
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +12,7 @@ use std::str::FromStr;
 pub struct Shard {
     /// The number of this shard, from 1 to `count`.
     pub index: u32,
-    /// How many shards there are.
+    /// The number of shards.
     #[serde(rename = "of")]
     pub count: u32,
 }
@@ -23,7 +23,7 @@ const MOST: u32 = 1_000_000;
 impl FromStr for Shard {
     type Err = String;
 
-    /// Reads `3/8`.
+    /// Reads a shard such as `3/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("{text:?} is no shard; write it as 3/8, the third of eight");
         let (index, count) = text.split_once('/').ok_or_else(wrong)?;
@@ -45,8 +45,9 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The shard that runs each cell, counted from 1, in the order of the cells. `setups` are digests of the cells' setups, as
-/// [`super::journal::setup_digest`] makes them, in whose order the cells are dealt in turn. Cells of one setup are one cell.
+/// The shard of each cell, counted from 1, in the order of the cells. Cells are dealt to shards in turn, in the order of
+/// `setups`, which are digests of the cells' setups by [`super::journal::setup_digest`]. Cells with the same setup belong to
+/// the same shard.
 pub fn owners(setups: &[String], count: u32) -> Vec<u32> {
     let unique: BTreeSet<&str> = setups.iter().map(String::as_str).collect();
     let owner: BTreeMap<&str, u32> = unique.into_iter().zip((1..=count.max(1)).cycle()).collect();
@@ -74,8 +75,8 @@ mod tests {
     }
 
     proptest! {
-        /// Every cell has one owner, for every number of shards and every order of the cells; and no shard has more than
-        /// one cell more than another.
+        /// Every cell has one owner, for every number of shards and every order of the cells; and the numbers of cells of two
+        /// shards differ by one at most.
         #[test]
         fn every_cell_has_one_owner_whatever_their_order(
             cells in 1_usize..60,

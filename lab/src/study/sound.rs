@@ -1,5 +1,5 @@
-//! Whether records that a file holds can be: a file of a stranger, or one that a disk damaged, is not believed where it
-//! says what no measurement finds.
+//! Checks whether the values of records in a file are possible: a foreign or damaged file is refused if it has a value that no
+//! measurement gives.
 
 use super::columns::Columns;
 use super::names::safe_word;
@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 /// The greatest width or height of an image.
 const MOST_PIXELS: f64 = 65536.0;
 
-/// The field with everything that was set, whose numbers mean what their parameters say.
+/// The field with everything that was set, which is not checked; its numbers have the ranges of their parameters.
 const SETUP: &str = "setup";
 
-/// Why a record cannot be, as the end of a sentence about it; `None` if it can.
+/// Why a record is impossible, as the end of a sentence about it; `None` if it is possible.
 pub fn fault<R: Columns>(record: &Value) -> Option<String> {
     let mut ranges = R::columns().ranges;
     ranges.extend(["width", "height"].map(|name| (name, [1.0, MOST_PIXELS])));
@@ -34,7 +34,7 @@ fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -
         let can_be = number >= *least && number <= *most;
         return (!can_be).then(|| format!("has the {name} {number}, which cannot be"));
     }
-    // Names of methods become names of files.
+    // Names of methods are used in names of files, and must be safe there.
     if let ("method", Some(method)) = (name, value.as_str()) {
         let is_name = safe_word(method) == method;
         return (!is_name).then(|| format!("has the method {method:?}, which is no name of a method"));
@@ -42,11 +42,10 @@ fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -
     range_fault(value, ranges)
 }
 
-/// The fields of samples that say how long something took.
+/// The fields of samples that are durations.
 const DURATIONS: [&str; 4] = ["ms", "frame_ms", "record_ms", "wait_ms"];
 
-/// Why times that were sampled cannot be, as the end of a sentence about them; `None` if they can: nothing takes less than
-/// no time.
+/// Why sampled times are impossible, as the end of a sentence about them; `None` if they are possible: no duration is negative.
 pub fn fault_of_sample(sample: &Value) -> Option<String> {
     fn negative(fields: &Map<String, Value>) -> Option<String> {
         fields.iter().find_map(|(name, value)| match value {

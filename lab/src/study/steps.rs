@@ -1,4 +1,5 @@
-//! How many cells the rays of `unified` look at. The plain twin of its traversal counts them, since it takes the same steps.
+//! Number of cells that the rays of `unified` look at. The CPU twin of its traversal counts them, since both take the same
+//! steps.
 
 use super::columns::{AsDatum, Datum, columns, figure};
 use super::exhibit::Table;
@@ -14,23 +15,23 @@ use crate::stage::{Globals, Stage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// How many threads of a device that is a CPU walk together, and wait for the slowest.
+/// Number of lanes of a CPU device that walk together, and wait for the slowest.
 const TOGETHER: usize = 8;
 
-/// Where rays are counted.
+/// The images in which steps are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepsIn {
-    /// On the screen, which is the only image.
+    /// On the screen, as the only image.
     Screen,
-    /// On the screen, with captures behind it: a ray ends there as soon as the screen loses it.
+    /// On the screen, with captures behind it: the walk on the screen ends where the screen loses the ray.
     ScreenBeforeCaptures,
-    /// In captures: the rays that the screen lost.
+    /// In captures, for rays that the screen lost.
     Captures,
 }
 
 impl StepsIn {
-    /// The name on a page.
+    /// The name of the images on a page.
     fn label(self) -> &'static str {
         match self {
             Self::Screen => "the screen alone",
@@ -120,7 +121,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     ])
 }
 
-/// The pixels in the order of blocks of 4 x 2.
+/// The pixels, block by block of 4 x 2.
 fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
     let block = |y: u32| (0..data.width.div_ceil(4)).map(move |x| (4 * x, 2 * y));
     let corners = (0..data.height.div_ceil(2)).flat_map(block);
@@ -128,7 +129,7 @@ fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
     all.filter(|(x, y)| *x < data.width && *y < data.height).collect()
 }
 
-/// Four captures, placed by the program, as the device draws them, and the scene's bounds.
+/// Four captures that the program places, drawn by the device, and the scene's bounds.
 fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
     let mut scene = scene.clone();
     placement::with_captures(&mut scene, WantedCaptures::Count(4));

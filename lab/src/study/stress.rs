@@ -1,5 +1,5 @@
-//! Numerical stability: every method on adversarial G-buffers and cameras, its pixels counted on the
-//! host's bits, its hits held against the oracle's.
+//! Numerical stability: every method on adversarial G-buffers and cameras, its pixels checked bit by bit on the host, its hits
+//! compared with the oracle's.
 
 pub mod captures;
 pub mod cases;
@@ -31,17 +31,17 @@ use glam::Vec3;
 use lineup::{FrameImages, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
 
-/// The method that must pass every case; the published ones must only survive.
+/// The method that must pass every case; published methods must only finish.
 pub const JUDGED: &str = "unified";
 
-/// Reflecting pixels of a case whose hits are compared, at most; more are sampled.
+/// Greatest number of reflecting pixels of a case whose hits are compared; of more pixels, a sample is compared.
 pub const COMPARED_PIXELS: usize = 8192;
 
-/// Share of the compared pixels whose hits must agree with the oracle's, ties apart.
+/// Share of the compared pixels whose hits must agree with the oracle's; ties count as agreeing.
 pub const AGREEMENT: f64 = 0.9999;
 
-/// A frame takes this long at most before it counts as slow: milliseconds, and those of a pixel. That is far above any
-/// method on any device that has nothing else to do; a loop without an end is further, and so is a busy machine.
+/// The greatest time of a frame that does not count as slow: milliseconds, plus milliseconds for each pixel. No method is
+/// nearly as slow on an idle device; an endless loop is slower, and a frame on a busy machine may be.
 const SLOW_MS: (f64, f64) = (5_000.0, 0.02);
 
 columns! {
@@ -60,7 +60,7 @@ columns! {
         pub width: u32 = figure(""),
         /// Pixels.
         pub height: u32 = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
         /// Pixels of the image.
         pub pixels: usize = figure(""),
@@ -95,7 +95,7 @@ columns! {
     }
 }
 
-/// Pixels by what is wrong with them.
+/// Numbers of pixels by the kind of wrong value that they have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct WrongPixels {
     nan: usize,
@@ -104,8 +104,8 @@ struct WrongPixels {
 }
 
 impl WrongPixels {
-    /// Counts pixels by the bits of their channels in some images of one size; `counts` says of which
-    /// image and pixel.
+    /// Counts pixels by the bits of their channels in some images of one size; `counts` says whether a pixel of an image is
+    /// checked.
     fn count(images: &[&Pixels], counts: impl Fn(usize, usize) -> bool) -> Self {
         let mut wrong = Self::default();
         let pixels = images.first().map_or(0, |p| p.values.len() / p.channels);
@@ -135,7 +135,7 @@ fn kind(bits: u32) -> Option<usize> {
     }
 }
 
-/// Runs screen-space methods, made for the case's size, on a case.
+/// Runs screen-space methods, which were made for the case's size, on a case.
 pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<StressRecord>> {
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
@@ -151,7 +151,7 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     Ok(records)
 }
 
-/// The reflecting pixels that are compared, with the oracle's hits.
+/// The reflecting pixels whose hits are compared, with the oracle's hits.
 struct Truth<'a> {
     hierarchy: Hierarchy<'a>,
     pixels: Vec<u32>,
@@ -172,8 +172,8 @@ impl<'a> Truth<'a> {
         Self { hierarchy, pixels, hits }
     }
 
-    /// Compares what a method made, if it has hits. Ties are counted of the method that is judged alone: each takes
-    /// hundreds of rays to find out.
+    /// Compares a method's hits with the oracle's, if it has any. Ties are counted for [`JUDGED`] alone, since each takes
+    /// hundreds of rays to find.
     fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
         let hits = hit_positions(made.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
@@ -192,14 +192,14 @@ impl<'a> Truth<'a> {
 struct ComparedRays {
     rays: usize,
     wrong: usize,
-    /// Wrong ones that rounding alone makes so; `None` if nobody counted them.
+    /// Wrong rays that differ by rounding alone; `None` if they were not counted.
     ties: Option<usize>,
-    /// The share of the rays that must be right, ties among them.
+    /// The share of the rays that must be right; ties count as right.
     least: f64,
 }
 
 impl ComparedRays {
-    /// The share of the rays that are right; `None` for no ray.
+    /// The share of the rays that are right; `None` without rays.
     fn agreement(&self) -> Option<f64> {
         (self.rays > 0).then(|| (self.rays - self.wrong) as f64 / self.rays as f64)
     }
@@ -209,12 +209,12 @@ impl ComparedRays {
     }
 }
 
-/// What a frame was made of.
+/// The inputs of a frame that is judged.
 struct JudgedFrame<'a> {
     case: &'a str,
     setup: &'a Setup,
     globals: &'a Globals,
-    /// Whether every method must pass, and not [`JUDGED`] alone.
+    /// Whether every method must pass, instead of [`JUDGED`] alone.
     must_pass: bool,
 }
 
@@ -261,17 +261,16 @@ impl FrameImages {
     }
 }
 
-/// A camera where no camera should be.
+/// A camera at an unusual place.
 pub struct Place {
-    /// What it tries, as records name it.
+    /// Name of the place in records.
     pub name: String,
     view: View,
-    /// By how much the whole scene is moved along each axis, metres.
+    /// Offset of the whole scene along each axis, in metres.
     pub offset: f32,
 }
 
-/// Cameras inside geometry, on a reflector, at a grazing angle, and far from the origin, for a scene
-/// whose first view looks at something.
+/// Cameras inside geometry, on a reflector, at a grazing angle, and far from the origin, made from the scene's first view.
 pub fn places(scene: &Scene) -> Vec<Place> {
     let Some(view) = scene.views.first() else { return Vec::new() };
     let bounds = scene.bounds();
@@ -297,21 +296,21 @@ pub fn places(scene: &Scene) -> Vec<Place> {
     let mut wide = place("with a range of 1 to 10 million", view.eye, view.look_at, 0.0);
     wide.view.lens = Some(long);
     all.push(wide);
-    // Last, so that places of one scene that stands still follow each other.
+    // Places that move the scene come last, so that those before them can share one scene.
     all.push(place("a kilometre from the origin", view.eye, view.look_at, 1e3));
     all.push(place("1000 km from the origin", view.eye, view.look_at, 1e6));
     all
 }
 
-/// A scene moved as a whole, as a place asks.
+/// A copy of the scene, moved by the offset of a place.
 pub fn moved(scene: &Scene, place: &Place) -> Scene {
     let mut scene = scene.clone();
     scene.translate(Vec3::splat(place.offset));
     scene
 }
 
-/// Runs methods, made with their hits for the scene that is [`moved`], from a place where no camera should be, as
-/// mirrors and as gloss. Hits of mirrors are compared on the G-buffer that the device made.
+/// Runs methods at an unusual place of the camera, as mirrors and as gloss. The methods were made with their hits for the
+/// [`moved`] scene. Hits of mirrors are compared on the G-buffer that the device drew.
 pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
     let mut view = place.view.clone();
     view.eye += place.offset;
@@ -327,7 +326,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
         let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
         records.extend(lineup.methods().zip(&made).map(|(m, made)| {
-            // The screen's oracle knows nothing of hits in captures.
+            // The screen's oracle does not know hits in captures.
             let truth = truth.as_ref().filter(|_| m.is_screen_space());
             made.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(made, m)))
         }));

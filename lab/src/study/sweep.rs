@@ -1,4 +1,4 @@
-//! What `ssct error` sweeps: methods × their settings.
+//! Variants that `ssct error` sweeps: methods with their settings.
 
 use super::error::Variant;
 use crate::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
@@ -7,7 +7,7 @@ use crate::methods::{EffectParams, Fallback, MethodInfo, Setup};
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: what each of them sweeps, around a base.
+/// Every variant of some methods: each method's own sweep, around a base setup.
 pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     let method_variants = |method: &&'static MethodInfo| {
         let method = *method;
@@ -16,7 +16,7 @@ pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     methods.iter().flat_map(method_variants).collect()
 }
 
-/// A method without captures, and with each of some numbers of them at each of some sizes of face, around a base.
+/// Variants of a method without captures, and with each number of captures at each size of face, around a base setup.
 pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use CaptureCount::{None, Number};
     use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
@@ -32,8 +32,8 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     std::iter::once((None, Scene)).chain(all).map(variant).collect()
 }
 
-/// A method with nothing, with the environment and with `pccm` behind it, if it sees the screen alone; and if it takes
-/// captures or triangles, also with the captures of a base and with the triangles of the scene.
+/// Variants with each fallback: a screen-space method has none, the environment, or `pccm`; a method that takes captures or
+/// triangles also has the captures of `base`, and the triangles of the scene.
 pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use Fallback::{Environment, None, Pccm};
     let behind: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
@@ -42,7 +42,7 @@ pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
         setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures, p.beyond) = (fallback, captures, beyond)),
     };
     let (captures, on_screen) = (base.effect().captures, method.is_screen_space());
-    // A method that sees captures alone is never without them.
+    // A method that traces in captures alone always keeps them.
     let without = if on_screen { CaptureCount::None } else { captures };
     let is_captured = on_screen && method.takes_captures && captures != CaptureCount::None;
     let alone = if on_screen { BeyondScreen::None } else { base.effect().beyond };
@@ -53,7 +53,7 @@ pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
         .collect()
 }
 
-/// A screen-space method with each number of bounces up to that of a base; any other as it is.
+/// Variants of a screen-space method with each number of bounces up to that of `base`; another method has one variant.
 pub fn bounces(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     let most = if method.is_screen_space() { base.effect().bounces } else { 1 };
     let with = |n| Variant { method, setup: base.with(|p: &mut EffectParams| p.bounces = n) };

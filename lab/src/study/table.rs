@@ -1,4 +1,4 @@
-//! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
+//! The thesis's table 5.8: its times in print, and rows that compare them with measured times.
 
 use super::compare::{SEED, shown_drift};
 use super::drift::drift;
@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Published {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Roughness, and normal deviation.
+    /// Roughness, which is also the normal deviation.
     pub roughness: f32,
     /// SSCT.
     pub ssct: f64,
@@ -61,11 +61,11 @@ pub fn sizes() -> Vec<[u32; 2]> {
     sizes
 }
 
-/// Seconds that each size took with the command's own numbers of frames where the table was measured on two cores of a
-/// CPU, by the records in benches/runs/2026-11-28-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
+/// Seconds that each size took on two cores of a CPU, with the command's default numbers of frames. The records are in
+/// benches/runs/2026-11-28-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
 pub const SECONDS: [u32; 5] = [15, 22, 22, 37, 80];
 
-/// What can be measured of the table, and how long it takes, as the end of a sentence.
+/// Lists the sizes of the table with the seconds that each takes, as the end of a sentence.
 pub fn rows_and_seconds() -> String {
     let size = |([width, height], seconds): ([u32; 2], u32)| format!("{width}x{height} ({seconds} s)");
     let sizes: Vec<String> = sizes().into_iter().zip(SECONDS).map(size).collect();
@@ -89,19 +89,19 @@ pub fn methods() -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect()
 }
 
-/// A row with both times and both ratios. The ratio carries over between machines; times don't.
+/// A row with both times and both ratios. Ratios can be compared between machines; times cannot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedRow {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Roughness, and normal deviation.
+    /// Roughness, which is also the normal deviation.
     pub roughness: f32,
-    /// How much longer the scene passes took than in the first row of this size, as a share, if several rows have it
-    /// ([`drift`]).
+    /// How much longer the scene passes took than in the first row of this size, as a share, if there are several rows of the
+    /// size ([`drift`]).
     pub drift: Option<f64>,
-    /// Per method: name, published and measured milliseconds, and both over those of `ssct`.
+    /// Per method: name, published and measured milliseconds, and their ratios to the times of `ssct`.
     pub columns: Vec<Column>,
 }
 
@@ -110,21 +110,21 @@ pub struct ComparedRow {
 pub struct Column {
     /// Method.
     pub method: String,
-    /// Milliseconds in print; null for a size that has no row there.
+    /// Milliseconds in print; null for a size that is not in print.
     pub published_ms: Option<f64>,
     /// Median milliseconds here.
     pub measured_ms: f64,
-    /// Published, over SSCT's; null for SSCT itself, and for a size that has no row in print.
+    /// Ratio of the published time to SSCT's; null for SSCT itself, and for a size that is not in print.
     pub published_ratio: Option<f64>,
-    /// Measured, over SSCT's, the median over the turns in which both were timed; null for SSCT itself or where SSCT was not
-    /// measured.
+    /// Ratio of the measured time to SSCT's, the median over the turns in which both were timed; null for SSCT itself, or if
+    /// SSCT was not measured.
     pub measured_ratio: Option<f64>,
-    /// The ends of the interval of `measured_ratio`; null with fewer than [`MIN_SAMPLES`] turns.
+    /// Ends of the interval of `measured_ratio`; null with fewer than [`MIN_SAMPLES`] turns.
     pub interval: Option<[f64; 2]>,
 }
 
-/// The size and the roughness of each row of the table for some records: those of the print first, in its order, and then
-/// sizes that have no row there.
+/// The size, the roughness and the printed row of each row of the comparison: printed rows first, in their order, and then
+/// measured sizes that are not in print.
 fn rows_of(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Published>)> {
     let printed = TABLE_5_8.iter().map(|row| (row.size, row.roughness, Some(row)));
     let known = sizes();
@@ -136,14 +136,14 @@ fn rows_of(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Publis
 }
 
 impl Column {
-    /// Whether it has ratios: SSCT itself has none.
+    /// Whether the column has ratios to SSCT; SSCT itself has none.
     fn is_over_ssct(&self) -> bool {
         self.method != "ssct"
     }
 }
 
-/// Sets measured records beside the table's rows. Rows that were not measured are left out, and so are roughness values
-/// that the table does not have. A size that it does not have gets rows without figures in print.
+/// Compares measured records with the table's rows. Rows that were not measured are left out, and so are roughness values that
+/// are not in print. A size that is not in print gets rows without printed figures.
 pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     let drifts = drift(records);
     let rows = rows_of(records).into_iter().filter_map(|(size, roughness, published)| {
@@ -174,8 +174,8 @@ pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     rows.collect()
 }
 
-/// The time of a record over that of another one with which it was timed in turn, and the ends of its interval if there are
-/// turns enough for one. Records without their samples have the quotient of their medians.
+/// The ratio of a record's time to that of another record with which it was timed in turn, and the ends of its interval, if
+/// there are enough turns. Records without samples have the ratio of their medians, without an interval.
 fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
     let pairs: Vec<_> = base.totals().into_iter().zip(record.totals()).map(|(base, own)| [base, own]).collect();
     if pairs.is_empty() {
@@ -188,7 +188,7 @@ fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f6
 /// The title of the table beside our times.
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
 
-/// What the table says.
+/// The description of the table.
 pub fn about() -> String {
     format!(
         "Medians of the effect without the scene passes. A quotient measured here is the median over the turns in which both methods \

@@ -1,13 +1,13 @@
-//! Rays that end in one of two places by the rounding of 32-bit floats alone: through corners of pixels, or grazing a
-//! block. Whoever ends at one of them does not contradict the oracle.
+//! Rays that end in one of two places by the rounding of 32-bit floats alone: through corners of pixels, or grazing a block. A
+//! hit at either place does not contradict the oracle.
 
 use crate::metrics::hits::HitVerdict;
 use crate::reference::hierarchy::Hierarchy;
 use glam::DVec3;
 
-/// Whether a ray that differs from the mirror ray of the pixel (x, y) by a few units in the last place of an f32, in its
-/// direction, in the depth that it starts from or in where it crosses the sides of pixels, ends where a method's did, by
-/// version 1 of the oracle. Takes hundreds of rays to find out.
+/// Whether a method's hit can be explained by rounding, by version 1 of the oracle. The rays tried differ from the mirror ray
+/// of the pixel (x, y) by a few units in the last place of an f32, in direction, start depth or crossings of pixel sides. A tie
+/// is found if one of these hundreds of rays ends at the hit.
 pub fn is_tie(hierarchy: &Hierarchy, [x, y]: [u32; 2], hit: Option<[f64; 2]>) -> bool {
     let rays = hierarchy.rays();
     let Some(direction) = rays.mirror(x, y) else { return hit.is_none() };

@@ -1,5 +1,5 @@
-//! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
-//! sample in the journal as soon as it is there.
+//! The time study: methods are timed in turn on one view, after a warm-up. Each sample is one submission, and goes into the
+//! journal at once.
 
 mod suite;
 mod verdicts;
@@ -25,7 +25,7 @@ use crate::stage::{Globals, Shot, Stage};
 use serde_json::{Value, json};
 use std::fmt::Display;
 
-/// What is timed: every combination of sizes, roughness values and variants of methods.
+/// Scene, view and settings of the study: every combination of sizes, factors and variants is timed.
 pub struct TimeSpec<'a> {
     /// Device.
     pub gpu: &'a Gpu,
@@ -39,15 +39,15 @@ pub struct TimeSpec<'a> {
     pub sizes: Vec<[u32; 2]>,
     /// Global factors of each run.
     pub globals: Vec<Globals>,
-    /// Frames that warm up, beside the one whose work is counted: that one comes before all others.
+    /// Frames that warm up, in addition to the frame whose work is counted, which comes first.
     pub warmup: usize,
-    /// Frames that count.
+    /// Number of timed frames.
     pub samples: usize,
-    /// Whether each variant is timed against itself as well: twice in each turn, so that what it strays from itself is known.
+    /// Whether each variant is also timed against itself, by two series in each turn, which measures its noise floor.
     pub a_a: bool,
 }
 
-/// The samples of one size with one of the global factors: where the journal keeps them.
+/// One size with one set of factors, whose samples the journal keeps under one digest.
 struct Group<'a> {
     spec: &'a TimeSpec<'a>,
     extent: [u32; 2],
@@ -74,7 +74,7 @@ impl<'a> TimeSpec<'a> {
 
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
         let variants = recorded(&self.variants, extent);
-        // Not how many samples: more may be asked for later.
+        // The number of samples is left out, since a later run may add more.
         let settings = json!([scene_digest, format!("{:?}", self.view), globals, variants, self.warmup]);
         let digest = digest(self.gpu, &settings);
         Group { spec: self, extent, globals, digest }
@@ -82,7 +82,7 @@ impl<'a> TimeSpec<'a> {
 }
 
 impl Group<'_> {
-    /// What the keys of a variant's samples begin with. Two variants may be of one method.
+    /// The prefix of the keys of a variant's samples. The index tells two variants of one method apart.
     fn prefix(&self, variant: usize) -> String {
         let [width, height] = self.extent;
         let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
@@ -102,7 +102,7 @@ impl Group<'_> {
         (0..spec.variants.len()).all(|n| is_whole(&self.prefix(n), spec.samples, spec.a_a, journal))
     }
 
-    /// Runs what the journal lacks, the variants in turn; those that lack something are warmed up.
+    /// Measures the samples that the journal lacks, the variants in turn; only variants that lack samples are warmed up.
     fn measure(
         &self,
         stage: &mut Stage,
@@ -113,7 +113,7 @@ impl Group<'_> {
         let spec = self.spec;
         let mut rounds = vec![Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None }];
         rounds.extend(Round::timed(spec.warmup, spec.samples));
-        // The second series of each variant is that of its twin.
+        // Shots beyond the number of variants make the second series of the same variants.
         let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
             None => key(&self.prefix(shot), sample),
             Some(twin) => key(&self.prefix(twin), second_series_label(sample)),
@@ -122,10 +122,10 @@ impl Group<'_> {
     }
 }
 
-/// Shots with the number of their groups and their size.
+/// Shots, with the number of their groups and their size as a key.
 type SizedShots = ((usize, [u32; 2]), Vec<Shot>);
 
-/// The stage and the shots that were made last, which groups that follow each other share.
+/// The last stage and shots, which successive groups share.
 #[derive(Default)]
 struct Timer {
     stage: Option<(String, Stage)>,
@@ -133,7 +133,8 @@ struct Timer {
 }
 
 impl Timer {
-    /// Measures what the journal lacks of a group. Groups of one number have the same scene, view and variants.
+    /// Measures the samples of a group that the journal lacks. Groups with the same number have the same scene, view and
+    /// variants.
     fn time(
         &mut self,
         number: usize,
@@ -149,7 +150,7 @@ impl Timer {
         }
         let Some((_, stage)) = &mut self.stage else { return Ok(()) };
         let materials = group.globals.materials(spec.scene, spec.view);
-        // The last size's shots are gone by now: the device may not have room for both.
+        // Shots of another size were dropped above, since the device may not have room for both.
         let shots = match same {
             Some((_, mut shots)) => {
                 shots.iter_mut().try_for_each(|shot| shot.set_materials(stage, materials.clone()))?;
@@ -159,7 +160,7 @@ impl Timer {
                 let camera = spec.view.camera(spec.scene, group.extent);
                 let series = if spec.a_a { 2 } else { 1 };
                 let variants = (0..series).flat_map(|_| &spec.variants);
-                // What is timed is the image; a reflection of its own is for those who look at it.
+                // Only the image is timed, so that no separate image of the reflection is made.
                 let shot = |Variant { method, setup }: &Variant| {
                     Shot::new(stage, method, &setup.at(group.extent), Wants::IMAGE, camera, materials.clone())
                 };
@@ -171,7 +172,7 @@ impl Timer {
     }
 }
 
-/// Frames of some variants at one size with one set of factors, the one whose work is counted among them.
+/// Frames of some variants at one size with one set of factors, including the frame whose work is counted.
 fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) -> usize {
     let series = if a_a { 2 } else { 1 };
     series * variants * (warmup + samples + 1)
@@ -183,12 +184,12 @@ fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
     json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
 
-/// Where the journal keeps a sample whose key begins with `prefix`.
+/// The key of a sample in the journal; `prefix` stands for the variant.
 fn key(prefix: &str, sample: impl Display) -> String {
     format!("{prefix} {sample}")
 }
 
-/// The record of the samples that a journal has of a method, `samples` at most; `None` if it has none. The keys of the
+/// The record of a method, made of `samples` samples of the journal at most; `None` if the journal has none. The keys of the
 /// samples begin with `prefix`.
 fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
     let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
@@ -236,15 +237,15 @@ fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool 
     keys(prefix, samples, a_a).iter().all(|key| kept(journal, key).is_some())
 }
 
-/// What the journal calls a sample of the second series.
+/// The label of a sample of the second series in the journal.
 fn second_series_label(sample: impl Display) -> String {
     format!("again {sample}")
 }
 
-/// The sample of the frame whose work is counted.
+/// The label of the frame whose work is counted.
 const COUNTED: &str = "work";
 
-/// Measures what the journal lacks. `progress` is called after each frame; its error ends the study.
+/// Measures the samples that the journal lacks. `progress` is called after each frame; its error ends the study.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
@@ -258,7 +259,7 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
     Ok(())
 }
 
-/// The records of what the journal has, in the order of sizes, factors and variants.
+/// The records of all samples in the journal, in the order of sizes, factors and variants.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
     let group_records = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
@@ -273,7 +274,7 @@ mod tests {
     use crate::scene::library;
     use crate::study::record::tests::another;
 
-    /// What the journal keeps under one name was measured with one setup.
+    /// Tests that samples of different setups have different keys in the journal.
     #[test]
     fn a_changed_parameter_changes_where_the_journal_keeps_a_sample() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");

@@ -1,4 +1,4 @@
-//! What the twins on the CPU are given of the methods on the device.
+//! Numbers that the methods on the device pass to their twins on the CPU.
 
 use crate::gpu::shader::ThesisBlock;
 use crate::reference::hi_z_ray_trace::HiZConstants;

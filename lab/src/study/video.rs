@@ -1,4 +1,4 @@
-//! Films: variants of methods on every frame of a way of the camera, each beside what the world shows in that frame
+//! Films: draws variants of methods on every frame of a camera's way, and compares each with the world reference of that frame
 //! (docs/definitions.md, "Films").
 
 mod placed;
@@ -34,35 +34,35 @@ use rayon::prelude::*;
 use record::WORLD;
 use serde_json::json;
 
-/// What is filmed.
+/// Scene, motion and variants of a film.
 pub struct VideoStudy {
     /// Scene.
     pub scene: Scene,
-    /// How the camera moves.
+    /// Way of the camera.
     pub way: CameraWay,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
     /// Global factors.
     pub globals: Vec<Globals>,
-    /// What is compared.
+    /// Variants that are compared.
     pub variants: Vec<Variant>,
     /// Frames, ≥ 2.
     pub frames: u32,
-    /// Frames that are shown in a second, above 0.
+    /// Frames shown per second, above 0.
     pub frames_per_second: f32,
     /// Rays a pixel of the world reference, ≥ 2.
     pub rays: u32,
-    /// What is played.
+    /// Motion of the scene that is played, if any.
     pub play: Option<Motion>,
-    /// The meshes that move besides, by name.
+    /// Names of the meshes that move in addition.
     pub moving: Vec<String>,
-    /// By how much from one frame to the next, in metres along the world's axes.
+    /// Motion of these meshes from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
-    /// Frames after which they rest; `None` if they never do.
+    /// Number of frames after which these meshes rest; `None` if they never do.
     pub step_frames: Option<u32>,
-    /// The meshes that the camera carries along, by name, as a hand does that is held before it.
+    /// Names of the meshes that move with the camera, such as a hand in front of it.
     pub held: Vec<String>,
-    /// Whether each frame is shifted by another part of a pixel, as renderers do that average frames into a smooth picture.
+    /// Whether each frame is shifted by another part of a pixel, as in renderers that average frames for antialiasing.
     pub jitter: bool,
 }
 
@@ -118,16 +118,16 @@ impl Study for VideoStudy {
 
 /// The films of a measurement: the finished images.
 struct Films {
-    /// The world's.
+    /// Film of the world reference.
     world: Film,
     /// The films of the variants, in their order.
     variants: Vec<Film>,
 }
 
-/// What is known of a variant while its film is made.
+/// State of a variant while its film is made.
 struct VariantFilm {
     shot: Shot,
-    /// A second shot that makes an image of the reflection; `None` if the timed one does.
+    /// A second shot that makes an image of the reflection; `None` if the timed shot makes one.
     seen: Option<Shot>,
     before: Vec<Vec3>,
     frames: Vec<VideoFrame>,
@@ -136,7 +136,7 @@ struct VariantFilm {
     reflections: Film,
 }
 
-/// Sums over pairs of a pixel and the same surface a frame before.
+/// Sums over pairs of a pixel and the pixel that showed the same surface a frame before.
 #[derive(Default)]
 struct Change {
     pairs: usize,
@@ -156,11 +156,10 @@ impl Change {
     }
 }
 
-/// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends it.
+/// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends the filming.
 ///
 /// # Errors
-/// [`Error::Usage`] if there are too few frames or rays, those of the device and of
-/// `go_on`.
+/// [`Error::Usage`] if there are too few frames or rays; errors of the device and of `go_on`.
 fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
     if spec.study.frames < 2 || spec.study.rays < 2 {
         return Err(Error::Usage("a film needs at least two frames, and its reference two rays a pixel".into()));
@@ -176,7 +175,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
         .map(|v| start_film(spec, &mut stage, v, first, &materials))
         .collect::<Result<Vec<_>>>()?;
     for filmed in &all {
-        // A film begins with what was there before it.
+        // The history of each shot settles on the first frame before the film begins.
         stage.settle(&filmed.shot)?;
     }
     let mut world = Truth::default();
@@ -192,7 +191,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
         }
         let camera = spec.study.camera(frame, spec.extent);
         let mut made = Vec::new();
-        // They begin in turn, since the first of a frame may find colder caches.
+        // Variants begin in turn, since the first shot of a frame may find colder caches.
         let count = all.len();
         for turn in 0..count {
             go_on()?;
@@ -222,7 +221,7 @@ fn start_film(
 ) -> Result<VariantFilm> {
     let setup = variant.setup.at(spec.extent);
     let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
-    // Timed without a reflection of its own, as the time study does.
+    // The timed shot makes no separate image of the reflection, as in the time study.
     let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
     let makes = stage.output(&timed)?.2.traced.reflection.is_some();
     let film = || Film { width: spec.extent[0], height: spec.extent[1], frames: Vec::new() };
@@ -237,7 +236,7 @@ fn start_film(
     })
 }
 
-/// A frame: its milliseconds, its reflection and the finished image.
+/// Draws a frame, and returns its milliseconds, its reflection and the finished image.
 fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
     filmed.shot.camera = camera;
     let (report, _, output) = stage.output_in(Mode::Timed, &filmed.shot)?;
@@ -254,12 +253,12 @@ fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<
     Ok((effect_ms, reflection, image))
 }
 
-/// The world's film, and its last frame.
+/// The world reference of the film, with its last frame.
 #[derive(Default)]
 struct Truth {
     screen: Option<GBufferData>,
     mask: Vec<bool>,
-    /// Linear reflection colour of this frame, and of the frame before.
+    /// Linear reflection colour of the current frame.
     color: Vec<Vec3>,
     pairs: Vec<SamePlace>,
     changes: Vec<Vec3>,
@@ -270,7 +269,7 @@ struct Truth {
 }
 
 impl Truth {
-    /// The next frame, from where the variants see it.
+    /// Traces the world reference of the next frame, for the G-buffer that the variants see.
     fn see(
         &mut self,
         spec: &VideoSpec,
@@ -282,7 +281,8 @@ impl Truth {
         let bounces = greatest_bounces(&spec.study.variants);
         let world = World::new(scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
-        // One seed for all frames: what is left of a pixel's noise in the difference of two is its change.
+        // All frames share one seed, so that the noise of a pixel cancels in the difference of two frames, except where its
+        // reflection changes.
         let reference = WorldReference::new(&world, &first_hits, &screen.camera, 2).with_bounces(bounces);
         let mut state = reference.start();
         for begun in (0..spec.study.rays).step_by(RAYS_AT_ONCE as usize) {
@@ -307,7 +307,7 @@ impl Truth {
     }
 }
 
-/// Rays a pixel between two chances to stop.
+/// Rays a pixel that are traced between two calls of `go_on`.
 const RAYS_AT_ONCE: u32 = 16;
 
 fn bytes(colors: &[Vec3]) -> Vec<u8> {
@@ -328,7 +328,7 @@ impl VariantFilm {
         let arrays = |colors: &[Vec3]| colors.iter().map(Vec3::to_array).collect::<Vec<_>>();
         self.images.frames.push(bytes(&colors(image)));
         self.reflections.frames.push(bytes(&color));
-        // FLIP is of all films and frames at once, at the end.
+        // FLIP is computed at the end, for all films and frames at once.
         let rmse = masked_rmse(&arrays(&world.color), &arrays(&made), &world.mask);
         self.frames.push(VideoFrame { effect_ms, rmse, flip: 0.0 });
         self.before = color;

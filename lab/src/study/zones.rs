@@ -1,9 +1,9 @@
-//! Zones for the profiler Tracy, with the feature `tracy`: each timed frame on the host, and each of its passes on the
-//! device. Without the feature, nothing.
+//! Zones for the profiler Tracy, with the feature `tracy`: each timed frame on the host, and each of its passes on the device.
+//! Without the feature, this module does nothing.
 
 use crate::gpu::FrameReport;
 
-/// What draws zones; nothing without the feature.
+/// Draws zones in the profiler; empty without the feature.
 pub struct Zones {
     #[cfg(feature = "tracy")]
     client: tracy_client::Client,
@@ -18,13 +18,13 @@ impl Zones {
     /// Starts the client, which a running profiler finds on this machine.
     pub fn begin() -> Self {
         let client = tracy_client::Client::start();
-        // Timestamps are uploaded in nanoseconds from now on.
+        // Timestamps are given in nanoseconds since this moment.
         let device = client.clone().new_gpu_context(Some("device"), tracy_client::GpuContextType::Vulkan, 0, 1.0).ok();
         Self { client, device, begun: std::time::Instant::now() }
     }
 
-    /// Runs a frame within a zone, and draws the passes that it reports. The frame is drawn so that it ends on the device
-    /// when the host saw its end.
+    /// Runs a frame within a zone, and draws the passes that its report lists. The device's frame is drawn as if it ended when
+    /// the host saw its end.
     pub fn frame<T>(&self, name: &str, run: impl FnOnce() -> T, report: impl Fn(&T) -> Option<&FrameReport>) -> T {
         let zone = self.client.clone().span_alloc(Some(name), "frame", file!(), line!(), 0);
         let made = run();
@@ -46,12 +46,12 @@ impl Zones {
 
 #[cfg(not(feature = "tracy"))]
 impl Zones {
-    /// Nothing.
+    /// Does nothing without the feature `tracy`.
     pub fn begin() -> Self {
         Self {}
     }
 
-    /// Runs a frame.
+    /// Runs a frame without a zone.
     pub fn frame<T>(&self, _name: &str, run: impl FnOnce() -> T, _report: impl Fn(&T) -> Option<&FrameReport>) -> T {
         run()
     }

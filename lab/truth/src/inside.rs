@@ -1,7 +1,7 @@
-//! Reads and writes files inside a folder that the user named. The names inside it may come from strangers, for example with a
-//! shard that somebody else measured. A name that leads out of the folder is refused, whether by `..`, by a root or by a
-//! link. Only regular files are read, of bounded size, and nothing is written through a link. All files that the
-//! laboratory writes are written here.
+//! Reads and writes files inside a folder that the user named. The names inside the folder may come from strangers, for example
+//! with a shard that somebody else measured. A name that leads out of the folder is refused, whether by `..`, by a root or by a
+//! link. Only regular files are read, of bounded size, and nothing is written through a link. All files that the laboratory
+//! writes are written here.
 
 use crate::error::{Error, Result};
 use cap_fs_ext::{FollowSymlinks, OpenOptionsFollowExt, OpenOptionsSyncExt};
@@ -12,7 +12,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{ErrorKind, Read, Result as IoResult, Write};
 use std::path::{Component, Path, PathBuf};
 
-/// The most bytes of a file that [`PathInFolder::read`] reads.
+/// Greatest size, in bytes, of a file that [`PathInFolder::read`] reads.
 pub const MOST_BYTES: u64 = 1 << 30;
 
 /// A file or a folder inside a folder.
@@ -22,14 +22,14 @@ pub struct PathInFolder {
     name: PathBuf,
 }
 
-/// A file or a folder, as a folder lists it.
+/// An entry in the list of a folder: a file or a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FolderEntry {
-    /// Its name.
+    /// Name of the entry.
     pub name: String,
-    /// Whether it is a regular file.
+    /// Whether the entry is a regular file.
     pub is_file: bool,
-    /// Whether it is a folder, and no link to one.
+    /// Whether the entry is a folder, and no link to one.
     pub is_folder: bool,
 }
 
@@ -39,7 +39,7 @@ impl PathInFolder {
         Self { root: root.as_ref().to_owned(), name: PathBuf::new() }
     }
 
-    /// A file that the user named, in its folder.
+    /// A file that the user named, relative to its folder.
     pub fn file(path: impl AsRef<Path>) -> Self {
         let path = path.as_ref();
         match (path.parent(), path.file_name()) {
@@ -55,16 +55,16 @@ impl PathInFolder {
         Self { root: self.root.clone(), name: self.name.join(name) }
     }
 
-    /// Where it is, for messages.
+    /// The path of the file or folder, for messages.
     pub fn path(&self) -> PathBuf {
         if self.name.as_os_str().is_empty() { self.root.clone() } else { self.root.join(&self.name) }
     }
 
-    /// Reads a regular file of at most [`MOST_BYTES`]; `None` if there is none.
+    /// Reads a regular file of at most [`MOST_BYTES`]; `None` if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::Malformed`] if it is no regular file, is too large, or leads out of the
-    /// folder.
+    /// [`Error::Io`] if the file cannot be read, [`Error::Malformed`] if it is no regular file, is too large, or leads out of
+    /// the folder.
     pub fn read(&self) -> Result<Option<Vec<u8>>> {
         let Some(file) = self.open()? else { return Ok(None) };
         let mut bytes = Vec::new();
@@ -75,22 +75,22 @@ impl PathInFolder {
         Ok(Some(bytes))
     }
 
-    /// Reads a regular file that must be there.
+    /// Reads a regular file that must exist.
     ///
     /// # Errors
-    /// The errors of [`PathInFolder::read`], and [`Error::Io`] if there is no file.
+    /// The errors of [`PathInFolder::read`], and [`Error::Io`] if the file does not exist.
     pub fn bytes(&self) -> Result<Vec<u8>> {
         self.read()?.ok_or_else(|| self.failed("read", ErrorKind::NotFound.into()))
     }
 
-    /// Opens a regular file; `None` if there is none.
+    /// Opens a regular file; `None` if it does not exist.
     ///
     /// # Errors
-    /// The errors of [`PathInFolder::read`], its size apart.
+    /// The errors of [`PathInFolder::read`], except the one for its size.
     pub fn open(&self) -> Result<Option<File>> {
         let opened = self.within(false, |folder, name| {
-            // A device may do something when it is opened, so that its kind is asked first; a pipe that takes the file's
-            // place meanwhile is opened without waiting for whoever writes into it.
+            // Opening a device may have an effect, so that the kind of the file is checked first. A pipe that replaces the file
+            // meanwhile is opened without waiting for a writer.
             if !folder.metadata(name)?.is_file() {
                 return Ok(None);
             }
@@ -104,15 +104,16 @@ impl PathInFolder {
         }
     }
 
-    /// True if a regular file is there and can be opened.
+    /// Whether a regular file exists and can be opened.
     pub fn is_there(&self) -> bool {
         self.open().is_ok_and(|file| file.is_some())
     }
 
-    /// The files and folders in this folder, by name; nothing if there is no such folder.
+    /// The files and folders in this folder, by name; empty if the folder does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::Malformed`] if it leads out of its folder or a name in it is no text.
+    /// [`Error::Io`] if the folder cannot be read, [`Error::Malformed`] if it leads out of its folder or has a name that is no
+    /// text.
     pub fn list(&self) -> Result<Vec<FolderEntry>> {
         let read = |folder: &Dir, name: &Path| -> IoResult<Vec<FolderEntry>> {
             let listed = |entry: IoResult<cap_std::fs::DirEntry>| {
@@ -134,11 +135,11 @@ impl PathInFolder {
         }
     }
 
-    /// Writes a file whole or not at all: to a temporary name beside it, which is then renamed. Its folder is made if it is
-    /// missing. A link of its name is replaced, and not followed.
+    /// Writes a file completely or not at all: a temporary file in the same folder is written first, and then renamed. A
+    /// missing folder is made. A link with the file's name is replaced, and not followed.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written, [`Error::Malformed`] if it leads out of the folder.
+    /// [`Error::Io`] if the file cannot be written, [`Error::Malformed`] if it leads out of the folder.
     pub fn write(&self, bytes: &[u8]) -> Result<()> {
         let temporary = self.name.with_file_name(temporary_name());
         self.within(true, |folder, name| {
@@ -152,10 +153,10 @@ impl PathInFolder {
         })
     }
 
-    /// Opens a file to write behind its end; it is made if it is missing.
+    /// Opens a file to append to it; a missing file is made.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written, [`Error::Malformed`] if it is a link or no regular file.
+    /// [`Error::Io`] if the file cannot be written, [`Error::Malformed`] if it is a link or no regular file.
     pub fn append(&self) -> Result<File> {
         let is_link = |folder: &Dir, name: &Path| Ok(folder.symlink_metadata(name).is_ok_and(|m| m.is_symlink()));
         if self.within(true, is_link)? {
@@ -172,15 +173,15 @@ impl PathInFolder {
         Ok(file.into_std())
     }
 
-    /// Makes the folder, if it is missing.
+    /// Makes the folder, if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be made, [`Error::Malformed`] if it leads out of its folder.
+    /// [`Error::Io`] if the folder cannot be made, [`Error::Malformed`] if it leads out of its folder.
     pub fn make(&self) -> Result<()> {
         self.within(true, |folder, name| make_all(folder, Some(name)))
     }
 
-    /// Finds out whether files can be written into the folder.
+    /// Checks that files can be written into the folder.
     ///
     /// # Errors
     /// [`Error::Io`] if they cannot.
@@ -195,7 +196,7 @@ impl PathInFolder {
         })
     }
 
-    /// Does something with the name in the opened folder, which is made first if it is missing and `make` is true.
+    /// Calls `act` with the opened folder and the name inside it; a missing folder is made first if `make` is true.
     fn within<T>(&self, make: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
         let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
         if !self.name.components().all(is_plain) {
@@ -215,7 +216,7 @@ impl PathInFolder {
     }
 
     fn failed(&self, action: &'static str, e: std::io::Error) -> Error {
-        // A path that leads out is refused by the library, and not by the system, so that there is no number of an error.
+        // The library itself refuses a path that leads out of the folder, so that the error has no number of the system.
         if e.kind() == ErrorKind::PermissionDenied && e.raw_os_error().is_none() {
             return self.wrong("is a link that leads out of its folder, which is not followed");
         }
@@ -223,17 +224,17 @@ impl PathInFolder {
     }
 }
 
-/// Makes a folder and those above it; the empty name is that of the folder itself.
+/// Makes a folder and all folders above it; the empty name is `folder` itself.
 fn make_all(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
     let Some(name) = name.filter(|name| !name.as_os_str().is_empty()) else { return Ok(()) };
     folder.create_dir_all(name).or_else(|e| match e.kind() {
-        // Something else has the name. Why it cannot be entered says more: a link may lead out.
+        // Something else has the name. The error of opening it says more, since a link may lead out of the folder.
         ErrorKind::AlreadyExists => folder.open_dir(name).map(drop),
         _ => Err(e),
     })
 }
 
-/// A name that no file has: a random number.
+/// A random name, which no file has.
 fn temporary_name() -> String {
     format!(".ssct-{:016x}", RandomState::new().build_hasher().finish())
 }
@@ -335,7 +336,7 @@ mod tests {
         for name in ["link", "within", "broken"] {
             assert!(said(inside.join(name).append()).contains("link"), "{name}: {}", said(inside.join(name).append()));
         }
-        // A file takes the place of a link.
+        // Writing replaces a link by a file.
         inside.join("link").write(b"new").expect("written");
         assert_eq!(
             (std::fs::read(&outside).expect("there"), inside.join("link").bytes().expect("there")),

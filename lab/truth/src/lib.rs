@@ -1,5 +1,5 @@
-//! What is true of a scene: the scenes themselves, references that trace them on the CPU, and metrics that hold images
-//! against these. It shares no code with the GPU's side of anything, so that its agreement with it is evidence.
+//! Ground truth about a scene: the scenes themselves, references that trace them on the CPU, and metrics that compare images
+//! with the references. The crate shares no code with the GPU's side, so that agreement between both is evidence.
 
 pub mod inside;
 pub mod metrics;

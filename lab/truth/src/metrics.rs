@@ -1,5 +1,5 @@
-//! Measures of how far two images, two sets of hits or two sets of times are apart, and the Pareto front of
-//! time and error.
+//! Measures of the difference between two images, two sets of hits or two sets of times, and the Pareto front of time and
+//! error.
 
 pub mod bootstrap;
 pub mod flicker;
@@ -14,8 +14,8 @@ pub mod world;
 
 pub use hits::HitAgreement;
 
-/// Root of the mean squared difference over all values (docs/definitions.md, "Image error": the three channels of the
-/// compared pixels); 0 if there are none.
+/// Root of the mean squared difference over all values (docs/definitions.md, "Image error": the three channels of the compared
+/// pixels); 0 without values.
 ///
 /// # Panics
 /// If the slices differ in length.
@@ -28,8 +28,8 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// The nearest-rank percentile: the least of the sorted numbers that at least a `share` (0 < share ≤ 1) of them
-/// do not exceed; `None` if there are none.
+/// The nearest-rank percentile: the least of the sorted numbers that at least a `share` (0 < share ≤ 1) of them do not exceed;
+/// `None` without numbers.
 pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()

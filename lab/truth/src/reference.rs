@@ -1,11 +1,11 @@
-//! The references that the GPU's passes are compared with: readable code on the CPU that shares nothing with
-//! the GPU's. Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
+//! The references that the GPU's passes are compared with: readable code on the CPU that shares nothing with the GPU's code.
+//! Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
 //!
-//! [`oracle`] finds what a ray hits in a G-buffer, [`hierarchy`] finds the same faster, and [`screen`] averages
-//! it over glossy lobes. [`images`] goes on where the screen loses a ray, in captures of the scene ([`capture_data`]).
-//! [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
-//! error"), and [`paths`] lights a scene by paths. [`pixel`] looks one pixel up in them. [`hi_z`],
-//! [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
+//! [`oracle`] finds what a ray hits in a G-buffer, [`hierarchy`] finds the same hits faster, and [`screen`] averages the
+//! oracle's rays over glossy lobes. [`images`] follows rays that the screen loses in captures of the scene ([`capture_data`]).
+//! [`world`] averages rays among the scene's triangles (docs/definitions.md, "Oracle" and "Image error"), and [`paths`] lights
+//! a scene by paths. [`pixel`] computes the references of one pixel. [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and
+//! [`unified`] are CPU twins of GPU passes.
 
 pub mod capture_data;
 pub mod first_hits;

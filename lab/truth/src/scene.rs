@@ -1,9 +1,9 @@
-//! Where scenes come from: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
-//! ([`library`]); all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera, [`bvh`] and [`triangles`]
-//! trace rays against a scene, [`placement`] finds places for captures, [`gbuffer_file`] and [`capture_file`] are
-//! files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
+//! Sources of scenes: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
+//! ([`library`]) all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera, [`bvh`] and
+//! [`triangles`] trace rays against a scene, and [`placement`] finds places for captures. [`gbuffer_file`] and [`capture_file`]
+//! are files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
 //!
-//! The types themselves are those of [`ssct::scene`], which are here under the same names.
+//! The types are those of [`ssct::scene`], re-exported here under the same names.
 
 mod assemble;
 pub mod bounded;
@@ -35,12 +35,12 @@ pub use triangles::Triangles;
 
 use crate::error::{Error, Result};
 
-/// What loading a file may change about it.
+/// Options that change a scene while its file is loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadOptions {
     /// Factor on all coordinates; finite and > 0.
     pub scale: f32,
-    /// The greatest side of a material's image in texels, ≥ 1: larger ones are made smaller as they are decoded.
+    /// The greatest side of a material's image in texels, ≥ 1; larger images are made smaller as they are decoded.
     pub texture_side: u32,
 }
 

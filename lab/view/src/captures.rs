@@ -14,16 +14,16 @@ pub struct CaptureEditor {
     pub list: Option<Vec<Capture>>,
     /// The selected capture, counted from 0.
     pub selected: usize,
-    /// The file that they are saved in: a scene file, or one that has nothing but captures.
+    /// The file in which the captures are saved: a scene file, or a file of captures alone.
     pub file: String,
-    /// What the last change or saving led to.
+    /// A message about the last change or saving.
     pub message: String,
     /// The factor by which the scene was enlarged when it was loaded.
     scale: f32,
 }
 
 impl CaptureEditor {
-    /// For a scene from some sources, enlarged by `scale`.
+    /// An editor for a scene from some sources, enlarged by `scale`.
     pub fn new(sources: &[std::path::PathBuf], scale: f32) -> Self {
         let is_file = |p: &&std::path::PathBuf| p.extension().is_some_and(|e| e == "toml");
         let file = sources.first().filter(is_file).map_or("captures.toml".into(), |p| p.display().to_string());
@@ -55,7 +55,7 @@ impl CaptureEditor {
         };
     }
 
-    /// Removes the selected capture. Without any, they are placed as for a scene that names none.
+    /// Removes the selected capture. If no capture is left, captures are placed as for a scene file without any.
     pub fn remove(&mut self, shown: &[Capture]) {
         let list = self.list.get_or_insert_with(|| shown.to_vec());
         if self.selected >= list.len() {

@@ -8,7 +8,7 @@ use crate::report::captures::{CROSS, FACES_IN_CROSS};
 use crate::scene::{Capture, sky};
 use glam::{Vec2, Vec3};
 
-/// What is shown of a capture.
+/// A kind of image that a capture has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CubePart {
     /// The lit colour at any level, over the sky.
@@ -38,20 +38,20 @@ impl CubeImage {
         (0..count).flat_map(|capture| PARTS.map(|(part, _)| Self { capture, part }))
     }
 
-    /// By its name; `None` if it is of no capture.
+    /// Finds an image by its name; `None` if it is not the name of a capture's image.
     pub fn find(name: &str) -> Option<Self> {
         let (number, part) = name.strip_prefix("capture-")?.split_once('-')?;
         let part = PARTS.iter().find(|(_, n)| *n == part)?.0;
         Some(Self { capture: number.parse::<usize>().ok()?.checked_sub(1)?, part })
     }
 
-    /// Its name, as in `capture-1-color`.
+    /// The name of the image, as in `capture-1-color`.
     pub fn name(self) -> String {
         let part = PARTS.iter().find(|(part, _)| *part == self.part).map_or("", |(_, name)| name);
         format!("capture-{}-{part}", self.capture + 1)
     }
 
-    /// The meaning of its numbers.
+    /// The meaning of the image's numbers.
     pub fn content(self) -> Content {
         match self.part {
             CubePart::Color => Content::Color,
@@ -60,12 +60,12 @@ impl CubeImage {
         }
     }
 
-    /// The number of its mip levels.
+    /// The number of the image's mip levels.
     pub fn levels(self, captures: &Captures) -> u32 {
         if self.part == CubePart::Color { captures.color.levels() } else { 1 }
     }
 
-    /// Its texels for a picture of a size in pixels, rows from the top; black where no face lies.
+    /// Reads the image's texels for a picture of a size in pixels, rows from the top; black where no face lies.
     pub fn read(
         self,
         context: &mut FrameContext,
@@ -108,7 +108,7 @@ impl CubeImage {
     }
 }
 
-/// Where the faces of a cube lie in a picture: as large as it allows, in its middle.
+/// The place of a cube's faces in a picture: in its middle, and as large as the picture allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cross {
     side: f32,
@@ -116,7 +116,7 @@ pub struct Cross {
 }
 
 impl Cross {
-    /// In a picture of a size in pixels.
+    /// The place of the faces in a picture of a size in pixels.
     pub fn new(extent: [u32; 2]) -> Self {
         let [columns, rows] = CROSS.map(|n| n as f32);
         let size = Vec2::new(extent[0] as f32, extent[1] as f32);
@@ -131,7 +131,7 @@ impl Cross {
         Some((face, position.fract()))
     }
 
-    /// The face in which a direction in world axes is seen, and the point where, in pixels.
+    /// The face in which a direction in world axes is seen, and the point of the picture at which it is seen, in pixels.
     pub fn at(&self, direction: Vec3) -> (usize, Vec2) {
         let a = direction.abs();
         let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };

@@ -145,12 +145,12 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
     Ok(())
 }
 
-/// The method and the one to compare with; both have the options of the command line.
+/// The shown method and the method to compare with; both have the options of the command line.
 fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let first = methods::find(&options.method)?;
     let second = match &options.against {
         Some(name) => methods::find(name)?,
-        // The method that the key `C` compares with until another one is chosen.
+        // The key `C` compares with this method until the user chooses another one.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
     let given = method_options(&std::env::args_os().collect::<Vec<_>>());

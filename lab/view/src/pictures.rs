@@ -59,7 +59,7 @@ pub struct ShownMethod {
     pub images: Vec<ImageInfo>,
     /// The lens of the kept picture, if it is not the camera's.
     pub lens: Option<Lens>,
-    /// The picture of a capture that is kept, with its level: it does not change with the camera.
+    /// The picture of a capture that is kept, with its level: this picture does not change with the camera.
     kept_cube: Option<(CubeImage, u32)>,
 }
 
@@ -83,16 +83,16 @@ pub struct Pictures {
     /// The scene on the device.
     pub stage: Stage,
     shown: [Option<ShownMethod>; 2],
-    /// The first method made to say where its rays ended.
+    /// The first method as a shot that also writes the ends of its rays.
     with_hits: Option<(Side, Shot)>,
-    /// The frame that the pictures are of, if nothing made them stale.
+    /// The frame that the pictures show; `None` if something made them stale.
     rendered: Option<FrameRequest>,
-    /// Frames that an image at rest still takes.
+    /// Number of frames that an image at rest still takes.
     settling: u32,
-    /// The last frame that was rendered at all.
+    /// The last frame that was rendered, even if the pictures are stale.
     last: Option<FrameRequest>,
     materials: Vec<Material>,
-    /// The captures of the scene's file, and those that the stage has in their place.
+    /// The captures of the scene's file; `captures` has those of the user, which take their place on the stage.
     own_captures: Vec<Capture>,
     captures: Option<Vec<Capture>>,
 }
@@ -113,7 +113,7 @@ impl Pictures {
         })
     }
 
-    /// Whether a request differs from the one rendered last, or a history has not come to rest on it.
+    /// True if a request differs from the one rendered last, or if its history is not complete yet.
     pub fn is_other(&self, wanted: &FrameRequest) -> bool {
         self.settling > 0 || self.rendered.as_ref() != Some(wanted)
     }
@@ -155,7 +155,7 @@ impl Pictures {
         let new_materials = self.materials != wanted.materials;
         self.rendered = None;
         if self.captures != wanted.captures {
-            // What the methods keep of the captures is as many and as large as these.
+            // The methods keep images whose number and size follow from the captures.
             self.discard_pipelines();
             self.stage.set_captures(wanted.captures.clone().unwrap_or_else(|| self.own_captures.clone()));
             self.captures.clone_from(&wanted.captures);
@@ -233,7 +233,7 @@ impl Pictures {
         Ok(analysis)
     }
 
-    /// Where the rays of the first method ended.
+    /// The ends of the first method's rays.
     fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
         let side = &wanted.sides[0];
         let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
@@ -321,7 +321,7 @@ impl ShownMethod {
         Ok(())
     }
 
-    /// Where the captures stand in which the method's rays go on; empty if it takes none.
+    /// The captures in which the method's rays go on; empty if the method takes no captures.
     pub fn captures(&self) -> Vec<Capture> {
         self.shot.captures().map_or(Vec::new(), |(_, places)| places)
     }

@@ -1,5 +1,5 @@
-//! What stands between a window and Vulkan: the images that it shows ([`swapchain`]) and its panel ([`overlay`]). It knows
-//! nothing about what the window shows.
+//! The layer between a window and Vulkan: the images that the window shows ([`swapchain`]) and its panel ([`overlay`]). This layer knows
+//! nothing about what the images show.
 
 pub mod overlay;
 pub mod swapchain;

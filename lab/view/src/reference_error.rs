@@ -25,7 +25,7 @@ pub struct ComparisonRequest {
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// How the methods run: it says how often the world reflects.
+    /// The parameters of the effect, of which the world reference takes the number of bounces.
     pub effect: EffectParams,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,

@@ -1,6 +1,5 @@
-//! Reloads shaders that change while the window is open. A shader is compiled when its file or one that it
-//! includes changes, and rejected if it no longer fits the program. The caller then keeps the last good
-//! pipeline.
+//! Reloads shaders that change while the window is open. A shader is compiled when its file or an included file changes, and rejected if it
+//! no longer fits the program. The caller then keeps the last good pipeline.
 
 use crate::error::Result;
 use crate::gpu::programs::ALL;

@@ -8,7 +8,7 @@ use crate::gpu::{Gpu, Pixels};
 use crate::scene::path::CameraPath;
 use std::time::{Duration, Instant};
 
-/// What a scripted run does.
+/// The plan of a scripted run.
 #[derive(Default)]
 pub struct ScriptPlan {
     /// The number of frames to show; if `None`, the user is in control.
@@ -64,7 +64,7 @@ impl Script {
         self.plan.frames.filter(|_| self.is_running()).map(|n| (self.shown, n))
     }
 
-    /// When the window closes by itself.
+    /// The time at which the window closes by itself.
     pub fn deadline(&self) -> Option<Instant> {
         self.until
     }

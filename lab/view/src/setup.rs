@@ -1,4 +1,4 @@
-//! What a viewer is built from. The command prepares it before there is a window; the window uses it.
+//! The data from which a viewer is built. The command prepares them before there is a window, and the window uses them.
 
 use super::path::PathEditor;
 use super::reload::ShaderWatch;
@@ -11,7 +11,7 @@ use ash::vk;
 use ssct_lab::app::cli::SceneOptions;
 use std::path::PathBuf;
 
-/// What the viewer is built from once there is a window.
+/// The data from which the viewer is built once there is a window.
 pub struct ViewerSetup {
     /// The scene.
     pub scene: Scene,

@@ -1,5 +1,5 @@
-//! What a user can change while looking, as plain data. A frame is rendered when what it depends on
-//! differs from what was rendered last, and only then.
+//! The state that a user can change in the window, as plain data. A frame is rendered only if the part of the state that it depends on
+//! differs from that of the last rendered frame.
 
 use super::fly_camera::FlyCamera;
 use crate::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
@@ -10,17 +10,17 @@ use crate::stage::Globals;
 use ssct_lab::app::parameters::MethodOptions;
 use std::collections::BTreeMap;
 
-/// A method with its options, as one of two that are shown.
+/// A method with its options, as one of the two sides that are shown.
 #[derive(Clone)]
 pub struct Side {
     /// The method.
     pub method: &'static MethodInfo,
-    /// What its options mean together; the size is each frame's.
+    /// The setup that the options give; each frame replaces its size.
     pub setup: Setup,
     /// The options as the command line takes them: those that are set.
     pub options: BTreeMap<String, String>,
-    /// What is wrong with them, if something is; the setup is then the last right one, or leaves out
-    /// what the method has not.
+    /// The fault of the options, if there is one. The setup is then the last right one, or leaves out the options that the method does not
+    /// have.
     pub fault: Option<String>,
 }
 
@@ -53,7 +53,7 @@ impl Side {
         self.fault = match MethodOptions::from_typed(typed) {
             Ok(options) => {
                 let setup = options.setup(self.setup.extent);
-                // What only screen-space methods have is left out for others, which refuse it.
+                // Options that only screen-space methods have are left out for other methods, which refuse them.
                 let plain = setup.with(|p: &mut EffectParams| {
                     (p.resolution_scale, p.fallback) = (1.0, Fallback::None);
                 });
@@ -72,12 +72,12 @@ pub fn given_options(matches: &clap::ArgMatches) -> BTreeMap<String, String> {
     MethodOptions::typed(matches).into_iter().collect()
 }
 
-/// An image of the methods' to look at instead of the finished one.
+/// An intermediate image of the methods, which is shown instead of the finished image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InnerImage {
     /// Its name.
     pub name: String,
-    /// Its mip level; beyond the last, the last.
+    /// The mip level; a number beyond the last level stands for the last level.
     pub level: u32,
 }
 
@@ -118,7 +118,7 @@ impl Tab {
         (Self::Shaders, "Shaders"),
     ];
 
-    /// The one after it, of those that show something.
+    /// The next part of the panel, among those that show something.
     pub fn next(self) -> Self {
         let now = Self::SHOWN.iter().position(|(tab, _)| *tab == self);
         Self::SHOWN[now.map_or(0, |n| (n + 1) % Self::SHOWN.len())].0
@@ -128,29 +128,29 @@ impl Tab {
 /// Everything that a user changes.
 #[derive(Clone)]
 pub struct State {
-    /// What is open of the panel.
+    /// The part of the panel that is open.
     pub tab: Tab,
     /// Name of the scene, as `--scene` takes it.
     pub scene: String,
-    /// The view that the camera came from; its lens and materials hold until the next.
+    /// The view from which the camera came; its lens and materials hold until the next view is chosen.
     pub view: View,
-    /// Where the camera is.
+    /// The camera.
     pub camera: FlyCamera,
-    /// Whether it left its view.
+    /// True if the camera has left its view.
     pub moved: bool,
     /// Global factors.
     pub globals: Globals,
-    /// The method, and the one that it is compared with.
+    /// The method, and the method that it is compared with.
     pub sides: [Side; 2],
-    /// One or both.
+    /// The way in which the two methods are shown.
     pub compare: Compare,
-    /// Where the line between them is, as a share of the image's width.
+    /// The place of the line between the two pictures, as a share of the image's width.
     pub split: f32,
-    /// Factor of the difference.
+    /// Factor by which the difference is multiplied.
     pub gain: f32,
     /// An intermediate, instead of the finished image.
     pub inside: Option<InnerImage>,
-    /// How its numbers are shown; the content is its own.
+    /// How the intermediate's numbers are shown; the intermediate brings its own `content`.
     pub tone: Tone,
     /// A pixel whose ray is drawn.
     pub picked: Option<[u32; 2]>,
@@ -205,7 +205,7 @@ impl State {
         self.moved = false;
     }
 
-    /// Changes the camera by a function that says whether it did.
+    /// Changes the camera by a function that returns whether the camera moved.
     pub fn steer(&mut self, change: impl FnOnce(&mut FlyCamera) -> bool) {
         self.moved |= change(&mut self.camera);
     }

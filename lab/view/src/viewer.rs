@@ -1,5 +1,5 @@
-//! What a window shows: the state, the panel that changes it, and the pictures that it asks for. The viewer
-//! takes egui's input and draws one image. It does not depend on a window, so tests can drive it.
+//! The content of a window: the state, the panel that changes the state, and the pictures that the state asks for. The viewer takes egui's
+//! input and draws one image. The viewer does not depend on a window, so that tests can drive it.
 
 mod act;
 
@@ -44,11 +44,11 @@ pub struct Shaders {
 
 /// A scene with everything that a user can change while looking at it.
 pub struct Viewer {
-    /// What the user has changed.
+    /// The state, which the user changes.
     pub state: State,
     /// The camera key frames.
     pub path: PathEditor,
-    /// The captures, as far as the user changed them.
+    /// The editor of the captures, with the user's changes.
     pub captures: CaptureEditor,
     pub(super) gpu: Gpu,
     pub(super) scene: Arc<Scene>,
@@ -83,7 +83,7 @@ pub struct Viewer {
 pub struct ViewerOutput {
     /// Cursor and clipboard, for egui-winit.
     pub platform: egui::PlatformOutput,
-    /// When to draw again if there is no input; `None` for never.
+    /// The time until the next drawing if there is no input; `None` for no further drawing.
     pub again: Option<Duration>,
 }
 

@@ -28,7 +28,7 @@ pub struct App {
     pub size: [u32; 2],
     /// The present mode, which decides how images replace one another on the screen.
     pub present_mode: PresentMode,
-    /// What the viewer is built from once there is a window.
+    /// The data from which the viewer is built once there is a window.
     pub setup: Option<ViewerSetup>,
     /// The viewer.
     pub viewer: Option<Viewer>,
@@ -38,7 +38,7 @@ pub struct App {
     pub proxy: EventLoopProxy<()>,
     /// The keys that are pressed.
     pub keys: HashSet<KeyCode>,
-    /// When the last frame was made, while frames follow one another.
+    /// The time of the last frame, while frames follow one another.
     pub last: Option<Instant>,
     /// The error that ended the run, if any.
     pub outcome: Result<()>,
@@ -74,7 +74,7 @@ impl ApplicationHandler<()> for App {
         }
     }
 
-    /// Another thread has something to show.
+    /// Draws again, since another thread has something to show.
     fn user_event(&mut self, _: &ActiveEventLoop, (): ()) {
         self.request_redraw();
     }

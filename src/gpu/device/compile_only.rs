@@ -1,10 +1,10 @@
 //! A device that compiles pipelines and does nothing else, for the statistics of compilers (`gpu/executables.rs`).
 //!
-//! A driver may offer a device whose hardware is not there: Mesa's RADV does where `RADV_FORCE_FAMILY` names a family. Such
-//! a device has no memory and takes no work. Here every function that makes, fills or submits something else than shader
-//! modules, layouts, samplers and pipelines is one of this file's own, which the driver never sees. So a frame is recorded
-//! by the code that records all frames, and the device compiles what the frame needs. Uploads go to memory of the host;
-//! what is read back is zero.
+//! A driver may offer a device whose hardware is absent: Mesa's RADV does if `RADV_FORCE_FAMILY` names a family. Such a
+//! device has no memory and takes no work. This file therefore replaces every function that makes, fills or submits
+//! something else than shader modules, layouts, samplers and pipelines, so that the driver never sees these calls. The
+//! usual code can then record a frame, and the device compiles what the frame needs. Uploads go to memory of the host,
+//! and read-backs give zeros.
 
 use crate::gpu::memory::{DeviceMemory, MemoryBlock, MemoryPlace};
 use ash::vk::{self, Handle};
@@ -14,10 +14,10 @@ use std::ptr::NonNull;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The loader's own look-up of functions, which serves for all that this file does not replace.
+/// The loader's own `vkGetDeviceProcAddr`, for all functions that this file does not replace.
 static LOADER: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 
-/// An instance whose devices compile only.
+/// Wraps an instance, so that its devices compile pipelines and do nothing else.
 pub fn instance(instance: &ash::Instance) -> ash::Instance {
     let v1_0 = instance.fp_v1_0().clone();
     LOADER.get_or_init(|| v1_0.get_device_proc_addr);
@@ -28,17 +28,17 @@ pub fn instance(instance: &ash::Instance) -> ash::Instance {
 unsafe extern "system" fn get_device_proc_addr(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller gives a name that ends with zero.
     let replaced = replacement(unsafe { CStr::from_ptr(name) });
-    // SAFETY: the caller's arguments, for the loader's own call.
+    // SAFETY: the caller's arguments go unchanged to the loader's own call.
     replaced.or_else(|| LOADER.get().and_then(|loader| unsafe { loader(device, name) }))
 }
 
-/// The next handle of something that is not there.
+/// Makes up a new handle, which stands for no object of the driver.
 fn handle<H: Handle>() -> H {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     H::from_raw(NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Declares the functions that stand for the driver's, and the look-up of them by name.
+/// Declares the functions that replace the driver's, and their look-up by name.
 macro_rules! replacements {
     (
         made { $( $create:ident $create_name:literal $Info:ty, $destroy:ident $destroy_name:literal $Handle:ty; )* }
@@ -63,7 +63,7 @@ macro_rules! replacements {
         $( unsafe extern "system" fn $call($(_: $argument),*) -> vk::Result { vk::Result::SUCCESS } )*
         $( unsafe extern "system" fn $command($(_: $value),*) {} )*
 
-        /// The function of this file by the name of the driver's that it stands for.
+        /// Finds the function of this file that replaces the driver's function `name`.
         fn replacement(name: &CStr) -> vk::PFN_vkVoidFunction {
             type Void = unsafe extern "system" fn();
             let found: Void = match name.to_bytes() {
@@ -75,7 +75,8 @@ macro_rules! replacements {
                             *const vk::AllocationCallbacks<'_>,
                             *mut $Handle,
                         ) -> vk::Result;
-                        // SAFETY: functions by name have no type until the caller gives them the specification's.
+                        // SAFETY: a function that was looked up by name has no type until the caller casts it to the
+                        // specification's.
                         unsafe { std::mem::transmute::<Create, Void>($create) }
                     }
                     $destroy_name => {
@@ -211,7 +212,7 @@ replacements! {
     }
 }
 
-/// A buffer's handle points to its size in bytes.
+/// Makes a buffer's handle, which points to the buffer's size in bytes.
 unsafe extern "system" fn create_buffer(
     _: vk::Device,
     info: *const vk::BufferCreateInfo<'_>,
@@ -288,7 +289,7 @@ unsafe extern "system" fn get_query_pool_results(
     vk::Result::SUCCESS
 }
 
-/// An address that every alignment divides.
+/// An address that is a multiple of every alignment.
 const ADDRESS: vk::DeviceAddress = 1 << 32;
 
 unsafe extern "system" fn get_buffer_device_address(
@@ -319,15 +320,16 @@ unsafe extern "system" fn get_acceleration_structure_build_sizes(
     }
 }
 
-/// Memory of the host for buffers that the host writes or reads, and none for all else.
+/// Allocates host memory for buffers that the host writes or reads, and no memory for anything else.
 #[derive(Default)]
 pub struct HostMemory {
-    /// In words of 16 bytes, so that any value may stand at the beginning.
+    /// Blocks by key. They have words of 16 bytes, so that a block is aligned for any value.
     blocks: HashMap<u64, Box<[u128]>>,
     made: u64,
 }
 
-// SAFETY: a block is as large as is asked for, nobody else's until it is freed, and mapped where the host sees it.
+// SAFETY: a block is as large as is asked for, has no second owner until it is freed, and is mapped if the host writes
+// or reads it.
 unsafe impl DeviceMemory for HostMemory {
     fn allocate(
         &mut self,

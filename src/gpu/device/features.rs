@@ -1,8 +1,9 @@
-//! The features that devices have on.
+//! The Vulkan features that every device has on.
 
 use ash::vk;
 
-/// The features that no device does without: the name of each, and whether it is there or on.
+/// The features that every device needs: the name of each, and a flag that says whether the feature is supported, or
+/// on.
 fn needed<'a>(
     v10: &'a mut vk::PhysicalDeviceFeatures,
     v12: &'a mut vk::PhysicalDeviceVulkan12Features<'_>,
@@ -19,8 +20,9 @@ fn needed<'a>(
     ]
 }
 
-/// Turns on what a device must have on, beside whatever else is on. No extension is needed: this is core Vulkan 1.3.
-/// `largePoints` is among it, which a device may lack: then leave it off, and only `unified` cannot be made.
+/// Turns on the features that a device must have, and leaves the others as they are. All are core Vulkan 1.3, so that
+/// no extension is needed. A device may lack `largePoints`, which is among them: then turn this feature off again, and
+/// only `unified` cannot be made.
 pub fn enable_features(
     core: &mut vk::PhysicalDeviceFeatures,
     vulkan12: &mut vk::PhysicalDeviceVulkan12Features<'_>,
@@ -32,7 +34,7 @@ pub fn enable_features(
     }
 }
 
-/// The first needed feature that is not there or not on.
+/// The name of the first needed feature that is not supported, or not on.
 pub fn missing(
     mut v10: vk::PhysicalDeviceFeatures,
     mut v12: vk::PhysicalDeviceVulkan12Features<'_>,

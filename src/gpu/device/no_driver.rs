@@ -1,4 +1,5 @@
-//! Why the Vulkan loader offers no device: the variables that name drivers, drivers without their cards, or no driver at all.
+//! Errors that say why the Vulkan loader offers no device: a variable names the wrong drivers, a driver finds no card,
+//! or there is no driver.
 
 use super::vulkan;
 use crate::error::Error;
@@ -11,7 +12,8 @@ const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 /// Advice that helps on every machine.
 const HINT: &str = "Mesa's lavapipe is a driver that runs on the CPU";
 
-/// The error about a call that failed because no driver offers a device, or about any other failure of it.
+/// Returns a function that turns the result of the failed call `what` into an error: no driver offers a device, or else
+/// the call's name.
 pub(super) fn failed(what: &'static str) -> impl Fn(vk::Result) -> Error {
     move |result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => no_device(result),

@@ -19,8 +19,9 @@ use std::mem::ManuallyDrop;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
 
-/// The loader and an instance, and whether the instance takes names and labels. Under validation, what the layers say of
-/// the instance goes into the log, which must outlive it: without a place to go, the layers of 1.4 print it.
+/// Makes an instance. Returns the loader, the instance, and whether the instance takes names and labels. Under validation, the
+/// layers write messages about the instance into the log, which must outlive the instance. Without a log, the layers of 1.4 print
+/// these messages.
 pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
@@ -77,15 +78,15 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     Ok((entry, instance, has_debug))
 }
 
-/// How many bytes of addresses this process may take, where the system bounds them (`ulimit -v`). A driver that does not
-/// fit is not found, and nobody says why.
+/// The bytes of address space that this process may take, if the system sets a limit (`ulimit -v`). The loader leaves out a
+/// driver that does not fit, and gives no reason.
 pub fn memory_limit() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Says that memory may be short, as the end of a sentence; `None` where the system does not bound it.
+/// Says that memory may be short, as the end of a sentence; `None` if the system sets no limit.
 fn short_of_memory() -> Option<String> {
     let mib = memory_limit()? >> 20;
     Some(format!(
@@ -93,8 +94,8 @@ fn short_of_memory() -> Option<String> {
     ))
 }
 
-/// What to say where no driver or no device is found, if that may be for want of memory: a driver that does not fit is left out by
-/// the loader, or starts and finds no device.
+/// The error for a driver or a device that is not found, if a lack of memory may be the reason. A driver that does not fit is
+/// left out by the loader, or starts and finds no device.
 fn no_driver_fits(result: vk::Result) -> Option<Error> {
     use vk::Result as R;
     let may_be = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];
@@ -102,7 +103,7 @@ fn no_driver_fits(result: vk::Result) -> Option<Error> {
     Some(Error::NoDevice(format!("the loader finds no driver that fits{short}")))
 }
 
-/// Every device of an instance, and why one can't be used: to compile only, it need not have memory.
+/// Lists every device of an instance, with the reason why one can't be used. With `compiles_only`, a device needs no memory.
 pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
     let physical = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {
@@ -122,7 +123,7 @@ pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<
         .collect())
 }
 
-/// Says that a device has no memory, if it has none: its hardware is not there.
+/// Says that a device has no memory, because its hardware is absent; `None` if it has memory.
 fn has_no_memory(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
@@ -154,7 +155,7 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInf
     }
 }
 
-/// Why a device can't be used, if it can't.
+/// The reason why a device can't be used; `None` if it can.
 fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let (properties, families) = unsafe {
@@ -221,8 +222,8 @@ fn choose(
     }
 }
 
-/// The device that the query asks for, with all that its handles share. On an error the instance is left,
-/// for the caller to destroy.
+/// Opens the device that the query asks for, with the state that its handles share. On an error, the caller must destroy the
+/// instance.
 pub(super) fn open_device(
     entry: ash::Entry,
     instance: ash::Instance,
@@ -275,7 +276,7 @@ pub(super) fn open_device(
         .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE && !query.isotropic)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
-        // Shaders of others store to images without naming their formats, as OpenGL allows.
+        // Shaders of users store to images without naming the images' formats, as OpenGL allows.
         .shader_storage_image_write_without_format(supported.shader_storage_image_write_without_format == vk::TRUE)
         .shader_storage_image_read_without_format(supported.shader_storage_image_read_without_format == vk::TRUE)
         .shader_image_gather_extended(supported.shader_image_gather_extended == vk::TRUE);
@@ -284,8 +285,8 @@ pub(super) fn open_device(
     enable_features(&mut features, &mut v12, &mut v13);
     features.large_points = supported.large_points;
     features.geometry_shader = supported.geometry_shader;
-    // The features stand in the chain: with pEnabledFeatures, the layers of 1.4.309 say that nobody asked which there
-    // are, whatever was asked before (KhronosGroup/Vulkan-ValidationLayers issue 9900).
+    // The features stand in the pNext chain: with pEnabledFeatures, the layers of 1.4.309 report that the supported features were
+    // never queried, even if they were (KhronosGroup/Vulkan-ValidationLayers issue 9900).
     let mut core = vk::PhysicalDeviceFeatures2::default().features(features);
     v12.buffer_device_address = has_queries.is_ok().into();
     let (mut structures, mut queries) = ray_queries::features();
@@ -358,7 +359,7 @@ pub(super) fn open_device(
     })
 }
 
-/// A device of somebody else, with all that its handles share.
+/// Wraps a caller's device, with the state that its handles share.
 ///
 /// # Safety
 /// The contract is that of [`Gpu::of_others`](super::Gpu::of_others).
@@ -399,7 +400,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         None => match own_memory(&instance, physical, &device, false) {
             Ok(memory) => memory,
             Err(e) => {
-                // SAFETY: nothing uses them yet.
+                // SAFETY: nothing uses the samplers yet.
                 unsafe { samplers.destroy(&device) };
                 return Err(e);
             }
@@ -434,7 +435,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     })
 }
 
-/// The bits of a family's timestamps; none where it has no timestamps.
+/// The mask of the valid bits of a queue family's timestamps; 0 if the family has no timestamps.
 fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
     match family.timestamp_valid_bits {
         bits @ 0..64 => (1 << bits) - 1,
@@ -461,7 +462,7 @@ fn own_memory(
     Ok(Source::Ours(Box::new(Mutex::new(allocator))))
 }
 
-/// Destroys the messenger if it is dropped with one inside.
+/// Destroys the messenger that is inside when the guard is dropped.
 struct DebugGuard(Option<Debug>);
 
 impl Drop for DebugGuard {

@@ -1,4 +1,4 @@
-//! Ray queries: what they need of a device, and what builds the structures that they are followed through.
+//! Ray queries: the extensions and features that they need, and the functions that build their acceleration structures.
 
 use ash::{khr, vk};
 use std::ffi::CStr;
@@ -7,16 +7,16 @@ use std::ffi::CStr;
 pub const EXTENSIONS: [&CStr; 3] =
     [khr::acceleration_structure::NAME, khr::ray_query::NAME, khr::deferred_host_operations::NAME];
 
-/// Ray queries of a device on which they are on.
+/// The functions and limits for ray queries, on a device that has them on.
 pub struct RayQueries {
     /// The functions of VK_KHR_acceleration_structure.
     pub structures: khr::acceleration_structure::Device,
-    /// What addresses of the memory that a build works in must be multiples of.
+    /// Alignment of the addresses of a build's scratch memory, in bytes.
     pub scratch_alignment: u64,
 }
 
 impl RayQueries {
-    /// Loads the functions of a device on which they are on.
+    /// Loads the functions and limits of a device that has ray queries on.
     pub fn of(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Self {
         let mut limits = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
@@ -27,10 +27,10 @@ impl RayQueries {
     }
 }
 
-/// Looks for ray queries on a device, whose extensions `offers` knows.
+/// Checks that a device supports ray queries; `offers` says whether the device has an extension.
 ///
 /// # Errors
-/// The name of the first extension or feature that it lacks.
+/// The name of the first extension or feature that the device lacks.
 pub fn find(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
@@ -55,7 +55,7 @@ pub fn find(
     lacked.map_or(Ok(()), |(name, _)| Err(format!("the feature {name}")))
 }
 
-/// The features of the extensions, to be turned on.
+/// The features of the extensions, turned on.
 pub fn features()
 -> (vk::PhysicalDeviceAccelerationStructureFeaturesKHR<'static>, vk::PhysicalDeviceRayQueryFeaturesKHR<'static>) {
     (

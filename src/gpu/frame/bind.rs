@@ -1,4 +1,4 @@
-//! Binding pipelines and what they read.
+//! Binds pipelines, and the resources that they read.
 
 use super::{Frame, Resource};
 use crate::error::Result;
@@ -7,14 +7,14 @@ use crate::gpu::program::{Program, Sampled};
 use crate::gpu::shader::{Binding, BindingKind};
 use ash::vk;
 
-/// What the programs of a pipeline are given for a draw or a dispatch.
+/// Resources and push constants of a pipeline's programs, for a draw or a dispatch.
 pub(super) struct ProgramInputs<'a> {
     pub resources: Vec<(Binding, Resource<'a>)>,
     pub push: &'a [u8],
 }
 
 impl<'a> ProgramInputs<'a> {
-    /// A program's fields.
+    /// Takes the inputs from the fields of a program.
     pub fn to<P: Program>(program: &'a P) -> Self {
         let resources = P::SHADER.bindings.iter().copied().zip(program.resources()).collect();
         Self { resources, push: program.push() }
@@ -119,7 +119,8 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // Each of its images is written by itself, texels are read through a view, and a structure has a handle.
+            // The caller writes these: each image of an array by itself, the view of texels, and the handle of a ray
+            // structure.
             Resource::SampledArray(..) | Resource::Texels(..) | Resource::Rays(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);

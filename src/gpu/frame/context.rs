@@ -1,4 +1,4 @@
-//! What frames reuse, and where they begin.
+//! The resources that frames reuse, and the beginning of frames.
 
 use super::quirks::settle;
 use super::sets::DescriptorSets;
@@ -9,13 +9,13 @@ use crate::gpu::device::{Gpu, vulkan};
 use crate::gpu::timing::{PassTime, Statistics, Timestamps};
 use ash::vk;
 
-/// What frames reuse: uniform memory, descriptor sets and queries, and, for frames that are submitted here, a command
-/// buffer and a fence. It records one frame at a time.
+/// Resources that frames reuse: uniform memory, descriptor sets, queries, and, for frames that are submitted here, a
+/// command buffer and a fence. A context records one frame at a time.
 pub struct FrameContext {
     pub(super) gpu: Gpu,
     /// The command buffer that is recorded into.
     pub(super) commands: vk::CommandBuffer,
-    /// None where somebody else submits.
+    /// `None` where the caller submits.
     pub(super) own: Option<OwnCommands>,
     pub(super) slots: Vec<Slot>,
     /// The slot of the frame that is recorded.
@@ -24,7 +24,7 @@ pub struct FrameContext {
     pub(super) settling: Option<settle::Settling>,
 }
 
-/// What is submitted here.
+/// The command buffer of frames that are submitted here, and their fence.
 pub(super) struct OwnCommands {
     gpu: Gpu,
     pool: vk::CommandPool,
@@ -32,13 +32,14 @@ pub(super) struct OwnCommands {
     pub(super) fence: vk::Fence,
 }
 
-/// What a frame keeps until the device is done with it. One frame at a time, of which as many may be under way as there
-/// are slots.
+/// Holds what a frame needs until the device is done with it. A slot serves one frame at a time, so that as many frames may be
+/// under way as there are slots.
 pub(super) struct Slot {
     pub(super) uniforms: Uniforms,
     pub(super) sets: DescriptorSets,
     pub(super) timestamps: Timestamps,
-    /// The passes between whose timestamps the last frame's times lie.
+    /// Label of each pass of the slot's last frame that has two timestamps, in order, and whether the pass's time
+    /// counts.
     pub(super) timed: Vec<(String, bool)>,
 }
 
@@ -52,7 +53,7 @@ impl Slot {
         })
     }
 
-    /// Milliseconds of each timed pass, and of all of them together.
+    /// The times of the timed passes, and of the whole frame, in milliseconds.
     pub(super) fn times(&self) -> Result<(Vec<PassTime>, f64)> {
         let stamps = self.timestamps.milliseconds()?;
         let pairs = stamps.get(1..).unwrap_or_default().chunks_exact(2);
@@ -100,7 +101,7 @@ impl Drop for OwnCommands {
 }
 
 impl FrameContext {
-    /// For frames that are submitted here and waited for, one at a time.
+    /// Makes a context for frames that are submitted here and waited for, one at a time.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let mut context = Self::in_others(gpu, 1)?;
         context.statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
@@ -108,10 +109,11 @@ impl FrameContext {
         Ok(context)
     }
 
-    /// For frames that are recorded into somebody else's command buffers, of which so many may be under way at once.
+    /// Makes a context for frames that are recorded into a caller's command buffers; `slots` of them may be under way
+    /// at once.
     ///
     /// # Errors
-    /// [`Error::Usage`] for none.
+    /// [`Error::Usage`] for 0 slots.
     pub fn in_others(gpu: &Gpu, slots: usize) -> Result<Self> {
         if slots == 0 {
             return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
@@ -135,7 +137,7 @@ impl FrameContext {
     /// Begins a frame that is submitted here. A mode whose queries the device lacks records none.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a context of somebody else's command buffers.
+    /// [`Error::Usage`] for a context of a caller's command buffers.
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
         let Some(own) = &self.own else {
@@ -154,15 +156,15 @@ impl FrameContext {
         }
     }
 
-    /// Begins a frame in somebody else's command buffer. It ends with [`Frame::end`].
+    /// Begins a frame in a caller's command buffer; [`Frame::end`] ends the frame.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a slot that there is not.
+    /// [`Error::Usage`] for a slot that does not exist.
     ///
     /// # Safety
-    /// The command buffer is recording, outside rendering, for a queue of the device's family. What an earlier frame of
-    /// the slot recorded is no longer under way. What is recorded is submitted before anything that a later frame of
-    /// this context records, or the frame is dropped without [`Frame::end`] and its command buffer thrown away.
+    /// The command buffer is recording, outside rendering, for a queue of the device's family. Commands of an earlier
+    /// frame of the slot are no longer under way. The commands of this frame are submitted before those of a later
+    /// frame of this context, or the frame is dropped without [`Frame::end`] and its command buffer thrown away.
     pub unsafe fn begin_in(&mut self, commands: vk::CommandBuffer, slot: usize, mode: Mode) -> Result<Frame<'_>> {
         self.slot(slot)?;
         self.commands = commands;
@@ -195,7 +197,7 @@ impl FrameContext {
     /// [`Mode::Timed`].
     ///
     /// # Errors
-    /// [`Error::Usage`] for a slot that there is not.
+    /// [`Error::Usage`] for a slot that does not exist.
     pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
         Ok(self.slot(slot)?.times()?.0)
     }

@@ -1,5 +1,4 @@
-//! The passes that draw or dispatch: programs over whole targets, over as much as a buffer says, over
-//! meshes, and compute.
+//! Passes that draw or dispatch: programs over whole targets, indirect draws, meshes, and compute programs.
 
 #[cfg(feature = "reload")]
 use super::Resource;
@@ -21,7 +20,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 impl Frame<'_> {
-    /// A fragment program over whole targets, all of one size.
+    /// Records a pass of a fragment program over whole targets, all of one size.
     pub fn fullscreen<F: Fragment>(
         &mut self,
         name: &str,
@@ -33,8 +32,8 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
     }
 
-    /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't
-    /// discard; its depth is lost.
+    /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't discard; the target's
+    /// depth is lost.
     pub fn mark<F: Fragment>(
         &mut self,
         name: &str,
@@ -46,8 +45,8 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
     }
 
-    /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
-    /// indirect draw), from byte `offset`.
+    /// Draws vertices without a vertex buffer. Four words of a buffer, from byte `offset`, are the arguments of an
+    /// indirect draw and say how many vertices there are.
     pub fn draw_indirect<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
@@ -106,7 +105,7 @@ impl Frame<'_> {
         })
     }
 
-    /// Meshes into targets with a depth buffer; `draw` records them.
+    /// Draws meshes into targets with a depth buffer; `draw` records their draws.
     pub fn raster<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
@@ -124,7 +123,7 @@ impl Frame<'_> {
         })
     }
 
-    /// A compute program over `threads` threads (rounded up to whole workgroups).
+    /// Dispatches a compute program over `threads` threads (rounded up to whole workgroups).
     pub fn compute<P: Compute>(
         &mut self,
         name: &str,
@@ -136,7 +135,8 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &ProgramInputs::to(program), Workgroups::Counted([x, y, z]))
     }
 
-    /// A compute program over as many workgroups as the buffer `arguments` holds, in three words from byte `offset`.
+    /// Dispatches a compute program. The buffer `arguments` holds the number of workgroups along each axis, in three
+    /// words from byte `offset`.
     pub fn compute_indirect<P: Compute>(
         &mut self,
         name: &str,
@@ -181,7 +181,7 @@ impl Frame<'_> {
         })
     }
 
-    /// A fragment program over whole targets, whose bindings no type ties to what they are given.
+    /// Records a pass of a fragment program over whole targets. No type checks that the resources fit the bindings.
     #[cfg(feature = "reload")]
     pub(in crate::gpu) fn shade_loose(
         &mut self,
@@ -194,7 +194,7 @@ impl Frame<'_> {
         self.shade(name, pipeline, (targets, None), &inputs, Vertices::Triangle)
     }
 
-    /// A compute program, the same.
+    /// Records a pass of a compute program. No type checks that the resources fit the bindings.
     #[cfg(feature = "reload")]
     pub(in crate::gpu) fn compute_loose(
         &mut self,
@@ -211,8 +211,8 @@ impl Frame<'_> {
         self.dispatch(name, pipeline, &inputs, workgroups)
     }
 
-    /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
-    /// they read must be ready.
+    /// Draws over the content of a target, by commands that `draw` records inside dynamic rendering. Resources that
+    /// these commands read must be ready.
     pub fn overlay(
         &mut self,
         name: &str,
@@ -228,7 +228,7 @@ impl Frame<'_> {
 /// How many vertices [`Frame::shade`] draws.
 #[derive(Clone, Copy)]
 pub(super) enum Vertices<'a> {
-    /// The three of a triangle that covers the targets.
+    /// The three vertices of a triangle that covers the targets.
     Triangle,
     /// Reads the draw's arguments from a buffer at a byte offset.
     Indirect(&'a Buffer, u64),
@@ -237,7 +237,7 @@ pub(super) enum Vertices<'a> {
 /// How many workgroups [`Frame::dispatch`] runs.
 #[derive(Clone, Copy)]
 pub(super) enum Workgroups<'a> {
-    /// So many along each axis.
+    /// The number of workgroups along each axis.
     Counted([u32; 3]),
     /// Reads the numbers from a buffer at a byte offset.
     Indirect(&'a Buffer, u64),
@@ -255,8 +255,8 @@ const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 pub struct Raster<'f, 'c, F, V> {
     pub(super) frame: &'f mut Frame<'c>,
     pipeline: &'f SharedPipeline,
-    /// Whether the pipeline is bound; without a draw it never is, since a pipeline that reads vertices and draws none is
-    /// a mistake to the validation layers.
+    /// Whether the pipeline is bound. A pass without draws never binds it, because the validation layers report a bound
+    /// pipeline that reads vertices and draws none.
     is_bound: bool,
     programs: PhantomData<(F, V)>,
 }
@@ -278,7 +278,7 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &inputs)
     }
 
-    /// Draws indexed triangles, as the one instance of a number (`gl_InstanceIndex`).
+    /// Draws indexed triangles as one instance, whose number (`gl_InstanceIndex`) is `instance`.
     pub fn draw(&mut self, vertices: &Buffer, indices: &Buffer, index_count: u32, instance: u32) {
         let commands = self.frame.context.commands;
         // SAFETY: the pipeline is bound with its resources; the buffers hold the indices' range.

@@ -9,8 +9,9 @@ use crate::gpu::program::InEitherStage;
 use crate::gpu::shader::{Binding, BindingKind};
 
 impl Frame<'_> {
-    /// A program over whole targets, all of one size, in the stage that its pipeline was made for. The first target must be wanted,
-    /// since compute programs take their size from it. Targets are overwritten or kept: a compute program clears none.
+    /// Records a pass of a program over whole targets, all of one size, in the shader stage of its pipeline. The first
+    /// target must be wanted, since a compute program takes the size from this target. Targets are overwritten or kept:
+    /// a compute program clears none.
     pub fn pixels<F: InEitherStage>(
         &mut self,
         name: &str,

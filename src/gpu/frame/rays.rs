@@ -8,7 +8,8 @@ use crate::gpu::sync::Access;
 use ash::vk;
 
 impl Frame<'_> {
-    /// Builds a structure, with memory to work in, of what lies in a buffer and in the structure below.
+    /// Builds the acceleration structure `level` from the buffer `input`, whose instances may refer to the structure
+    /// `below`. The build works in the memory of `scratch`.
     pub(in crate::gpu) fn build_rays(
         &mut self,
         name: &str,

@@ -1,6 +1,6 @@
-//! Descriptor sets from pools, which the frames of a slot reuse. Core Vulkan has them everywhere; VK_KHR_push_descriptor,
-//! which would do without, is missing on some drivers, and the validation layers 1.3.239 do not tell instrumented shaders
-//! what was pushed (KhronosGroup/Vulkan-ValidationLayers issue 5321).
+//! Descriptor sets from pools, which the frames of a slot reuse. Descriptor sets are core Vulkan.
+//! VK_KHR_push_descriptor would do without them, but is missing on some drivers, and the validation layers 1.3.239 do
+//! not tell instrumented shaders what was pushed (KhronosGroup/Vulkan-ValidationLayers issue 5321).
 
 use crate::error::Result;
 use crate::gpu::device::{Gpu, vulkan};
@@ -8,7 +8,7 @@ use crate::gpu::limits::MAX_DESCRIPTORS;
 use crate::gpu::shader::BindingKind;
 use ash::vk;
 
-/// Sets of a pool.
+/// Number of sets in a pool.
 const SETS: usize = 64;
 
 /// Descriptors of each kind in a pool, enough for its sets.
@@ -23,7 +23,7 @@ pub(in crate::gpu::frame) struct DescriptorSets {
 }
 
 impl DescriptorSets {
-    /// No pool yet.
+    /// Makes no pool yet.
     pub fn new(gpu: &Gpu) -> Self {
         Self { gpu: gpu.clone(), pools: Vec::new(), taken: 0 }
     }
@@ -42,7 +42,7 @@ impl DescriptorSets {
         Ok(())
     }
 
-    /// A set of a layout, this frame's until [`Self::reset`].
+    /// Takes a set of a layout, which belongs to this frame until [`Self::reset`].
     pub fn take(&mut self, layout: vk::DescriptorSetLayout, name: &str) -> Result<vk::DescriptorSet> {
         if self.taken == SETS * self.pools.len() {
             self.pools.push(self.pool()?);

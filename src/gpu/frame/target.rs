@@ -1,4 +1,4 @@
-//! What a pass draws into: its targets, what they hold when it begins, and rendering around its draws.
+//! The targets that a pass draws into, their content when the pass begins, and dynamic rendering around its draws.
 
 use super::Frame;
 use crate::error::Result;
@@ -9,7 +9,7 @@ use ash::vk;
 /// A colour or depth attachment.
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
-    /// None for an output that nobody wants.
+    /// `None` for an output that nobody wants.
     slice: Option<ImageSlice<'a>>,
     load: Load,
 }
@@ -17,28 +17,29 @@ pub struct Target<'a> {
 /// What an attachment holds when a pass begins.
 #[derive(Clone, Copy, PartialEq)]
 enum Load {
-    /// Anything.
+    /// Undefined content.
     Lost,
     /// One value. A stencil beside a depth is kept.
     Cleared([f32; 4]),
-    /// What it held.
+    /// The content from before the pass.
     Kept,
-    /// No mark in its stencil; its depth is lost.
+    /// A cleared stencil; the depth is lost.
     Unmarked,
 }
 
 impl<'a> Target<'a> {
-    /// Every texel is written; what was there is lost.
+    /// A target whose texels are all written; its old content is lost.
     pub fn overwrite(slice: ImageSlice<'a>) -> Self {
         Self { slice: Some(slice), load: Load::Lost }
     }
 
-    /// Nobody wants this output: it goes nowhere. Its format was given as UNDEFINED.
+    /// No target, for an output that nobody wants and whose format in the pipeline is UNDEFINED.
     pub fn unwanted() -> Self {
         Self { slice: None, load: Load::Lost }
     }
 
-    /// Cleared first; for depth, the first component, and a stencil beside it is kept.
+    /// A target that is cleared first. For depth, the first component of `value` counts, and a stencil beside the depth
+    /// is kept.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
         Self { slice: Some(slice), load: Load::Cleared(value) }
     }
@@ -48,7 +49,7 @@ impl<'a> Target<'a> {
         Self { slice: Some(slice), load: Load::Unmarked }
     }
 
-    /// Some texels are written; the others stay as they are.
+    /// A target whose texels stay as they are, except those that are written.
     pub fn kept(slice: ImageSlice<'a>) -> Self {
         Self { slice: Some(slice), load: Load::Kept }
     }
@@ -78,13 +79,13 @@ impl Load {
 /// Where clip space lies on a target.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum View {
-    /// On all of it, y down.
+    /// Clip space covers the target, y down.
     Down,
-    /// On all of it, y up.
+    /// Clip space covers the target, y up.
     Up,
-    /// On twice its width and height: half of that covers the target, a triangle that no edge of the screen cuts.
-    /// One that reaches beyond the screen is cut in two by drivers that clip (lavapipe), and the blocks of
-    /// 2 x 2 pixels along their common edge are shaded twice.
+    /// Clip space covers twice the target's width and height, so that a triangle over half of clip space covers the
+    /// target and is cut by no edge of the screen. Drivers that clip (lavapipe) cut a triangle that reaches beyond the
+    /// screen in two, and shade the blocks of 2 x 2 pixels along the cut twice.
     Twice,
 }
 

@@ -13,7 +13,8 @@ impl Frame<'_> {
         self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::LINEAR)
     }
 
-    /// Copies each texel of a level into an image of the same size, and converts it to the format there, as a program's output is.
+    /// Copies each texel of a level into an image of the same size, and converts it to that image's format, like the
+    /// output of a program.
     pub fn convert(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
         self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::NEAREST)
     }
@@ -196,8 +197,8 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies runs of bytes of one buffer into another, which is then ready for a use: where each begins, where it goes, and how
-    /// many bytes it has.
+    /// Copies runs of bytes from one buffer into another, which is then ready for the use `access`. A run has its
+    /// offset in the source, its offset in the target, and its length.
     pub fn copy_parts(
         &mut self,
         name: &str,
@@ -223,7 +224,7 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies one buffer into another, and makes it ready for a use.
+    /// Copies one buffer into another, and makes the second one ready for a use.
     pub fn copy_buffer(&mut self, name: &str, from: &Buffer, to: &Buffer, access: Access) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_buffer(from, Access::TransferRead);
@@ -239,13 +240,13 @@ impl Frame<'_> {
     }
 }
 
-/// A layer of an image, for what an image of one layer is brought to.
+/// The layer of `to` into which the only layer of `from` is copied.
 fn one_layer(name: &str, from: &ImageSlice, to: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
     assert_eq!(from.image().layers(), 1, "{name}: a layer is brought from an image of one");
     layer_of(name, to, layer)
 }
 
-/// A layer of a level.
+/// One layer of a slice's first level.
 fn layer_of(name: &str, slice: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
     assert!(layer < slice.image().layers(), "{name}: no layer {layer}");
     layers(slice).base_array_layer(layer).layer_count(1)

@@ -1,5 +1,5 @@
-//! The uniform blocks of one frame, in memory that the host writes and that grows with what a frame binds: a
-//! scene binds two blocks for each of its materials, and again for every mirror and probe that it is drawn for.
+//! The uniform blocks of one frame, in memory that the host writes. The memory grows with the blocks that a frame
+//! binds: a scene binds two for each of its materials, and again for every mirror and probe that it is drawn for.
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -9,7 +9,7 @@ use ash::vk;
 /// Bytes of a chunk. The first one is enough for every built-in scene.
 const CHUNK_BYTES: u64 = 1 << 20;
 
-/// Chunks of host-visible memory, which later frames use again. One frame at a time.
+/// Chunks of host-visible memory for one frame at a time; later frames use them again.
 pub(super) struct Uniforms {
     gpu: Gpu,
     chunks: Vec<Buffer>,
@@ -20,17 +20,17 @@ pub(super) struct Uniforms {
 }
 
 impl Uniforms {
-    /// One chunk, empty.
+    /// Makes one chunk, which is empty.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self { gpu: gpu.clone(), chunks: vec![chunk(gpu, CHUNK_BYTES)?], current: 0, used: 0 })
     }
 
-    /// Forgets every block. To be called when no submission that reads one is under way.
+    /// Forgets every block. Call this function only while no submission that reads a block is under way.
     pub fn reset(&mut self) {
         (self.current, self.used) = (0, 0);
     }
 
-    /// Puts a block behind the ones before; where it lies until [`Self::reset`].
+    /// Appends a block, and returns its place, which holds until [`Self::reset`].
     ///
     /// # Errors
     /// [`Error::Memory`](crate::error::Error::Memory) or [`Error::Vulkan`](crate::error::Error::Vulkan) where

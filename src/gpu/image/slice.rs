@@ -20,8 +20,8 @@ impl<'a> ImageSlice<'a> {
         self.image
     }
 
-    /// What a compute program stores to: the slice itself, or of a volume's slice the whole volume, since no view of one slice can
-    /// be stored to on every device.
+    /// The part that a compute program stores to: the slice itself, or the whole volume instead of one of its slices,
+    /// since not every device can store to a view of one slice.
     pub(crate) fn stored(&self) -> Self {
         if self.slice.is_some() { self.image.all() } else { *self }
     }
@@ -36,7 +36,7 @@ impl<'a> ImageSlice<'a> {
         level_extent(self.image.extent, self.base)
     }
 
-    /// The slices that it covers: the first, and how many.
+    /// The slices of the volume that are covered: the first, and how many.
     pub(crate) fn slices(&self) -> (u32, u32) {
         self.slice.map_or((0, self.image.depth), |s| (s, 1))
     }
@@ -62,13 +62,13 @@ impl<'a> ImageSlice<'a> {
         has_stencil(self.image.format).then_some(self.image.stencil_view)
     }
 
-    /// Returns true if something was written to every level of it. Fresh memory shows nothing, whatever it holds.
+    /// Returns true if something was written to every level. Fresh memory counts as not written, whatever it holds.
     pub fn is_written(&self) -> bool {
         self.states().all(|(_, state)| state.get().layout() != vk::ImageLayout::UNDEFINED)
     }
 
-    /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
-    /// one layout for them all.
+    /// The tracked state of each level. The slices of a volume share the state of their level, since Vulkan has one
+    /// layout for all of them.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a TrackedState)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
         self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))

@@ -1,10 +1,10 @@
 //! Fault injection and leak detection: counts the objects that live on a device, and makes the n-th allocation or
 //! submission fail as a driver would.
 //!
-//! [`Gpu::open`](crate::gpu::Gpu::open) with a [`Watch`] replaces the device's table of functions by one that asks
-//! the watch first (`watch/calls.rs`). The watch therefore sees the memory allocator's calls as well as ours, and no
-//! other code knows about it. A call that is made to fail does not reach the driver or the layers. The exception is a
-//! call that waits, so that objects which the host destroys afterwards are no longer in use.
+//! [`Gpu::open`](crate::gpu::Gpu::open) with a [`Watch`] replaces the device's table of functions by one that asks the
+//! watch first (`watch/calls.rs`). The watch therefore sees the memory allocator's calls as well as ours, and no other
+//! code knows about it. A call that is made to fail does not reach the driver or the layers. Only a call that waits
+//! reaches them nonetheless, so that objects which the host destroys afterwards are no longer in use.
 
 mod calls;
 
@@ -71,7 +71,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Sets the call that is to fail, if any; counts from 1 again, and a device that was lost is found.
+    /// Sets the call that is to fail, if any. Counting begins at 1 again, and a lost device works again.
     pub fn arm(&self, fault: Option<Fault>) {
         let call_number = |f: fn(Fault) -> Option<u64>| fault.and_then(f).unwrap_or(0);
         self.allocations.store(0, Ordering::SeqCst);
@@ -94,14 +94,14 @@ impl Watch {
         KINDS.into_iter().zip(counts).filter(|(_, n)| *n != 0).collect()
     }
 
-    /// Counts an allocation; what it is to fail with, if it is.
+    /// Counts an allocation, and returns the error if this allocation is to fail.
     fn allocation(&self) -> Result<(), vk::Result> {
         let n = self.allocations.fetch_add(1, Ordering::SeqCst) + 1;
         let fails = n == self.failing_allocation.load(Ordering::SeqCst);
         if fails { Err(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY) } else { Ok(()) }
     }
 
-    /// Counts a submission or wait; whether the device is lost by it.
+    /// Counts a submission or wait, and returns its outcome.
     fn submission(&self) -> Submission {
         if self.lost.load(Ordering::SeqCst) {
             return Submission::Lost;
@@ -114,7 +114,7 @@ impl Watch {
         Submission::Works
     }
 
-    /// A call's result, with the objects that it made counted.
+    /// Counts the objects that a call made, and returns the call's result.
     fn made(&self, kind: &str, count: u32, result: vk::Result) -> vk::Result {
         if result == vk::Result::SUCCESS {
             self.add(kind, i64::from(count));
@@ -129,7 +129,7 @@ impl Watch {
     }
 }
 
-/// What becomes of a submission or wait.
+/// The outcome of a submission or wait.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Submission {
     Works,

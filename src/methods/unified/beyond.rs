@@ -1,4 +1,4 @@
-//! What follows the rays that the screen lost: captures, or the triangles of the scene.
+//! The passes that follow the rays that the screen lost: through captures, or among the triangles of the scene.
 
 use crate::error::Result;
 use crate::gpu::Frame;
@@ -7,13 +7,13 @@ use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass};
 use crate::passes::unified_gloss::BetweenPasses;
 use crate::passes::{Canvas, GBuffer, Hits};
 
-/// What follows the rays on the list.
+/// The pass that follows the rays on the list.
 pub(super) enum BeyondPass {
     Captures(FollowPass),
     Triangles(TriangleTracePass),
 }
 
-/// What the rays on the list are followed in, in a frame.
+/// The inputs of a [`BeyondPass`] in a frame.
 pub(super) enum BeyondInput<'a> {
     Captures(FollowInput<'a>),
     Triangles(TriangleInput<'a>),

@@ -1,4 +1,4 @@
-//! The triangles of a scene in device memory: what stands, and in a small tree of its own what moves.
+//! The triangles of a scene in device memory: a tree of the meshes that stand, and a small tree of those that move.
 
 use super::SceneData;
 use crate::error::Result;
@@ -9,26 +9,27 @@ use crate::scene::tree::BuildTrees;
 use std::time::Instant;
 
 impl SceneData {
-    /// Says how the trees over the scene's triangles are built: that of what stands when an effect first follows rays among
-    /// them, and when a mesh moves that never has; that of what moves after each move. Without it no effect can.
+    /// Sets what builds the trees over the scene's triangles. The tree of standing meshes is built when an effect first follows
+    /// rays among triangles, and when a mesh moves for the first time; that of moving meshes after each move. Without a builder no
+    /// effect can follow such rays.
     pub fn build_trees_by(&mut self, trees: impl BuildTrees + 'static) {
         self.trees = Some(Box::new(trees));
         self.triangle_geometry.take();
         self.ray_structure.take();
     }
 
-    /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
+    /// Sets whether shaders read the triangles as storage blocks even if the device could read them as texels.
     pub fn read_triangles_as_blocks(&mut self, as_blocks: bool) {
         self.triangles_as_blocks = as_blocks;
     }
 
-    /// Makes ready the scene's triangles where its meshes stand now, and says how they are read; `None` if nobody said how
-    /// their tree is built. With `queries`, the structure for ray queries is made ready as well. To be asked before each
-    /// frame that follows rays among them, which costs nothing unless a mesh has moved.
+    /// Makes the scene's triangles ready where its meshes stand now, and returns how shaders read them; `None` without a builder of
+    /// trees. With `queries`, the structure for ray queries is made ready, too. Call this before each frame that follows rays among
+    /// triangles; the call costs nothing unless a mesh has moved.
     ///
     /// # Errors
-    /// What building the tree returns, [`Usage`](crate::error::Error::Usage) for ray queries where there are none, and [`Memory`](crate::error::Error::Memory) without
-    /// memory.
+    /// Errors of building the tree, [`Usage`](crate::error::Error::Usage) for ray queries on a device that has none, and
+    /// [`Memory`](crate::error::Error::Memory) without memory.
     pub fn prepare_triangles(&self, context: &mut FrameContext, queries: bool) -> Result<Option<TriangleReading>> {
         let Some(trees) = &self.trees else { return Ok(None) };
         if queries {
@@ -36,7 +37,7 @@ impl SceneData {
         }
         self.prepare_trees(context, trees.as_ref())?;
         if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
-            // It is built of what the device holds.
+            // The structure is built from triangles that are on the device.
             context.once(|frame| geometry.bring(frame))?;
             let made = geometry.structure(context)?;
             self.ray_structure.get_or_init(|| made);
@@ -58,7 +59,7 @@ impl SceneData {
         }))
     }
 
-    /// Builds the tree of what stands unless there is one, and that of what moves if it has moved.
+    /// Builds the tree of standing meshes unless there is one, and that of moving meshes if they have moved.
     fn prepare_trees(&self, context: &mut FrameContext, trees: &dyn BuildTrees) -> Result<()> {
         let standing = |name: &str| self.meshes.iter().find(|mesh| mesh.name == name).map(|mesh| mesh.placement);
         let placed: Vec<(&str, Placement)> =
@@ -81,8 +82,8 @@ impl SceneData {
         Ok(())
     }
 
-    /// Brings to the device what [`Self::prepare_triangles`] has built of what moves: the passes "moving/tree", on the host, and
-    /// "moving". Nothing is recorded if nothing has moved.
+    /// Brings the moving triangles that [`Self::prepare_triangles`] has built to the device, by the passes "moving/tree", on the
+    /// host, and "moving". Nothing is recorded if nothing has moved.
     ///
     /// # Errors
     /// Errors of the device.
@@ -94,13 +95,14 @@ impl SceneData {
         geometry.bring(frame)
     }
 
-    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before it, and after a mesh has moved that never
-    /// had.
+    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before that call, and after a mesh has moved for the
+    /// first time.
     pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
         self.triangle_geometry.get().zip(self.triangle_images.get())
     }
 
-    /// The structure for ray queries that [`Self::prepare_triangles`] has built, in the same way.
+    /// The structure for ray queries that [`Self::prepare_triangles`] has built; `None` before that call, and after a mesh has
+    /// moved.
     pub fn ray_structure(&self) -> Option<&RayStructure> {
         self.ray_structure.get()
     }

@@ -21,9 +21,9 @@ pub struct TriangleImages {
 /// An image among the words of all images.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::passes) struct Map {
-    /// The place of the words that say where its levels begin.
+    /// The place of the words that say where the image's levels begin.
     place: u32,
-    /// Width, and height in the upper half.
+    /// Width in the lower half, and height in the upper half.
     size: u32,
     /// `MAP_LEVELS` and `MAP_SRGB`.
     described: u32,
@@ -36,10 +36,10 @@ impl Map {
     }
 }
 
-/// The image that stands for one that a material does not have: one white texel, whose place is the first word.
+/// The image that stands for a map that a material does not have: one white texel. Its place is the first word.
 const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 
-/// Its words: its one level begins at its one texel.
+/// The words of [`WHITE`]: the place of its one texel, where its one level begins, and then the texel.
 const WHITE_WORDS: [u32; 2] = [1, u32::MAX];
 
 /// The materials of a view, as shaders look them up.
@@ -55,7 +55,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// The layout of images, each told by its size, its encoding, and how many texels each of its levels has.
+    /// Lays out images, each given by its size, its encoding, and the number of texels of each of its levels.
     fn of(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
         let images: Vec<_> = images.collect();
         let mut words = WHITE_WORDS.to_vec();
@@ -103,8 +103,8 @@ impl TriangleImages {
         Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
     }
 
-    /// The words of textures with all their levels, as [`Self::new`] lays images out, and where each is among them. `levels`
-    /// are a texture's from the finest on.
+    /// Returns the words of textures with all their levels, laid out as by [`Self::new`], and where each texture is among them. The
+    /// levels of a texture begin with the finest.
     pub(in crate::passes) fn words<'a>(
         textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>,
     ) -> (Vec<u32>, Vec<Map>) {
@@ -118,7 +118,7 @@ impl TriangleImages {
         (words, maps)
     }
 
-    /// Images in a buffer of their words.
+    /// Makes the images of a buffer that holds their words.
     pub(in crate::passes) fn of(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
         Self { maps, buffer }
     }

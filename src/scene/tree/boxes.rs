@@ -1,5 +1,5 @@
-//! Boxes of triangles and hierarchies over them, as the crate obvhs builds them: for trees that shaders walk, and for whoever
-//! holds such a walk against one of his own.
+//! Boxes of triangles and hierarchies over them, as the crate obvhs builds them: for trees that shaders walk, and for tests that
+//! compare such a walk with one of their own.
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -8,11 +8,11 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab
-/// test in f32 errs by a few units of 6e-8 for origins about that far from it.
+/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab test in f32
+/// errs by a few units of 6e-8 for origins that are about as far from the middle.
 const PADDING: f32 = 4e-6;
 
-/// The most triangles to a leaf: what the compressed nodes have room for.
+/// The most triangles of a leaf, for which compressed nodes have room.
 pub const LEAF: u32 = 3;
 
 /// A triangle's enlarged box.
@@ -24,19 +24,19 @@ impl Boundable for PaddedBox {
     }
 }
 
-/// Triangles that have an area, from the middle of the bounds of all.
+/// Triangles that have an area, measured from the middle of the bounds of all triangles.
 pub struct PaddedTriangles {
-    /// The middle, from which boxes are measured: a scene far from the origin is not coarser for it.
+    /// The middle from which boxes are measured, so that a scene far from the origin loses no precision.
     pub middle: DVec3,
-    /// The numbers of the triangles that have an area. What has none is never hit, and many points in one place would make
-    /// a deep hierarchy of boxes that are alike.
+    /// The numbers of the triangles that have an area. A triangle without an area is never hit, and many points in one place would
+    /// make a deep hierarchy of equal boxes.
     pub with_area: Vec<u32>,
-    /// Their boxes, in the same order.
+    /// The boxes of the triangles in `with_area`, in the same order.
     pub boxes: Vec<PaddedBox>,
 }
 
 impl PaddedTriangles {
-    /// The boxes of triangles, whose corners are in metres.
+    /// Makes the boxes of triangles with corners in metres.
     pub fn new(count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
         let all = || (0..count).flat_map(&corners);
         let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
@@ -44,7 +44,8 @@ impl PaddedTriangles {
         Self::around(middle, (high - middle).max_element(), count, corners)
     }
 
-    /// The boxes of triangles that belong to a larger whole: the middle of that, and the greatest coordinate from there.
+    /// Makes the boxes of triangles that are part of a larger scene, with the scene's middle, and its greatest coordinate from
+    /// there.
     pub fn around(middle: DVec3, extent: f64, count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
         let padding = Vec3A::splat(PADDING * extent as f32);
         let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
@@ -60,7 +61,7 @@ impl PaddedTriangles {
     }
 }
 
-/// A binary hierarchy of good quality and of any number of levels.
+/// Builds a binary hierarchy of good quality and of any number of levels.
 pub fn by_neighbours(padded: &[PaddedBox]) -> Bvh2 {
     let params = BvhBuildParams::medium_build();
     let indices = (0..padded.len() as u32).collect();

@@ -1,7 +1,7 @@
-//! Builds a [`Tree`] by the crate obvhs: a binary hierarchy by PLOC with reinsertion, and from it the wide one.
+//! Builds a [`Tree`] by the crate obvhs: first a binary hierarchy by PLOC with reinsertion, and from it the wide hierarchy.
 //!
-//! A hierarchy with more levels than a walk has room for, as many triangles in one place make it, is built again by halving lists
-//! of triangles, which bounds its levels.
+//! Many triangles in one place make a hierarchy with more levels than a walk has room for. Such a hierarchy is built again by
+//! halving lists of triangles, which bounds its levels.
 
 use super::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, levels};
 use super::{
@@ -17,7 +17,7 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::{Bvh2Converter, bvh2_to_cwbvh};
 
 impl Tree {
-    /// The hierarchy over all triangles of a scene that have an area.
+    /// Builds the tree over all triangles of a scene that have an area.
     ///
     /// # Errors
     /// [`Error::Usage`] for a scene with more triangles than have numbers.
@@ -27,12 +27,12 @@ impl Tree {
         Ok(Self::over(&corners))
     }
 
-    /// The hierarchy over triangles in metres that have an area.
+    /// Builds the tree over the triangles of a list, in metres, that have an area.
     pub fn over(corners: &[[DVec3; 3]]) -> Self {
         Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]))
     }
 
-    /// The hierarchy over boxes, built by halves if it would have more than [`most_levels`] otherwise.
+    /// Builds the tree over boxes, by halves if it would otherwise have more levels than [`most_levels`].
     fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles) -> Self {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
@@ -48,13 +48,13 @@ impl Tree {
     }
 }
 
-/// The trees over a scene's triangles: one over what stands, and a small one over what moves.
+/// Builds the trees over a scene's triangles: one over the standing meshes, and a small one over the moving meshes.
 pub struct Trees {
-    /// Its meshes and materials.
+    /// The scene's meshes and materials.
     scene: Scene,
-    /// The middle of the scene as it was made, from which both trees measure.
+    /// The middle of the scene as it was made, from which both trees measure coordinates.
     middle: DVec3,
-    /// The greatest coordinate from there.
+    /// The greatest coordinate of the scene from its middle.
     extent: f64,
 }
 
@@ -70,7 +70,7 @@ impl Trees {
         Self { middle, extent: (high - middle).max_element(), scene }
     }
 
-    /// The tree over some triangles, by their places in a list. Its slots are such places.
+    /// Builds the tree over the triangles of a list. Its slots are indices into the list.
     fn over(&self, list: &[[DVec3; 3]]) -> Tree {
         let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
         Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
@@ -127,8 +127,8 @@ fn check_count(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// A hierarchy with few levels: each list of boxes is cut in half along the axis in which its middles lie farthest apart, and
-/// what becomes one node of eight children is decided by counts of boxes, and not by areas.
+/// Builds a hierarchy with few levels. Each list of boxes is cut in half along the axis in which the middles of its boxes lie
+/// farthest apart. Counts of boxes, and not areas, decide which boxes become one node of eight children.
 fn by_halves(padded: &[PaddedBox]) -> CwBvh {
     let mut indices: Vec<u32> = (0..padded.len() as u32).collect();
     // Two copies of the hierarchy: one with its boxes, and one with boxes whose areas are the counts.

@@ -83,7 +83,7 @@ fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
     found.ok_or_else(|| Error::Usage(format!("the frame has no {stem}")))
 }
 
-/// The Hi-Z chain of a frame, as the pass made it.
+/// The Hi-Z chain of a frame, read from its intermediate images.
 fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
     let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
     levels
@@ -169,7 +169,7 @@ pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fin
     };
     let best = hits.texels().enumerate().filter_map(cone).min_by(|a, b| off(a).total_cmp(&off(b)));
     let Some((from, hit)) = best else { anyhow::bail!("no ray of this frame hits") };
-    // Eq. 4.5 with this project's definition of the lobe: half the roughness.
+    // Eq. 4.5, with the half angle of the lobe as this project defines it: half the roughness.
     let theta = 0.5 * roughness;
     Ok(FinishedFigure::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
 }

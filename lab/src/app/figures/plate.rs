@@ -27,7 +27,7 @@ impl Document {
     }
 }
 
-/// A scene that documents print and this project has not: who has its file draws the printed picture.
+/// A scene that the documents print and this project does not have; a user who has its file can draw the printed picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrintedScene {
     /// The two rooms of the thesis's author.
@@ -45,7 +45,7 @@ impl PrintedScene {
         }
     }
 
-    /// The views by which a file is known as this scene, which are named as those of the stand-in.
+    /// The names of views by which a file is recognized as this scene; the stand-in has views of the same names.
     pub fn views(self) -> &'static [&'static str] {
         match self {
             Self::Rooms => &["window-floor", "corridor", "two-cylinders", "window"],
@@ -65,7 +65,7 @@ impl PrintedScene {
 pub enum Size {
     /// The printed size, which the option `--size` replaces.
     Print([u32; 2]),
-    /// Determined by the figure's subject, so it cannot be changed.
+    /// A size that the figure's subject determines, so that `--size` does not change it.
     Fixed([u32; 2]),
 }
 
@@ -80,7 +80,7 @@ pub enum FinishedFigure {
 /// A function that makes a figure from the arguments of its renders, including the size.
 pub type MakeFigure = fn(&mut Workshop, &[String]) -> anyhow::Result<FinishedFigure>;
 
-/// A figure.
+/// An entry in the list of figures.
 pub struct Plate {
     /// The document.
     pub source: Document,
@@ -90,11 +90,11 @@ pub struct Plate {
     pub title: &'static str,
     /// What the printed figure shows.
     pub print: &'static str,
-    /// What differs here.
+    /// The differences between the figure made here and the printed one.
     pub differs: &'static str,
-    /// The scene of the print, if a file can bring it, and what differs there.
+    /// The printed scene, if a user can bring it as a file, and the differences that then remain.
     pub prints: Option<(PrintedScene, &'static str)>,
-    /// The size of its renders.
+    /// The size of the figure's renders.
     pub size: Size,
     /// For each render: what it shows, and the arguments of `ssct render` without size and file.
     pub panels: &'static [(&'static str, &'static str)],
@@ -113,8 +113,8 @@ impl Plate {
         format!("{}-{}", self.source.stem(), self.number)
     }
 
-    /// The arguments of its renders at its own size, or at the requested size if the figure allows that; in a file of the
-    /// printed scene, if there is one.
+    /// The arguments of the figure's renders, at its own size or at the wanted size if the figure allows that. With a file, the arguments
+    /// name the file in place of the built-in scene, if the figure prints a scene that a file can hold.
     pub fn arguments(&self, wanted: Option<[u32; 2]>, file: Option<&str>) -> Vec<String> {
         let [width, height] = match self.size {
             Size::Print(own) => wanted.unwrap_or(own),
@@ -129,7 +129,7 @@ impl Plate {
         self.panels.iter().map(|(_, arguments)| format!("{} --size {width}x{height}", drawn(arguments))).collect()
     }
 
-    /// What differs here, or in a file of the printed scene.
+    /// The differences from print: those of the built-in scene or, if `in_file`, those of a file of the printed scene.
     pub fn differs(&self, in_file: bool) -> &'static str {
         match self.prints {
             Some((_, there)) if in_file => there,

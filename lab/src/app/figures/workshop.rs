@@ -1,5 +1,5 @@
-//! Renders the pictures of figures: the arguments of `ssct render` become pictures, while the scene stays on
-//! the device between them. The command that a page prints for a picture is therefore the one that made it.
+//! Renders the pictures of figures from the arguments of `ssct render`, and keeps the scene on the device between pictures. A page
+//! therefore prints the very command that made a picture.
 
 use crate::app::cli::RenderOptions;
 use crate::app::{reference, render, resolve};
@@ -20,7 +20,7 @@ pub struct Workshop<'a> {
 }
 
 struct LoadedScene {
-    /// The name or the file by which it was asked for.
+    /// The scene's name or file, as the options give it.
     source: String,
     scene: Scene,
     stage: Stage,
@@ -43,7 +43,7 @@ pub fn parse(arguments: &str) -> Result<RenderOptions> {
     })
 }
 
-/// The words of a command; what stands between quotation marks is one.
+/// The words of a command; text between quotation marks is one word.
 fn words(arguments: &str) -> impl Iterator<Item = &str> {
     let parts = arguments.split('"').enumerate();
     parts.flat_map(|(n, part)| if n % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
@@ -74,7 +74,7 @@ impl<'a> Workshop<'a> {
         Self { gpu, loaded: None }
     }
 
-    /// Takes a scene that was loaded from a file already.
+    /// Takes over a scene that is already loaded from a file.
     pub fn hold(&mut self, source: &str, scene: Scene) -> Result<()> {
         self.loaded = Some(LoadedScene { source: source.to_owned(), stage: Stage::new(self.gpu, &scene)?, scene });
         Ok(())

@@ -7,7 +7,7 @@ use crate::parameter::{Choice, Domain, Parameter, Preset, Value};
 use toml::Spanned;
 
 impl Manifest {
-    /// Its own parameters. What they borrow lives as long as the program.
+    /// The method's own parameters. Their texts live as long as the program.
     ///
     /// # Errors
     /// [`Error::Malformed`] for a default outside its range, and the like.

@@ -1,5 +1,5 @@
-//! The passes of a manifest, checked: over what each of them runs, and what the names of its shader stand for. What the
-//! shader itself says is checked in `bindings`.
+//! Checks the passes of a manifest: the targets or threads that each pass runs over, and the meaning of the names in its shader. `bindings`
+//! checks the shader itself.
 
 use super::sections::{BufferSection, ImageSection, InputSection, PassSection, PassStage, SamplerName};
 use crate::custom::built_in;
@@ -11,18 +11,18 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// Which level of an image.
+/// A level of an image, as a manifest names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LevelOf {
-    /// All of them, of an image that is sampled.
+    /// All levels of a sampled image.
     All,
-    /// This one.
+    /// The level of this number.
     Number(u32),
-    /// The one that the pass is recorded for, less so many.
+    /// The level that the pass is recorded for, minus this number.
     Current(u32),
 }
 
-/// What a name of a shader stands for.
+/// The image or buffer that a name in a shader stands for.
 #[derive(Debug, Clone)]
 pub struct PassInput {
     pub what: InputKind,
@@ -38,31 +38,31 @@ pub enum InputKind {
     Buffer(String),
 }
 
-/// A pass, checked but for what its shader says.
+/// A pass that is checked, except for the text of its shader.
 #[derive(Debug, Clone)]
 pub struct Pass {
     pub name: String,
     /// The file, or the path of a built-in shader.
     pub shader: PathBuf,
-    /// The file that would stand in the place of a built-in shader, if it were there.
+    /// The path at which no file exists; a file there would replace the built-in shader.
     pub awaited: Option<PathBuf>,
     pub stage: PassStage,
     pub defines: Vec<String>,
     pub targets: Vec<(String, LevelOf)>,
     pub reach: PassReach,
-    /// The levels that it is recorded for, one after another, both ends included.
+    /// The first and the last of the levels that the pass is recorded for, one after another.
     pub levels: Option<[u32; 2]>,
-    /// Whether each of its levels follows that level of the pass before it.
+    /// True if each level of the pass is recorded right after the same level of the pass before it.
     pub interleaved: bool,
     pub inputs: BTreeMap<String, PassInput>,
     pub values: BTreeMap<String, (Feed, Range<usize>)>,
     pub span: Range<usize>,
 }
 
-/// How far a compute pass reaches.
+/// The extent that a pass runs over.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PassReach {
-    /// A fragment pass: over its targets.
+    /// The targets of a fragment pass.
     Targets,
     /// A thread for each texel of an image's level.
     Threads(String, LevelOf),
@@ -70,7 +70,7 @@ pub enum PassReach {
     Indirect(String),
 }
 
-/// What passes may name.
+/// The images and buffers that passes may name.
 pub(super) struct KnownNames<'a> {
     pub(super) images: &'a BTreeMap<String, ImageSection>,
     pub(super) buffers: &'a BTreeMap<String, BufferSection>,
@@ -109,7 +109,7 @@ impl KnownNames<'_> {
             if !self.images.contains_key(name) {
                 return Err(wrong(text.span(), format!("there is no [image.{name}]")));
             }
-            // What is written is one level.
+            // A pass writes to one level alone.
             let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
             Ok((name.to_owned(), level))
         };
@@ -187,7 +187,7 @@ impl KnownNames<'_> {
             return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, span });
         }
         let own = |name: &str| self.images.contains_key(name);
-        // A level stands behind the name of an image of the method's own.
+        // A level may follow the name of one of the method's own images.
         let (name, level) = match text.split_once(':') {
             Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(span.clone(), m))?,
             _ => (text.as_str(), LevelOf::All),
@@ -198,7 +198,7 @@ impl KnownNames<'_> {
 }
 
 impl PassInput {
-    /// Where the manifest says it.
+    /// The place of the input in the manifest.
     pub fn at(&self) -> &Range<usize> {
         &self.span
     }

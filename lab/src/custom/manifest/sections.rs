@@ -1,5 +1,5 @@
-//! The sections of a manifest as serde reads them: their keys, what these are if they are left out, and the words that
-//! they may have. What keys mean together is checked in `manifest` and `passes`.
+//! The sections of a manifest as serde reads them: their keys, the defaults of keys, and the words that keys may have. `manifest` and
+//! `passes` check what keys mean together.
 
 use crate::custom::conventions::Conventions;
 use serde::Deserialize;
@@ -56,27 +56,27 @@ pub(super) struct ParameterSection {
 pub struct ImageSection {
     /// Name of the format.
     pub format: String,
-    /// Its side over that of the frame.
+    /// Ratio of the image's side to the frame's side.
     #[serde(default = "one")]
     pub scale: f32,
     /// Levels; 0 for all.
     #[serde(default = "one_level")]
     pub levels: u32,
-    /// Whether what it held in the frame before can be read.
+    /// True if a shader can read the image as it was in the frame before.
     #[serde(default)]
     pub history: bool,
-    /// What it is cleared to at the beginning of each frame.
+    /// The value to which the image is cleared at the beginning of each frame.
     #[serde(default)]
     pub clear: Clear,
 }
 
-/// What an image is cleared to at the beginning of each frame.
+/// The value to which an image is cleared at the beginning of each frame.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "clear must be true, false or a number")]
 pub enum Clear {
-    /// To 0, or it is not cleared.
+    /// True clears to 0, and false leaves the image as it is.
     Whether(bool),
-    /// To this number in every channel.
+    /// The number that clears every channel.
     Number(f32),
 }
 
@@ -87,7 +87,7 @@ impl Default for Clear {
 }
 
 impl Clear {
-    /// The number in every channel, if it is cleared.
+    /// The number that clears every channel, if the image is cleared.
     pub fn number(self) -> Option<f32> {
         match self {
             Self::Whether(is_cleared) => is_cleared.then_some(0.0),
@@ -107,13 +107,13 @@ fn one_level() -> u32 {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BufferSection {
-    /// Bytes, whatever the frame's size.
+    /// Number of bytes at any size of the frame.
     #[serde(default)]
     pub bytes: u64,
     /// Further bytes for each pixel.
     #[serde(default)]
     pub bytes_per_pixel: f64,
-    /// The word that it is filled with at the beginning of each frame.
+    /// The word with which the buffer is filled at the beginning of each frame.
     #[serde(default)]
     pub fill: Option<u32>,
 }
@@ -152,7 +152,7 @@ pub(super) struct PassSection {
     pub(super) indirect: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) levels: Option<[u32; 2]>,
-    /// Whether each of its levels follows that level of the pass before it.
+    /// True if each level of the pass is recorded right after the same level of the pass before it.
     #[serde(default)]
     pub(super) interleaved: bool,
     #[serde(default)]
@@ -173,13 +173,13 @@ pub enum PassStage {
 pub struct OutputSection {
     /// The image with the reflection.
     pub reflection: String,
-    /// What is in its fourth channel.
+    /// The meaning of the reflection's fourth channel.
     #[serde(default)]
     pub alpha: Alpha,
     /// The image with the hits.
     #[serde(default)]
     pub hits: Option<String>,
-    /// How they are encoded.
+    /// The encoding of the hits.
     #[serde(default)]
     pub hits_are: HitEncoding,
 }
@@ -202,6 +202,6 @@ pub enum HitEncoding {
     UvDepth,
     Pixel,
     ViewPosition,
-    /// What the project's own shaders write: texture coordinates, standard depth and PATH_*.
+    /// The encoding of the project's own shaders: texture coordinates, standard depth and PATH_*.
     UvDepthPath,
 }

@@ -1,4 +1,4 @@
-//! Where each number of a uniform block lies.
+//! Finds the place of each number in a uniform block.
 
 use super::Component;
 use super::code::{SpirvCode, decoration, op};
@@ -6,33 +6,33 @@ use super::code::{SpirvCode, decoration, op};
 /// The most bytes of a uniform block.
 const MAX_BYTES: u32 = 1 << 16;
 
-/// The most fields of a block, each element of an array of structs counted.
+/// The most fields of a block; each element of an array of structs counts.
 const MAX_FIELDS: usize = 1 << 12;
 
 /// A uniform or push-constant block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BlockLayout {
     pub fields: Vec<BlockField>,
-    /// Bytes.
+    /// Size in bytes.
     pub size: u32,
 }
 
-/// A field of a block that is numbers: a scalar, a vector, a matrix, or an array of these.
+/// A field of numbers in a block: a scalar, a vector, a matrix, or an array of these.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BlockField {
-    /// Its name; within structs and arrays of structs, as in `lights[1].colour`.
+    /// The field's name; within structs and arrays of structs, a name such as `lights[1].colour`.
     pub name: String,
     pub component: Component,
-    /// Elements of an array, columns of a matrix, and rows or numbers of a vector.
+    /// Number of elements of an array, of columns of a matrix, and of rows or numbers of a vector.
     pub shape: [u32; 3],
-    /// Where each number lies, in bytes: element by element, and column by column.
+    /// Offset of each number in bytes: element by element, and column by column.
     pub places: Vec<u32>,
-    /// Whether a function of the shader reads it, as far as that can be told.
+    /// True if a function of the shader may read the field.
     pub is_read: bool,
 }
 
 impl BlockLayout {
-    /// The block of a type. `variable` is the variable that is it.
+    /// The layout of a block, from its type; `variable` is the variable of this type.
     ///
     /// # Errors
     /// A sentence on a block that is too large, or has something else than numbers.
@@ -50,7 +50,7 @@ impl BlockLayout {
         Ok(block)
     }
 
-    /// The bytes that a storage block has at least: up to its last member that has a size.
+    /// The least size of a storage block in bytes: up to its last member that has a size.
     pub(super) fn least_bytes(code: &SpirvCode, id: u32) -> u32 {
         let member = |(m, ty): (u32, &u32)| {
             let offset = code.member_decoration(id, m, decoration::OFFSET).unwrap_or(0);
@@ -64,7 +64,7 @@ impl BlockLayout {
         (0..).zip(code.members(id)).map(member).max().unwrap_or(0)
     }
 
-    /// Adds a member of a struct that lies at `start`; `before` is what stands before its name.
+    /// Adds a member of a struct that lies at `start`; `before` is the text before the member's name.
     fn add_member(
         &mut self,
         code: &SpirvCode,
@@ -74,7 +74,7 @@ impl BlockLayout {
     ) -> Result<(), String> {
         let value = |what: u32| code.member_decoration(id, member, what);
         let own = code.member_name(id, member);
-        // A module without names has numbers in their place.
+        // If the module has no names, the number of the member takes the place of its name.
         let name = if own.is_empty() { format!("{before}{member}") } else { format!("{before}{own}") };
         let offset = start.saturating_add(value(decoration::OFFSET).unwrap_or(0));
         let matrix = (value(decoration::MATRIX_STRIDE).unwrap_or(16), value(decoration::ROW_MAJOR).is_some());
@@ -95,7 +95,7 @@ impl BlockLayout {
             let many = code.constant(array.word(2)).unwrap_or(0);
             let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
             let last = elements.last().copied().unwrap_or(0);
-            // Damaged code may say that elements lie at one place, so that they are counted, too.
+            // Damaged code may put all elements at one place, so that their count is bounded, too.
             let numbers = (elements.len() as u64).saturating_mul(u64::from(many));
             if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES || numbers > u64::from(MAX_BYTES / 4) {
                 return Err(too_large(&name));

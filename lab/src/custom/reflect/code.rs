@@ -80,8 +80,8 @@ impl<'a> Instruction<'a> {
         self.operands.get(index..).unwrap_or_default()
     }
 
-    /// The operands that may be pointers: those of instructions that read, write, or hand a pointer on. Others have numbers
-    /// among their operands, which may look like ids.
+    /// The operands that may be pointers, for instructions that read, write or hand on a pointer. Other instructions have numbers among
+    /// their operands, which may look like ids.
     fn pointers(&self) -> &'a [u32] {
         const CALL: u16 = 57;
         const TEXEL_POINTER: u16 = 60;
@@ -115,16 +115,16 @@ pub(super) struct SpirvCode<'a> {
     member_names: HashMap<(u32, u32), String>,
     decorations: HashMap<(u32, u32), u32>,
     member_decorations: HashMap<(u32, u32, u32), u32>,
-    /// Bytes of types without a layout, by their ids.
+    /// Sizes in bytes of types without a layout, by their ids.
     sizes: HashMap<u32, u32>,
-    /// How many types stand within each other in a type, by its id.
+    /// Depths to which types are nested within a type, by its id.
     depths: HashMap<u32, u32>,
     /// Ids that functions use.
     used: HashSet<u32>,
 }
 
 impl<'a> SpirvCode<'a> {
-    /// `None` for what is not SPIR-V.
+    /// Reads a module; `None` if the words are not SPIR-V.
     pub fn read(words: &'a [u32]) -> Option<Self> {
         if words.len() < HEADER || words[0] != 0x0723_0203 {
             return None;
@@ -178,7 +178,8 @@ impl<'a> SpirvCode<'a> {
                 self.member_decorations.insert((i.word(0), i.word(1), i.word(2)), i.word(3));
             }
             op::TYPE_VOID..=op::TYPE_PIPE => {
-                // A type is made of few types before it, and is made once. Another would have no end.
+                // A type consists of types before it, nested only so deep, and is defined once. Other types are left out, since reading
+                // them might never end.
                 let depth = self.depth_of(&i).filter(|_| !self.definitions.contains_key(&i.word(0)));
                 if let Some(depth) = depth {
                     self.sizes.extend(self.size_of(&i).map(|size| (i.word(0), size)));
@@ -193,7 +194,7 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// How many types stand within each other in a type; `None` if they are too many, or one of them is not known.
+    /// The depth to which types are nested within a type; `None` if it is too great, or if one of the types is not known.
     fn depth_of(&self, i: &Instruction) -> Option<u32> {
         const MOST: u32 = 64;
         let parts = match i.opcode {
@@ -206,7 +207,7 @@ impl<'a> SpirvCode<'a> {
         (deepest < MOST).then_some(deepest + 1)
     }
 
-    /// The bytes of a type without a layout.
+    /// The size in bytes of a type without a layout.
     fn size_of(&self, i: &Instruction) -> Option<u32> {
         let size = |id: u32| self.sizes.get(&id).copied();
         match i.opcode {
@@ -244,12 +245,12 @@ impl<'a> SpirvCode<'a> {
         self.member_decorations.get(&(id, member, decoration)).copied()
     }
 
-    /// Whether a function reads or writes what an id points to.
+    /// True if a function reads or writes the variable of an id.
     pub fn is_used(&self, id: u32) -> bool {
         self.used.contains(&id)
     }
 
-    /// The members of a block that functions reach; `None` if one takes the block as a whole.
+    /// The members of a block that functions reach; `None` if a function uses the block as a whole.
     pub fn reached_members(&self, variable: u32) -> Option<HashSet<u32>> {
         let chains = |i: &&Instruction| matches!(i.opcode, op::ACCESS_CHAIN | op::IN_BOUNDS_ACCESS_CHAIN);
         let start = self.instructions.iter().position(|i| i.opcode == op::FUNCTION)?;
@@ -271,7 +272,7 @@ impl<'a> SpirvCode<'a> {
         matches!(definition.opcode, op::CONSTANT | op::SPEC_CONSTANT).then(|| definition.word(2))
     }
 
-    /// The type within an array, and how many elements that has; of what is no array, itself and 1.
+    /// The type of an array's elements, and their number; a type that is no array is returned with 1.
     pub fn element(&self, id: u32) -> (u32, u32) {
         match self.definition(id) {
             Some(array) if array.opcode == op::TYPE_ARRAY => {
@@ -291,7 +292,7 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The numbers of a scalar or a vector of 32 bits: their type, and how many.
+    /// The type and the count of the numbers in a scalar or a vector of 32 bits.
     pub fn numbers(&self, id: u32) -> Option<(Component, u32)> {
         let definition = self.definition(id)?;
         match definition.opcode {
@@ -304,26 +305,26 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The bytes of a type without a layout, as a workgroup shares it.
+    /// The size in bytes of a type without a layout, as in the memory that a workgroup shares.
     pub fn plain_size(&self, id: u32) -> Option<u32> {
         self.sizes.get(&id).copied()
     }
 
-    /// Whether members of a struct are built into the stage.
+    /// True if a struct has members that are built into the stage.
     pub fn has_built_in_members(&self, id: u32) -> bool {
         let (element, _) = self.element(id);
         let built_in = |m: usize| self.member_decoration(element, m as u32, decoration::BUILT_IN).is_some();
         (0..self.members(element).len()).any(built_in)
     }
 
-    /// Whether a variable, or all that its block holds, is declared `readonly`.
+    /// True if a variable, or every member of its block, is declared `readonly`.
     pub fn is_read_only(&self, id: u32, block: u32) -> bool {
         let members = self.members(block).len() as u32;
         let is = |m: u32| self.member_decoration(block, m, decoration::NON_WRITABLE).is_some();
         (members > 0 && (0..members).all(is)) || self.decoration(id, decoration::NON_WRITABLE).is_some()
     }
 
-    /// The threads of a workgroup: those of the built-in constant, or of the execution mode.
+    /// The threads of a workgroup along each axis, by the built-in constant or by the execution mode.
     pub fn local_size(&self) -> Result<[u32; 3], String> {
         const LOCAL_SIZE: u32 = 17;
         const LOCAL_SIZE_ID: u32 = 38;
@@ -346,7 +347,7 @@ impl<'a> SpirvCode<'a> {
         Ok(mode.map_or([1; 3], |m| [m.word(2), m.word(3), m.word(4)]))
     }
 
-    /// The words with other places: each variable of `bindings` has its binding in set 0, and `input` is at location 0.
+    /// The words of the module with new places: each variable of `bindings` has its binding in set 0, and `input` is at location 0.
     pub fn with_places(&self, bindings: &BTreeMap<u32, u32>, input: Option<u32>) -> Vec<u32> {
         let is_moved = |i: &Instruction| {
             i.opcode == op::DECORATE

@@ -1,4 +1,4 @@
-//! The thesis's figures 4.1 to 4.3: a Hi-Z chain as tables of numbers, with what each cell was made of.
+//! The thesis's figures 4.1 to 4.3: a Hi-Z chain as tables of numbers, with the texels from which each cell was made.
 
 use super::{COLORS, Svg, depth_text};
 use crate::reference::{Level, hi_z};
@@ -13,17 +13,17 @@ const FOOT: f32 = 92.0;
 /// Side of the square that marks a fetch.
 const MARK: f32 = 9.0;
 
-/// Which texels a cell is made of.
+/// The texels from which a cell is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fetches {
     /// Two by two, also where the level below has an odd side (figures 4.1 and 4.2).
     Neighbours,
-    /// Eq. 4.1: the second texel lies two further where the side is odd (figure 4.3).
+    /// Eq. 4.1: where the side is odd, the second texel is two texels further (figure 4.3).
     Offset,
 }
 
 impl Fetches {
-    /// The texels of the level below that a cell is made of; beyond the edge, the edge's.
+    /// The texels of the level below from which a cell is made; texels beyond the edge are those at the edge.
     fn of(self, [x, y]: [u32; 2], below: &Level<f32>) -> [[u32; 2]; 4] {
         let offset = |side| if self == Self::Offset { hi_z::offset(side) } else { 1 };
         let (dx, dy) = (offset(below.width), offset(below.height));
@@ -32,7 +32,7 @@ impl Fetches {
     }
 }
 
-/// The chain of minima over a depth buffer by [`Fetches::Neighbours`]: what the thesis warns of.
+/// The chain of minima over a depth buffer by [`Fetches::Neighbours`], of which the thesis warns.
 pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
     let reduce = |below: &Level<f32>| {
         let (width, height) = below.coarser()?;
@@ -45,9 +45,8 @@ pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
     std::iter::successors(Some(depth.clone()), reduce).collect()
 }
 
-/// Draws a chain of minima, finest level first, at most its first four levels. Squares of a colour mark
-/// a cell's texels, the frame of that colour the cell. Texels that no cell reads are crossed out; a cell
-/// that holds more than the least depth of the area that it covers says what it should hold.
+/// Draws a chain of minima, finest level first, at most its first four levels. Squares mark the texels of a cell, and a frame of the same
+/// colour marks the cell. Texels that no cell reads are crossed out. A cell that misses the least depth of its area also shows this depth.
 pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     let levels = &levels[..levels.len().min(4)];
     let width: f32 = levels.iter().map(|l| column(l) + GAP).sum();
@@ -110,7 +109,7 @@ fn color([x, y]: [u32; 2]) -> &'static str {
     COLORS[(x % 3 + 3 * (y % 3)) as usize]
 }
 
-/// The frame of a cell made by fetches, and its true minimum where it missed that. Whether it did.
+/// Draws the frame of a cell, and its true minimum if the cell missed it; returns whether the cell missed it.
 fn cell_of(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
     let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, color(cell));
     svg.rect(corner + 2.0, Vec2::splat(CELL - 4.0), &frame);
@@ -130,7 +129,7 @@ fn least_within(level: &Level<f32>, [x, y]: [u32; 2], finest: &Level<f32>) -> f3
         .fold(f32::INFINITY, f32::min)
 }
 
-/// Squares for the fetches of the level above, and crosses where there are none; whether there are any.
+/// Draws squares on texels that the level above fetches, and crosses on all others; returns whether there are crosses.
 fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fetches: Fetches) -> bool {
     let mut read = vec![false; level.texels.len()];
     for y in 0..above.height {

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 const WIDTH: f32 = 900.0;
 const PROFILE: f32 = 330.0;
 const LOWER: f32 = 300.0;
-/// Between the profile and what lies below, for words.
+/// Height between the profile and the drawings below it, for text.
 const GAP: f32 = 98.0;
 const LEFT: f32 = 66.0;
 const TOP: f32 = 34.0;
@@ -29,7 +29,7 @@ fn color(level: u32) -> &'static str {
     COLORS[level as usize % COLORS.len()]
 }
 
-/// Depth over the way on the screen.
+/// A drawing of depth over the way on the screen.
 struct Profile {
     from: Vec3,
     along: Vec2,
@@ -48,7 +48,7 @@ impl Profile {
         Self { from: trace.from, along: way.normalize_or_zero(), pixels, length: way.length() * 1.04, depth }
     }
 
-    /// Pixels of way at a point of the ray.
+    /// The way in pixels from the ray's start to a point of the ray.
     fn way(&self, uv: Vec2) -> f32 {
         ((uv - self.from.xy()) * self.pixels).dot(self.along)
     }
@@ -58,7 +58,7 @@ impl Profile {
         Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
     }
 
-    /// Where the ray's line enters and leaves a cell, in pixels of way, inside the drawing.
+    /// The ways in pixels at which the ray's line enters and leaves a cell, limited to the drawing.
     fn span(&self, cell: Vec2, count: Vec2) -> [f32; 2] {
         let (low, high) = (cell / count * self.pixels, (cell + 1.0) / count * self.pixels);
         let start = self.from.xy() * self.pixels;
@@ -80,7 +80,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     let (corner, size) = (Vec2::new(LEFT, TOP), Vec2::new(WIDTH - LEFT - 24.0, PROFILE));
     svg.text(Vec2::new(LEFT, TOP - 12.0), 15.0, "", "From the side: depth over the way on the screen");
     svg.rect(corner, size, r##"fill="#dfe9f3" stroke="#888""##);
-    // What the depth buffer holds under the ray: behind its surface everything is closed.
+    // The depth buffer under the ray: everything behind its surface is closed.
     let finest = &chain[0];
     let count = p.length.ceil() as usize * 2;
     for n in 0..count {
@@ -102,7 +102,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
             Vec2::splat(3.2),
             &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, color(step.level)),
         );
-        // Where many points lie close, every other number would cover its neighbour.
+        // In a crowd of points, each number would cover that of its neighbour.
         let crowded = n > 0 && {
             let before = trace.steps[n - 1].ray;
             p.place(p.way(before.xy()), before.z).distance(point) < 9.0
@@ -126,7 +126,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     svg.text(Vec2::new(LEFT, foot + 34.0), 12.0, "", note);
 }
 
-/// A cell that was read: closed from its minimum on.
+/// Draws a cell that was read: it is closed from its minimum on.
 fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
     let span = p.span(step.cell, step.cell_count);
     if span[1] <= span[0] {
@@ -139,7 +139,7 @@ fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
     svg.rect(corner, size.max(Vec2::ZERO), &attributes);
 }
 
-/// The level over the iterations.
+/// Draws the level over the iterations.
 fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     let most = trace.steps.iter().map(|s| s.level).max().unwrap_or(0).max(1);
     let size = Vec2::new(0.5 * WIDTH - 60.0, LOWER - 40.0);
@@ -165,7 +165,7 @@ fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     svg.text(Vec2::new(corner.x + size.x, foot), 12.0, r#"text-anchor="end""#, &last.to_string());
 }
 
-/// The cells on the screen.
+/// Draws the cells on the screen.
 fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
     let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
     let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);
@@ -177,7 +177,7 @@ fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2
         &format!("On the screen ({} × {}): from dark to white", pixels.x, pixels.y),
     );
     svg.rect(corner, pixels * scale, r##"fill="#f4f4f4" stroke="#888""##);
-    // Coarse ones first, or they would hide the fine ones.
+    // Coarse cells come first, or they would hide fine cells.
     let mut cells: Vec<&Step> = trace.steps.iter().collect();
     cells.sort_by_key(|s| std::cmp::Reverse(s.level));
     for s in cells {

@@ -1,4 +1,4 @@
-// Puts a divider between two pictures of each gallery. Without it the pictures stand side by side.
+// Puts a divider between two pictures of each gallery. Without this script, the pictures stand side by side.
 "use strict";
 const template = document.getElementById("compare-template");
 for (const gallery of document.querySelectorAll("[data-compare]")) {

@@ -20,9 +20,9 @@ pub const JPEG_QUALITY: u8 = 80;
 pub struct EmbeddedPicture {
     /// `data:image/…;base64,…`.
     pub uri: String,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
 }
 
@@ -57,7 +57,7 @@ impl PictureFolder {
     }
 }
 
-/// A PNG as a JPEG, or as it is where that is no larger; wider than `most` pixels, it is scaled down.
+/// A PNG as a JPEG, or unchanged if the JPEG is no smaller; a picture wider than `most` pixels is scaled down.
 pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
     let png = place.bytes()?;
     let wrong = |e: image::ImageError| Error::io("read", place.path(), std::io::Error::other(e));
@@ -78,7 +78,7 @@ pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
     jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
 }
 
-/// A drawing as it is; its size stands in its text.
+/// An SVG drawing, unchanged; its text states its size.
 pub fn svg_uri(svg: &[u8]) -> String {
     uri("svg+xml", svg)
 }

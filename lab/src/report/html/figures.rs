@@ -1,5 +1,5 @@
-//! The page of the theses' figures: each as it is made here, beside what it shows in print, the
-//! commands that make it, and what differs.
+//! The page of the theses' figures: each figure as it is made here, a description of the printed one, the commands that make it, and the
+//! differences.
 
 use super::embed::{embed, svg_uri};
 use super::{frame, heading, page_header};
@@ -15,9 +15,9 @@ const WIDEST: u32 = 1600;
 
 /// The whole page.
 pub struct FiguresPage<'a> {
-    /// Device that rendered them.
+    /// Device that rendered the figures.
     pub device: &'a DeviceInfo,
-    /// The command that made it.
+    /// The command that made the page.
     pub command: String,
     /// Figures by document.
     pub groups: Vec<Group>,
@@ -29,7 +29,7 @@ pub struct Group {
     pub id: String,
     /// Its heading.
     pub title: String,
-    /// What the document is.
+    /// A description of the document.
     pub source: String,
     /// Its figures, in order.
     pub entries: Vec<Entry>,
@@ -38,33 +38,33 @@ pub struct Group {
 /// A figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// File stem, and its place on the page.
+    /// The stem of the file's name, and the figure's id on the page.
     pub stem: String,
     /// Number and subject.
     pub title: String,
-    /// Its file, relative to the page; or why there is none.
+    /// The figure's file, relative to the page, or the reason why there is none.
     pub file: std::result::Result<String, String>,
     /// What the print shows.
     pub print: String,
-    /// What differs here.
+    /// The differences between print and the figure made here.
     pub differs: String,
     /// Its parts, in reading order.
     pub panels: Vec<Panel>,
-    /// The command that makes it alone.
+    /// The command that makes this figure alone.
     pub command: String,
 }
 
 /// A part of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
-    /// What it is.
+    /// The label of the part.
     pub label: String,
-    /// The command that renders what it shows.
+    /// The command that renders the part.
     pub command: String,
 }
 
 impl FiguresPage<'_> {
-    /// The page; its pictures are read from the folder that it will lie in.
+    /// The page; its pictures are read from the folder in which the page will lie.
     pub fn render(&self, folder: &PathInFolder) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;

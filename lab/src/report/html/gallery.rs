@@ -1,12 +1,11 @@
-//! Pictures on the page: a strip of them, and above it two of them with a divider to drag. The
-//! divider is a script's work; without it, and on paper, the strip is all there is.
+//! Pictures on the page: a strip of pictures, and above the strip two of its pictures with a divider to drag. A script adds the divider;
+//! without the script, and on paper, there is only the strip.
 
 use super::embed::PictureFolder;
 use crate::error::Result;
 use maud::{Markup, html};
 
-/// Pixels that an embedded picture is wide at most: about what the divider's stage is shown at, and half the bytes of
-/// the study's pictures.
+/// Greatest width of an embedded picture in pixels: about the width of the divider's stage, and half the bytes of the study's pictures.
 pub const WIDEST: u32 = 720;
 
 /// A picture of the page.
@@ -14,9 +13,9 @@ pub const WIDEST: u32 = 720;
 pub struct Picture {
     /// PNG file, relative to the page.
     pub file: String,
-    /// What it is called among those of its gallery.
+    /// The picture's name within its gallery.
     pub name: String,
-    /// What it shows.
+    /// A description of the picture.
     pub caption: String,
 }
 
@@ -25,10 +24,10 @@ pub struct Picture {
 pub enum Strip {
     /// Pictures in rows, each as long as there is room for.
     Plain(Vec<Picture>),
-    /// A reference, and what is held against it in pairs: a picture and its error map. The reference stands between
-    /// the two of a pair, and goes along as the page is scrolled.
+    /// A reference, with pairs of a picture and its error map. The reference stands between the two images of a pair, and stays in sight as
+    /// the page is scrolled.
     Beside {
-        /// What the strip is of.
+        /// The subject of the strip.
         title: String,
         /// The picture in the middle.
         reference: Picture,
@@ -42,9 +41,9 @@ pub enum Strip {
 pub struct Gallery {
     /// Scene and view.
     pub title: String,
-    /// The pictures, each of another name.
+    /// The pictures; no two of a gallery have the same name.
     pub strips: Vec<Strip>,
-    /// Names of the two that the divider stands between at first.
+    /// Names of the two pictures between which the divider stands at first.
     pub compared: [String; 2],
 }
 
@@ -99,7 +98,7 @@ fn figure(title: &str, picture: &Picture, folder: &PictureFolder) -> Result<Mark
     })
 }
 
-/// What the script copies for each gallery.
+/// The template that the script copies for each gallery.
 pub fn compare_template() -> Markup {
     html! {
         template id="compare-template" {

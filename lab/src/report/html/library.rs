@@ -1,5 +1,5 @@
-//! The page of a library: its runs, what each changed, figures over runs, and two runs that the reader chooses beside
-//! each other. It needs no server.
+//! The page of a library: its runs, the changes that each run brought, figures over runs, and two runs side by side that the reader
+//! chooses. The page needs no server.
 
 mod data;
 
@@ -23,15 +23,15 @@ pub const TITLE: &str = "Library of results";
 
 /// Everything that the page shows.
 pub struct LibraryPage<'a> {
-    /// The command that made it.
+    /// The command that made the page.
     pub command: &'a str,
-    /// The runs, and the folders that hold none.
+    /// The runs, and the folders without runs.
     pub library: &'a Library,
     /// Figures over runs.
     pub trends: &'a [Trend],
-    /// Each run beside an earlier one.
+    /// Comparisons of each run with an earlier one.
     pub changes: &'a [RunChange],
-    /// The method over whose times others are given.
+    /// The method by whose times the times of the others are divided.
     pub base: &'a str,
     /// Change of a time that counts, as a share.
     pub threshold: f64,
@@ -52,14 +52,14 @@ const PARTS: [(&str, &str); 5] = [
 /// The characters of a path that a link needs percent-encoded.
 const OF_A_PATH: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
 
-/// Most places whose trends are open at first; of more places, the reader opens some.
+/// The greatest number of places with which all trends are open at first; with more places, the reader opens them.
 const FEW_PLACES: usize = 6;
 
 impl LibraryPage<'_> {
     /// The whole page.
     ///
     /// # Errors
-    /// Why a plot cannot be drawn.
+    /// The reason why a plot cannot be drawn.
     pub fn render(&self) -> Result<String, String> {
         let [runs, changes, trends, compare, left_out] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
@@ -287,7 +287,7 @@ fn label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
     format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |index| index + 1))
 }
 
-/// Whether two trends are of the same place; such trends stand under one heading.
+/// True if two trends are of the same place; the page puts these under one heading.
 fn is_one_place(a: &Trend, b: &Trend) -> bool {
     a.device == b.device && a.setting == b.setting && a.views == b.views
 }

@@ -47,9 +47,9 @@ pub fn errors(errors: &Errors) -> Markup {
     }
 }
 
-/// A plot inside the page, with words for who cannot see it.
+/// A plot inside the page, with a text for readers who cannot see the plot.
 pub fn inline_svg(svg: &str, label: &str) -> Markup {
-    // HTML knows the namespace by the element.
+    // HTML knows the namespace of an svg element, so that the attribute can go.
     let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
     let body = svg.strip_prefix("<svg").unwrap_or(&svg);
     html! {
@@ -62,7 +62,7 @@ pub fn inline_svg(svg: &str, label: &str) -> Markup {
     }
 }
 
-/// Rows of cells, the first of them the header, the first of each its name.
+/// A table of cells: the first row is the header, and the first cell of each row is its name.
 pub fn grid(cells: &[Vec<String>]) -> Markup {
     let Some((header, rows)) = cells.split_first() else { return html! { p { "Not measured." } } };
     html! {
@@ -92,7 +92,7 @@ pub fn drawn_chart(DrawnChart { chart, svg }: &DrawnChart) -> Markup {
     }
 }
 
-/// A table below what it says.
+/// A table below the text about it.
 pub fn explained(table: &Table) -> Markup {
     html! {
         @if !table.about.is_empty() { p { (table.about) } }
@@ -100,7 +100,7 @@ pub fn explained(table: &Table) -> Markup {
     }
 }
 
-/// A cell that breaks after commas alone: no number stands apart from its unit.
+/// A cell whose text breaks only after commas, so that every number stays with its unit.
 fn unbroken(cell: &str) -> String {
     cell.replace(' ', "\u{a0}").replace(",\u{a0}", ", ")
 }

@@ -1,5 +1,4 @@
-//! The page of a study: charts, tables and clips of each device, tables of figures over all devices, and what lies beside
-//! the page.
+//! The page of a study: charts, tables and clips of each device, tables of figures over all devices, and the files beside the page.
 
 use super::sections::{drawn_chart, explained};
 use super::{frame, heading, missing_cells, page_header};
@@ -11,17 +10,17 @@ use maud::{Markup, PreEscaped, html};
 
 /// Everything that the page shows.
 pub struct StudyPage<'a> {
-    /// Its title.
+    /// The title of the page.
     pub title: &'a str,
     /// The version of the definitions.
     pub definitions: u32,
     /// The command of the whole study.
     pub command: &'a str,
-    /// What was measured, device by device.
+    /// The results, device by device.
     pub devices: &'a [DevicePart],
     /// Tables of figures alone, over all devices.
     pub common: &'a [Table],
-    /// The columns of the tables with what they mean.
+    /// The columns of the tables with their meanings.
     pub meanings: &'a [(String, &'static str)],
     /// Folders of files beside the page.
     pub folders: &'a [&'static str],
@@ -31,11 +30,11 @@ pub struct StudyPage<'a> {
     pub missing: &'a [String],
 }
 
-/// What one device measured.
+/// The results of one device.
 pub struct DevicePart {
     /// The device.
     pub device: DeviceInfo,
-    /// The folder with its files, relative to the page, if that is another one.
+    /// The folder with the device's files, relative to the page; `None` if they are beside the page.
     pub folder: Option<String>,
     /// Its charts.
     pub charts: Vec<DrawnChart>,
@@ -133,7 +132,8 @@ fn clips(group: &ClipGroup) -> Markup {
     }
 }
 
-/// Pictures that are loaded anew begin anew; those of a group together, once all of them are there.
+/// The script that restarts the films of a group together. An animated picture begins anew when it is loaded anew, and the script waits
+/// until all of them are loaded.
 const TOGETHER: &str = r#"
 for (const button of document.querySelectorAll("button.together")) {
   button.addEventListener("click", async () => {

@@ -1,4 +1,4 @@
-//! Two images beside each other (docs/definitions.md, "Image error").
+//! Comparison of two images (docs/definitions.md, "Image error").
 
 use super::CompareHead;
 use crate::math::display_byte;
@@ -17,15 +17,15 @@ pub struct LinearImage {
     pub rgb: Vec<[f32; 3]>,
 }
 
-/// How far two images are apart. A figure is null in JSON where an image holds what is no number.
+/// Difference of two images. A figure is null in JSON if an image has a value that is not a number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImageComparison {
     /// "compare-images"; the images' names.
     #[serde(flatten)]
     pub head: CompareHead,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
     /// Root mean square error of the linear values.
     pub rmse: f64,
@@ -33,9 +33,9 @@ pub struct ImageComparison {
     pub rel_mse: Option<f64>,
     /// Mean FLIP of the display images, 0…1.
     pub flip: f64,
-    /// The greatest RMSE of a pixel, of those that are numbers.
+    /// Greatest RMSE of a pixel, among pixels whose RMSE is a number.
     pub greatest: f32,
-    /// Column and row of that pixel, from the top left.
+    /// Column and row of the pixel with the greatest RMSE, from the top left.
     pub greatest_at: [u32; 2],
     /// RMSE of each pixel.
     #[serde(skip)]

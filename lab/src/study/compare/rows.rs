@@ -1,4 +1,4 @@
-//! Comparisons of times as rows of a table: what matters first.
+//! Comparisons of times as rows of a table: the most important first.
 
 use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
@@ -10,7 +10,7 @@ use crate::study::record::differing;
 /// The names of the columns of [`subject_labels`].
 pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];
 
-/// What was timed, in a few words a column.
+/// The subject of a comparison, in a few words a column.
 pub fn subject_labels(s: &Subject) -> [String; 6] {
     let own = |name: &str| match s.get(name) {
         "" => NOT_SET.to_owned(),
@@ -21,7 +21,7 @@ pub fn subject_labels(s: &Subject) -> [String; 6] {
     [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned()]
 }
 
-/// A method with the parameters that are not those of its preset.
+/// A method with the parameters that differ from its preset.
 fn method(s: &Subject) -> String {
     let name = s.get("method");
     let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
@@ -31,7 +31,7 @@ fn method(s: &Subject) -> String {
 }
 
 impl TimeComparison {
-    /// What is compared, and the pass: of two settings, their common place and what each is set to.
+    /// The labels of a row: the subject and the pass. A comparison of two settings has their common place and the two settings.
     pub fn labels(&self) -> [String; 7] {
         let [place, size, roughness, normals, method, preset] = subject_labels(&self.subject);
         let [first, second] = match (&self.setting_a, &self.setting_b) {
@@ -41,7 +41,8 @@ impl TimeComparison {
         [place, size, roughness, normals, first, second, self.pass.clone()]
     }
 
-    /// The verdict; of an open one, with about how many samples may decide, and whether the noise floor alone keeps it open.
+    /// The verdict. An undecided one says about how many samples may decide, and whether the noise floor alone leaves it
+    /// undecided.
     fn shown_verdict(&self) -> String {
         let open = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
         match (self.verdict, self.samples_to_decide) {
@@ -51,7 +52,7 @@ impl TimeComparison {
         }
     }
 
-    /// Whether the interval alone would decide what the noise floor keeps open.
+    /// Whether the interval alone would decide, but the noise floor leaves the verdict undecided.
     fn is_open_by_floor(&self) -> bool {
         let (Some(ratio), Some(low), Some(high), Some(_)) = (self.ratio, self.low, self.high, self.noise_floor) else {
             return false;
@@ -60,8 +61,8 @@ impl TimeComparison {
         enough && Verdict::of(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
     }
 
-    /// Its place in a table: the total, then the passes that became faster or slower, by how much time that is, then the
-    /// other counted ones by their time, and last what does not count.
+    /// The sort key of a row in a table. The total comes first, then passes that became faster or slower, by the difference of
+    /// their times. Other counted passes follow by their time, and passes that do not count come last.
     fn rank(&self) -> (u8, f64) {
         let (a, b) = (self.median_a_ms.unwrap_or(0.0), self.median_b_ms.unwrap_or(0.0));
         let is_decided = matches!(self.verdict, Some(Verdict::Faster | Verdict::Slower));
@@ -74,19 +75,19 @@ impl TimeComparison {
     }
 }
 
-/// What the word of a value that is not set means, if a row of [`cells`] has it.
+/// A note on the word for a value that is not set, if a row of [`cells`] has it.
 pub fn own_note(records: &[TimeComparison]) -> Option<&'static str> {
     let has_own = |r: &TimeComparison| r.only_in.is_none() && subject_labels(&r.subject).iter().any(|s| s == NOT_SET);
     records.iter().any(has_own).then_some("own: each material has its own value, since no option set one.")
 }
 
-/// How much longer the scene passes took at one moment than at another, as tables show it.
+/// How much longer the scene passes took in one measurement than in another, as tables show it.
 pub fn shown_drift(drift: Option<f64>) -> String {
     drift.map_or_else(|| "-".to_owned(), |drift| format!("{:+.0} %", 100.0 * drift))
 }
 
-/// The records that both sides have, in the order of a table: those of one subject together, what matters first. With
-/// `all`, each group is followed by its parts; else these are left out.
+/// The records that both sides have, in the order of a table: those of one subject together, the most important first. With
+/// `all`, each group of passes is followed by its parts; otherwise the parts are left out.
 pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
     let is_one = |a: &&TimeComparison, b: &&TimeComparison| {
         a.subject == b.subject && a.setting_a == b.setting_a && a.setting_b == b.setting_b
@@ -105,7 +106,7 @@ pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
     rows
 }
 
-/// A header, and a row for each of [`ordered`].
+/// A header, and a line for each of [`ordered`].
 pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
     let has_drift = records.iter().any(|r| r.drift.is_some());
     let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor"];

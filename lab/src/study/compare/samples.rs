@@ -1,4 +1,4 @@
-//! Raw samples of times, and what they come to by subject and pass.
+//! Raw samples of times, and their grouping by subject and pass.
 
 use super::TOTAL;
 use super::subject::Subject;
@@ -10,33 +10,33 @@ use std::sync::Arc;
 /// A row of raw samples: the time of one pass in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSample {
-    /// What the frame was of; rows that follow each other share it.
+    /// Subject of the frame; successive rows of one subject share it.
     pub subject: Arc<Subject>,
     /// Number of the frame among those of its subject. In one run, frames of one number at one place were timed in turn.
     pub sample: u64,
-    /// Label.
+    /// Label of the pass.
     pub pass: String,
     /// Whether the pass counts towards the total.
     pub counted: bool,
     /// Milliseconds, finite and ≥ 0.
     pub ms: f64,
-    /// Noise floors, as shares: of the pass, and of the total; where they were measured.
+    /// Noise floors of the pass and of the total, as shares, if measured.
     pub floors: [Option<f64>; 2],
 }
 
-/// A run of the time study, as its files tell it.
+/// A run of the time study, as read from its files.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// What the user calls it.
+    /// Name that the user gave to the run.
     pub name: String,
-    /// The device, if the run's records are there to say it.
+    /// The device, if the run's records are present.
     pub device: Option<DeviceInfo>,
-    /// Raw samples, those of a frame one after the other.
+    /// Raw samples; the samples of a frame follow each other.
     pub samples: Vec<TimeSample>,
 }
 
 impl Run {
-    /// The names of what its file says of a method's frames; `None` if it has none.
+    /// The names of the settings that the run's file gives for a method's frames; `None` if it has no frames of the method.
     fn stated_names(&self, method: &str) -> Option<BTreeSet<&String>> {
         let is_of = |s: &&TimeSample| s.subject.get("method") == method;
         self.samples
@@ -45,7 +45,7 @@ impl Run {
             .then(|| self.samples.iter().filter(is_of).flat_map(|s| s.subject.0.keys()).collect())
     }
 
-    /// Its samples, of each method with what both this and another run's file say.
+    /// The run's samples; each method keeps only the settings that another run's file gives for it, too.
     fn with_common_names(&self, other: &Self) -> Vec<TimeSample> {
         let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
@@ -69,7 +69,7 @@ impl Run {
         samples
     }
 
-    /// What another run's file says of the methods that both have, and this one's does not.
+    /// The names of settings that another run's file gives, and this run's file does not, for methods that both runs have.
     pub(super) fn untold(&self, other: &Self) -> BTreeSet<String> {
         let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
         let lacking = |method: &&str| {
@@ -87,7 +87,7 @@ pub(super) struct Samples {
     /// The group that the pass is a part of.
     pub(super) part_of: Option<String>,
     pub(super) counted: bool,
-    /// The frame of each sample.
+    /// Number of the frame of each sample.
     pub(super) numbers: Vec<u64>,
     pub(super) ms: Vec<f64>,
     pub(super) noise_floor: Option<f64>,
@@ -98,7 +98,7 @@ impl Samples {
         self.pass == row.pass && self.part_of.as_deref() == row.part_of && self.counted == row.counted
     }
 
-    /// Its time and another's in each frame whose number both have.
+    /// The pass's time and the time of `other` in each frame whose number both have.
     pub(super) fn paired_times(&self, other: &Self) -> Vec<[f64; 2]> {
         let theirs: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
         let mine = self.numbers.iter().zip(&self.ms);
@@ -115,7 +115,7 @@ struct Row<'r> {
     noise_floor: Option<f64>,
 }
 
-/// Everything of one subject: its passes in order, each group before its parts, and the total last.
+/// All samples of one subject: its passes in order, each group before its parts, and the total last.
 pub(super) type Group = (Subject, Vec<Samples>);
 
 /// Samples by subject and pass, both in order of appearance. Rows of one subject and sample number
@@ -146,12 +146,12 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
     groups
 }
 
-/// The groups of two runs, by what the files of both say of each method.
+/// The groups of two runs, by the settings that the files of both give for each method.
 pub(super) fn groups_of_both(a: &Run, b: &Run) -> [Vec<Group>; 2] {
     [(a, b), (b, a)].map(|(run, other)| groups(&run.with_common_names(other)))
 }
 
-/// What a frame's rows come to: passes, groups of them, and the sum of the counted ones.
+/// The rows of a frame: passes, groups of passes, and the sum of the counted passes.
 fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     let mut rows: Vec<Row> = Vec::new();
     for sample in frame {
@@ -171,7 +171,7 @@ fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     rows
 }
 
-/// A sum of passes. It strays from itself by no more than its parts do together.
+/// A sum of passes. The sum's noise floor is at most the sum of the parts' noise floors in milliseconds.
 fn sum<'r>(pass: &'r str, parts: impl Iterator<Item = &'r TimeSample> + Clone) -> Row<'r> {
     let ms: f64 = parts.clone().map(|s| s.ms).sum();
     let strays: Option<f64> = parts.clone().map(|s| Some(s.floors[0]? * s.ms)).sum();

@@ -1,4 +1,4 @@
-//! Two settings beside each other: of one run, in which they were timed in turn, or of two.
+//! Comparison of two settings: of one run, in which they were timed in turn, or of two runs.
 
 use super::samples::{Group, groups, groups_of_both};
 use super::subject::{NOT_SET, PLACE, Subject};
@@ -10,8 +10,8 @@ use crate::study::record::differing;
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-/// Which of a run's settings is meant, by a method and by options as they are typed: `ssct --iterations 64`. What is not
-/// named may be anything, as long as one setting of each place fits.
+/// Selects a setting of a run by a method and options as typed on the command line: `ssct --iterations 64`. Options that are
+/// not named may have any value, if only one setting of each place fits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Selection {
     text: String,
@@ -19,11 +19,11 @@ pub struct Selection {
     values: Vec<(String, String)>,
 }
 
-/// Options of a lens, and the columns of the samples that have their values.
+/// Options of a lens, and the columns of the samples with their values.
 const LENS: [(&str, &str); 4] =
     [("fov", "fov_degrees"), ("near", "near_m"), ("far", "far_m"), ("orthographic_height", "orthographic_height_m")];
 
-/// The column of the samples that has the value of an option.
+/// The column of the samples with the value of an option.
 fn column(option: &str) -> String {
     let name = option.replace('-', "_");
     LENS.iter().find(|(typed, _)| *typed == name).map_or_else(|| name.clone(), |(_, column)| (*column).to_owned())
@@ -59,7 +59,7 @@ impl FromStr for Selection {
     }
 }
 
-/// Whether a recorded value is the one that was typed.
+/// Whether a recorded value equals a typed one.
 fn is_value(recorded: &str, typed: &str) -> bool {
     let numbers = recorded.parse::<f64>().ok().zip(typed.parse::<f64>().ok());
     match (recorded, typed) {
@@ -77,7 +77,7 @@ impl Selection {
         self.values.iter().all(|(name, typed)| is_value(subject.get(name), typed))
     }
 
-    /// How many parameters of a subject that the selection does not name have other values than their preset.
+    /// The number of parameters of a subject that the selection does not name and that differ from their preset.
     fn unnamed(&self, subject: &Subject) -> usize {
         let preset = Preset::of_name(subject.get("preset")).unwrap_or_default();
         let rows = methods::find(subject.get("method")).map_or_else(|_| Vec::new(), MethodInfo::reads);
@@ -86,10 +86,10 @@ impl Selection {
         other.filter(|row| !self.names(row.name)).count() + usize::from(is_author)
     }
 
-    /// The groups of a run that fit.
+    /// The groups of a run that fit the selection.
     ///
     /// # Errors
-    /// A sentence if there is none, and on an option that no sample of the run has.
+    /// A sentence, if no group fits, or if no sample of the run has an option.
     fn groups_in<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
         let known: BTreeSet<&str> = all.iter().flat_map(|(s, _)| s.0.keys()).map(String::as_str).collect();
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
@@ -103,7 +103,7 @@ impl Selection {
         Ok(found)
     }
 
-    /// The values that some groups have of what the selection names, and their methods.
+    /// The methods of some groups, and their values of the options that the selection names.
     fn values_in(&self, all: &[Group]) -> Vec<String> {
         let names: BTreeSet<&str> = self.values.iter().map(|(name, _)| name.as_str()).chain(["method"]).collect();
         let shown = |name: &str| {
@@ -113,11 +113,11 @@ impl Selection {
         names.into_iter().map(shown).collect()
     }
 
-    /// The one of some groups of one place that is meant: the only one, or the only one in which everything that is not
-    /// named is as its preset has it.
+    /// The selected group among some groups of one place: the only group, or the only group in which all parameters that are
+    /// not named have their preset's values.
     ///
     /// # Errors
-    /// A sentence with two of them if several are meant.
+    /// A sentence with two of the groups, if several fit.
     fn one<'g>(&self, fitting: &[&'g Group]) -> Result<&'g Group, String> {
         let least = fitting.iter().map(|(subject, _)| self.unnamed(subject)).min();
         let meant: Vec<&Group> =
@@ -135,17 +135,17 @@ impl Selection {
     }
 }
 
-/// A place of a measurement, without the values that a selection names.
+/// The place of a measurement, without the values that a selection names.
 fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
     let is_free = |name: &&str| !chosen.iter().any(|selection| selection.names(name));
     PLACE.into_iter().filter(is_free).map(|name| subject.get(name).to_owned()).collect()
 }
 
-/// Compares a setting of A with one of B at every place where both were timed. Where A and B are one run, and the settings
-/// are of one place, their frames are compared turn by turn. Threshold: 0 ≤ t < 1.
+/// Compares a setting of A with one of B at every place where both were timed. If A and B are one run and the settings have the
+/// same place, their frames are compared turn by turn. Threshold: 0 ≤ t < 1.
 ///
 /// # Errors
-/// A sentence on a selection that fits no setting or several, and if no place has both.
+/// A sentence, if a selection fits no setting or several, or if no place has both settings.
 pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
     let comparison = Comparison::new(a, b, threshold);
     let [groups_a, groups_b] = groups_of_both(a, b);
@@ -170,7 +170,7 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
     Ok(records)
 }
 
-/// The records of two settings, which say in what these differ.
+/// The records of two settings, with the values in which the settings differ.
 fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
     let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
     let [setting_a, setting_b] = [a.0.difference_from(&b.0, ""), b.0.difference_from(&a.0, "")];
@@ -188,8 +188,8 @@ fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeC
     records.map(with).collect()
 }
 
-/// Compares settings of one run that were timed in turn, each with the first, turn by turn; each is the samples of one
-/// subject. Threshold: 0 ≤ t < 1.
+/// Compares settings of one run that were timed in turn, each with the first, turn by turn. Each element of `series` has the
+/// samples of one subject. Threshold: 0 ≤ t < 1.
 pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
     let all: Vec<Vec<Group>> = series.iter().map(|samples| groups(samples)).collect();
     let comparison = Comparison::new(run, run, threshold);

@@ -121,7 +121,7 @@ fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
         assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("cone_samples")));
     }
     assert!(times(&older, &older, 0.05)[0].warning.as_ref().is_some_and(|w| !w.contains("samples do not say")));
-    // What the other run's other methods are set to is no setting of this one's.
+    // Settings of the other run's other methods do not count as settings of this run.
     let mut both = plain.clone();
     both.samples.extend(run("poster", 1.0).samples.into_iter().map(|mut s| {
         Arc::make_mut(&mut s.subject).0.insert("edge_retries".into(), "0".into());
@@ -162,7 +162,8 @@ fn with(mut run: Run, name: &str, value: &str) -> Run {
     run
 }
 
-/// A run of two settings in turn, of which the second takes a fifth longer; a load doubles both of each third turn.
+/// A run of two settings in turn, the second of which takes a fifth longer; a load doubles the times of both in each third
+/// turn.
 fn two_settings() -> Run {
     let loaded = |mut run: Run, factor: f64| {
         for s in &mut run.samples {
@@ -201,7 +202,7 @@ fn settings_of_one_run_are_compared_turn_by_turn() {
 
 #[test]
 fn a_selection_means_one_setting_or_says_why_not() {
-    // The preset's own value is meant where none is named.
+    // The selection `ssct` means the preset's own value of an option that it does not name.
     let run = two_settings();
     let [plain, few] = ["ssct", "ssct --iterations 64"].map(selection);
     let records = settings(&run, &run, [&plain, &few], 0.05).expect("both are there");
@@ -227,7 +228,7 @@ fn settings_may_differ_in_their_place_where_it_is_named() {
     let records = settings(&both, &both, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
     assert!(records.iter().all(|r| !r.paired), "they were not timed in turn");
     assert_eq!(records[0].setting_b.as_deref(), Some("ssct roughness 0.1"));
-    // Without it, places are compared with themselves alone, each with itself.
+    // Selections that do not name the roughness compare each place with itself.
     let any = selection("ssct");
     assert_eq!(settings(&both, &both, [&any, &any], 0.05).expect("both are there").len(), 8);
 }
@@ -283,7 +284,7 @@ fn a_run_beside_itself_says_so() {
 
 #[test]
 fn sides_of_different_moments_carry_their_drift() {
-    // The whole machine is a quarter slower in B, scene passes, too.
+    // The whole machine is a quarter slower in B, including its scene passes.
     let slow = |mut run: Run| {
         run.samples.iter_mut().for_each(|s| s.ms *= 1.25);
         run

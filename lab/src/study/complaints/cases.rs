@@ -1,4 +1,4 @@
-//! The table of complaints: what users say, the scene and frames that show it, and the number that says how much of it there is.
+//! The table of complaints: the complaint of users, the scene and frames that show it, and the number that measures it.
 
 use super::frames::{Frame, SeenFrame, Take};
 use super::measures::{
@@ -14,28 +14,28 @@ use glam::{DVec3, Vec3};
 
 /// A complaint.
 pub struct Complaint {
-    /// The name of its case.
+    /// Name of the complaint's case.
     pub name: &'static str,
     /// The complaint, in one sentence.
     pub complaint: &'static str,
-    /// What the number says.
+    /// Meaning of the number.
     pub measured: &'static str,
-    /// The greatest number that is good.
+    /// Greatest number that counts as good.
     pub at_most: f64,
-    /// Makes what is shown, at a size in pixels.
+    /// Makes the scene and frames, at a size in pixels.
     pub take: fn([u32; 2]) -> Take,
-    /// Finds the number of a variant, by its place; none where it shows too little to be judged.
+    /// Computes the number of a variant, given by its index; `None` if the variant shows too little to be judged.
     pub number: fn(&[SeenFrame], usize) -> Option<f64>,
-    /// Whether the frames are a film, and not a view under several settings.
+    /// Whether the frames are a film, instead of a view under several settings.
     pub is_film: bool,
 }
 
-/// Rays a pixel of the truth of mirrors.
+/// Rays a pixel of the true reflection in mirrors.
 const MIRROR_RAYS: u32 = 16;
-/// Rays a pixel of the truth of gloss.
+/// Rays a pixel of the true reflection in glossy surfaces.
 const GLOSS_RAYS: u32 = 96;
 
-/// Frames of the films.
+/// Number of frames of a film.
 const FRAMES: usize = 8;
 
 /// Every complaint.
@@ -240,42 +240,42 @@ fn first_view(scene: &Scene) -> View {
     scene.views.first().cloned().unwrap_or_default()
 }
 
-/// A scene from its view, in so many equal frames.
+/// A number of equal frames of a scene from its first view.
 fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> Take {
     let frames = vec![Frame::still(&first_view(&scene), size); frames];
     Take { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
 }
 
-/// A scene from its view.
+/// One frame of a scene from its first view.
 fn still(scene: Scene, size: [u32; 2], rays: u32) -> Take {
     repeated(scene, size, rays, 1)
 }
 
-/// A film of a scene, whose frames a function changes by their number.
+/// A film of a scene, in which `change` modifies each frame by its number.
 fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> Take {
     let mut take = repeated(scene, size, rays, FRAMES);
     take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
     take
 }
 
-/// A camera that turns slowly.
+/// A film with a camera that turns slowly.
 fn pan(scene: Scene, size: [u32; 2]) -> Take {
     motion(scene, size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
 }
 
-/// Averages over frames.
+/// Turns the history on, which averages over frames.
 fn with_history(take: Take) -> Take {
     Take { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..take }
 }
 
-/// Frames that a function makes of their number, of a scene of mirrors.
+/// Frames of a scene of mirrors, in which `change` modifies each frame by its number.
 fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> Take {
     let mut take = repeated(scene, size, MIRROR_RAYS, N);
     take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
     take
 }
 
-/// Ratios of the far to the near plane from a thousand to a thousand million.
+/// Frames with ratios of the far to the near plane from a thousand to a thousand million.
 fn planes(size: [u32; 2]) -> Take {
     const PLANES: [[f32; 2]; 4] = [[0.1, 100.0], [0.1, 10_000.0], [0.01, 100_000.0], [0.001, 1_000_000.0]];
     settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| {
@@ -284,7 +284,7 @@ fn planes(size: [u32; 2]) -> Take {
     })
 }
 
-/// A power of two, and sizes beside it.
+/// Frames whose size is a power of two, and frames of other sizes.
 fn sizes(size: [u32; 2]) -> Take {
     let height = 1_i32 << size[1].ilog2();
     let width = 2 * height;
@@ -293,13 +293,13 @@ fn sizes(size: [u32; 2]) -> Take {
     settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| frame.extent = all[n])
 }
 
-/// A camera that moves away.
+/// Frames of a camera that moves away.
 fn distances(size: [u32; 2]) -> Take {
     const BACK_M: [f32; 4] = [0.0, 4.0, 12.0, 28.0];
     settings::<4>(scenes::pillar(), size, |n, frame| frame.view.eye.z -= BACK_M[n])
 }
 
-/// A camera at rest whose images are of another size in each frame.
+/// A film with a camera at rest and another size of the image in each frame.
 fn resolutions(size: [u32; 2]) -> Take {
     const SHARES: [f32; FRAMES] = [1.0, 0.9, 0.8, 0.95, 0.7, 0.85, 1.0, 0.75];
     let take = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
@@ -308,12 +308,13 @@ fn resolutions(size: [u32; 2]) -> Take {
     with_history(Take { rays: GLOSS_RAYS, ..take })
 }
 
-/// Pixels of the metal's reflection.
+/// Whether a pixel shows the metal's reflection, without an edge.
 fn on_metal(seen: &SeenFrame, pixel: usize) -> bool {
     inner(seen, pixel) && seen.ends[pixel] == "metal"
 }
 
-/// How much of the thing's colour is left in the last frame, where mirror rays met the thing in an earlier one and do not now.
+/// Percentage of the thing's colour that is left in the last frame, at pixels whose mirror ray met the thing in an earlier
+/// frame and does not now.
 fn ghost(all: &[SeenFrame], variant: usize) -> Option<f64> {
     let (last, earlier) = all.split_last()?;
     let was_there = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
@@ -321,7 +322,7 @@ fn ghost(all: &[SeenFrame], variant: usize) -> Option<f64> {
     Some(excess(last, variant, left, scenes::RED))
 }
 
-/// Replaces the colour of some pixels that do not reflect by what is no number, others in each frame.
+/// Replaces the colour of some pixels that do not reflect by NaN; the pixels differ from frame to frame.
 fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
     for i in (0..data.depth.len()).filter(|i| (i + 37 * frame).is_multiple_of(211)) {
         if !data.reflects(i) {
@@ -330,13 +331,13 @@ fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
     }
 }
 
-/// Where the pane stands, metres along the view, with its sides and how much it covers.
+/// Place of the pane along the view, in metres, with its sides and its opacity.
 const PANE_Z: f64 = 3.0;
 const PANE_X: [f64; 2] = [-1.0, 1.0];
 const PANE_Y: [f64; 2] = [0.2, 2.6];
 const PANE_COVERS: f32 = 0.6;
 
-/// Blends a pane over the colour of what stands behind it, as renderers do that draw what is transparent last.
+/// Blends a pane over the colour behind it, as renderers do that draw transparent surfaces last.
 fn blend_pane(data: &mut GBufferData, _: usize) {
     let clip_to_view = data.view_to_clip().inverse();
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();

@@ -1,4 +1,4 @@
-//! The frames of a case: what the camera sees in each, what every method reflects there, and the truth.
+//! The frames of a case: the camera's G-buffer, the reflection by every method, and the true reflection.
 
 use crate::error::Result;
 use crate::gpu::frame::Mode;
@@ -17,22 +17,22 @@ use crate::study::error::Variant;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The seed of the truth, which is the same for all frames: a change from frame to frame is no noise.
+/// The seed of the true reflections, equal for all frames, so that a change from frame to frame is no noise.
 const SEED: u64 = 5;
 
-/// What is shown of a case.
+/// Scene and frames of a case.
 pub struct Take {
     /// The scene.
     pub scene: Scene,
-    /// What the camera sees, frame by frame.
+    /// View and moved meshes of each frame.
     pub frames: Vec<Frame>,
-    /// What the case changes about the setup of every method.
+    /// Changes the setup of every method for the case.
     pub set: fn(Setup) -> Setup,
-    /// How often light is reflected in the truth.
+    /// Number of bounces in the true reflection.
     pub bounces: u32,
-    /// Rays a pixel of the truth.
+    /// Rays a pixel of the true reflection.
     pub rays: u32,
-    /// Changes the G-buffer that methods see, frame by frame, and not what is true.
+    /// Changes the G-buffer that methods see, frame by frame; the true reflection is not changed.
     pub spoil: Option<fn(&mut GBufferData, usize)>,
 }
 
@@ -43,14 +43,14 @@ pub struct Frame {
     pub view: View,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// How far the projection shifts the image, in pixels to the right and up.
+    /// Shift of the image by the projection, in pixels to the right and up.
     pub jitter_px: [f32; 2],
-    /// Meshes that have moved, by name: how far, in metres.
+    /// Meshes that have moved, by name, with their offsets in metres.
     pub moved: Vec<(&'static str, Vec3)>,
 }
 
 impl Frame {
-    /// A frame of a scene where nothing has moved.
+    /// A frame of a scene in which nothing has moved.
     pub fn still(view: &View, extent: [u32; 2]) -> Self {
         Self { view: view.clone(), extent, jitter_px: [0.0; 2], moved: Vec::new() }
     }
@@ -61,23 +61,23 @@ impl Frame {
     }
 }
 
-/// What was seen of a frame.
+/// Results of a frame.
 pub struct SeenFrame {
-    /// What the camera sees.
+    /// G-buffer of the frame.
     pub screen: GBufferData,
-    /// The reflection as it should be.
+    /// True reflection of each pixel.
     pub truth: Vec<Vec3>,
-    /// The names of the meshes where each pixel's mirror ray ends; empty where it ends at none or there is no ray.
+    /// Name of the mesh where each pixel's mirror ray ends; empty if it meets no mesh or there is no ray.
     pub ends: Vec<String>,
-    /// Whether the screen shows where each pixel's mirror ray ends.
+    /// Whether the screen shows the point where each pixel's mirror ray ends.
     pub shown: Vec<bool>,
-    /// Where each reflecting pixel's surface is.
+    /// Place of each reflecting pixel's surface.
     pub places: Vec<Option<DVec3>>,
-    /// The reflection that each method shows.
+    /// Reflection by each method.
     pub made: Vec<Vec<Vec3>>,
 }
 
-/// Shows every frame to every variant and to the references. `step` is called after each, and its error ends it.
+/// Shows every frame to every variant and to the references. `step` is called after each frame, and its error ends the work.
 ///
 /// # Errors
 /// Errors of the device, and of `step`.
@@ -94,7 +94,7 @@ pub fn show_frames(
         for (name, offset) in &frame.moved {
             stage.scene_mut().place_meshes(name, *offset)?;
         }
-        // A renderer that changes its size makes its images anew, and loses what earlier frames left in them.
+        // A renderer that changes its size makes new images, and loses the contents of earlier frames.
         let made = match lineup.take().filter(|made| made.extent == frame.extent) {
             Some(made) => made,
             None => Lineup::new(&mut stage, take, frame, variants)?,
@@ -116,12 +116,12 @@ pub fn show_frames(
     Ok(all)
 }
 
-/// The methods, made for frames of one size.
+/// The variants, made for frames of one size.
 struct Lineup {
     extent: [u32; 2],
-    /// The variants on what is drawn.
+    /// Variants as shots, which draw their own G-buffer.
     shots: Vec<Shot>,
-    /// The variants on a G-buffer that is changed on the host, where that is asked for.
+    /// Variants as effects, for a G-buffer that is changed on the host; empty without such changes.
     effects: Vec<Effect>,
 }
 
@@ -147,12 +147,12 @@ impl Lineup {
         Ok(Self { extent: frame.extent, shots, effects })
     }
 
-    /// Shows the methods as many frames at rest as an image at rest takes.
+    /// Draws as many frames at rest as an image at rest takes, so that histories settle.
     fn settle(&self, stage: &mut Stage) -> Result<()> {
         self.shots.iter().try_for_each(|shot| stage.settle(shot))
     }
 
-    /// What a camera sees, which every shot then looks through.
+    /// Sets the camera of every shot, and draws the G-buffer.
     fn draw(&mut self, stage: &mut Stage, camera: Camera) -> Result<GBufferData> {
         self.shots.iter_mut().for_each(|shot| shot.camera = camera);
         let shot = &self.shots[0];
@@ -160,7 +160,7 @@ impl Lineup {
         read(&mut stage.context, shot)
     }
 
-    /// What each variant reflects, on a G-buffer if one is given.
+    /// The reflection by each variant, on the G-buffer `on`, if one is given.
     fn reflect(&self, stage: &mut Stage, take: &Take, on: Option<&GBufferData>) -> Result<Vec<Pixels>> {
         let mut all = Vec::new();
         let Some(data) = on else {
@@ -186,7 +186,7 @@ impl Lineup {
     }
 }
 
-/// What was seen of a frame, with its truth.
+/// Compares the images of a frame with its true reflection.
 fn judge_frame(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
     let mut scene = take.scene.clone();
     for (name, offset) in &frame.moved {
@@ -211,7 +211,7 @@ fn judge_frame(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixe
     }
 }
 
-/// The names of the meshes where mirror rays end.
+/// Name of the mesh where each mirror ray ends.
 fn ends(world: &World, first_hits: &FirstHits) -> Vec<String> {
     let end = |receiver: &Option<Receiver>| {
         let receiver = receiver.as_ref()?;

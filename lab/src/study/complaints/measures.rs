@@ -1,13 +1,14 @@
-//! The numbers of the complaints: differences from the truth over a region, of images or of their changes.
+//! The numbers of the complaints: differences of images, or of their changes over frames, from the true reflection over a
+//! region.
 
 use super::frames::SeenFrame;
 use crate::metrics::flicker::{self, sound};
 use glam::{DVec3, Vec3};
 
-/// The difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
+/// Threshold on the difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
 pub const WRONG: f32 = 0.1;
 
-/// Says which pixels a number is about.
+/// Selects the pixels that a number is computed from.
 pub type Region = fn(&SeenFrame, usize) -> bool;
 
 impl SeenFrame {
@@ -15,12 +16,12 @@ impl SeenFrame {
         self.screen.width as usize
     }
 
-    /// The reflecting pixels among those within some pixels of another one.
+    /// The reflecting pixels within `reach` pixels of a pixel.
     fn around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         self.all_around(pixel, reach).filter(|i| self.screen.reflects(*i))
     }
 
-    /// The pixels within some pixels of another one, along each axis, this one among them.
+    /// All pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
     fn all_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         let (x, y) = (pixel % self.width(), pixel / self.width());
         let to = |position: usize, side: usize| position.saturating_sub(reach)..=(position + reach).min(side - 1);
@@ -29,17 +30,17 @@ impl SeenFrame {
         rows.flat_map(move |y| columns.clone().map(move |x| y * self.width() + x))
     }
 
-    /// Whether the mirror rays of all pixels around end on one mesh, so that none shows an edge.
+    /// Whether the mirror rays of the pixel and its neighbours end on one mesh, so that it shows no edge.
     pub fn is_inner(&self, pixel: usize) -> bool {
         self.is_alike_around(pixel, 1)
     }
 
-    /// Whether the mirror rays of all pixels within some pixels end on one mesh.
+    /// Whether the mirror rays of all pixels within `reach` pixels end on one mesh.
     pub fn is_alike_around(&self, pixel: usize, reach: usize) -> bool {
         self.around(pixel, reach).all(|i| self.ends[i] == self.ends[pixel])
     }
 
-    /// The surface of a reflecting pixel, in metres; the origin for any other.
+    /// The surface of a reflecting pixel, in metres; the origin for any other pixel.
     pub fn place(&self, pixel: usize) -> DVec3 {
         self.places[pixel].unwrap_or_default()
     }
@@ -50,31 +51,31 @@ impl SeenFrame {
     }
 }
 
-/// All reflecting pixels.
+/// Selects all reflecting pixels.
 pub fn everywhere(_: &SeenFrame, _: usize) -> bool {
     true
 }
 
-/// Reflecting pixels that show no edge.
+/// Selects reflecting pixels that show no edge.
 pub fn inner(seen: &SeenFrame, pixel: usize) -> bool {
     seen.is_inner(pixel)
 }
 
-/// Reflecting pixels beside what is close before the camera: within a twelfth of the image's width.
+/// Selects reflecting pixels within a twelfth of the image's width of a surface close to the camera.
 pub fn beside_what_is_close(seen: &SeenFrame, pixel: usize) -> bool {
     let near = seen.screen.camera.lens.near_m;
     seen.all_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
 }
 
-/// Metres within which something is close before the camera.
+/// Distance in metres below which a surface is close to the camera.
 const CLOSE_M: f32 = 2.0;
 
-/// Reflecting pixels that show no edge and whose mirror ray ends at what the screen shows.
+/// Selects reflecting pixels that show no edge, and whose mirror ray ends at a point that the screen shows.
 pub fn inner_and_shown(seen: &SeenFrame, pixel: usize) -> bool {
     seen.is_inner(pixel) && seen.shown[pixel]
 }
 
-/// Whether two colours differ by more than [`WRONG`]; what is no number does.
+/// Whether two colours differ by more than [`WRONG`], or their difference is NaN.
 fn is_wrong(a: Vec3, b: Vec3) -> bool {
     let difference = ((a - b).length_squared() / 3.0).sqrt();
     difference.is_nan() || difference > WRONG
@@ -101,18 +102,17 @@ pub fn wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.last().map_or(0.0, |seen| wrong(seen, variant, region))
 }
 
-/// The greatest of some numbers less the least.
+/// The difference between the greatest and the least of some numbers.
 fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().fold(0.0, f64::max) - values.fold(f64::INFINITY, f64::min)
 }
 
-/// The percentage of wrong pixels in the worst frame less that in the best.
+/// The percentage of wrong pixels in the worst frame, minus that in the best frame.
 pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     spread(all.iter().map(|seen| wrong(seen, variant, region)))
 }
 
-/// The greatest percentage of pixels of a frame whose colour is another than in the first frame, which has the same camera
-/// and size.
+/// The greatest percentage of pixels of a frame whose colour differs from the first frame, which has the same camera and size.
 pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let percentage = |seen: &SeenFrame| {
         let first = &all[0].made[variant];
@@ -121,7 +121,7 @@ pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.iter().skip(1).map(percentage).fold(0.0, f64::max)
 }
 
-/// The error over a region in the last frame: root mean square, in percent of the truth's own.
+/// The error over a region in the last frame: root mean square, in percent of the root mean square of the true reflection.
 pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let Some(seen) = all.last() else { return 0.0 };
     let square = |v: Vec3| f64::from(v.length_squared());
@@ -130,8 +130,8 @@ pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     if whole == 0.0 { 0.0 } else { 100.0 * (error / whole).sqrt() }
 }
 
-/// How much more of a colour than in the truth there is in some pixels, in percent of the colour: the mean over what is redder than
-/// green beyond the truth.
+/// How much more of a colour some pixels have than in the true reflection, in percent of the colour. The measure is the mean
+/// excess of red minus green.
 pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
     let redness = |color: Vec3| f64::from(color.x - color.y);
     let (mut sum, mut count) = (0.0, 0_u32);
@@ -142,7 +142,7 @@ pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usi
     if count == 0 { 0.0 } else { 100.0 * sum / (f64::from(count) * redness(color)) }
 }
 
-/// The changes of an image from one frame to the next, by some rule of what is compared with what.
+/// Computes the changes of an image from one frame to the next; the choice says which pixels are compared.
 pub type Changes = fn([&SeenFrame; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
 
 /// The changes of each pixel that reflects in both frames.
@@ -173,14 +173,14 @@ fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| sum / count)).collect()
 }
 
-/// Sums over the changes of a film.
+/// Sums over the frames of a film.
 #[derive(Default)]
 struct ChangeSums {
-    /// How far the method's changes are off the truth's.
+    /// Mean absolute difference between the method's changes and the true changes.
     off: f64,
-    /// The truth's own changes.
+    /// Mean absolute value of the true changes.
     own: f64,
-    /// The truth's colour, and the method's.
+    /// Mean colour of the true reflection, and of the method's.
     bright: [f64; 2],
 }
 
@@ -201,31 +201,32 @@ impl ChangeSums {
         sums
     }
 
-    /// How far changes are off, in percent of something; none where a method shows less than half of the light that there is,
-    /// since nothing never flickers.
+    /// How far the method's changes are off the true changes, in percent of `whole`. `None` if the method shows less than half
+    /// of the true light, since a missing reflection never flickers.
     fn percent_of(&self, whole: f64) -> Option<f64> {
         let [truth, made] = self.bright;
         (whole > 0.0 && made >= 0.5 * truth).then_some(100.0 * self.off / whole)
     }
 }
 
-/// How far changes from frame to frame are off the truth's: the mean absolute difference over changes and channels, in percent
-/// of the truth's own changes.
+/// How far changes from frame to frame differ from the true changes: the mean absolute difference over changes and channels, in
+/// percent of the true changes.
 pub fn off_change(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::of(all, variant, changes);
     sums.percent_of(sums.own)
 }
 
-/// Finds how far changes are off the truth's in percent of the truth's mean colour, where the truth hardly changes.
+/// How far changes from frame to frame differ from the true changes, in percent of the true mean colour, for films whose true
+/// reflection hardly changes.
 pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::of(all, variant, changes);
     sums.percent_of(sums.bright[0])
 }
 
-/// Colours with every channel at most this are black.
+/// Greatest channel of a colour that counts as black.
 const BLACK: f32 = 0.02;
 
-/// The percentage of pixels, in the worst frame, that are no number, or black where the truth is not.
+/// The percentage of pixels, in the worst frame, that are NaN or infinite, or black although the true reflection is not.
 pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
     let percentage = |seen: &SeenFrame| {
@@ -234,7 +235,7 @@ pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.iter().map(percentage).fold(0.0, f64::max)
 }
 
-/// Whether the truth itself is so dark that black is not wrong.
+/// Whether the true reflection is so dark that black is not wrong.
 fn is_dark(truth: Vec3) -> bool {
     !is_wrong(Vec3::ZERO, truth)
 }
@@ -244,7 +245,7 @@ mod tests {
     use super::*;
     use crate::scene::{Camera, GBufferData, Lens, Surface};
 
-    /// A frame of 4×2 pixels that reflect, with a truth and what a method makes of it.
+    /// A frame of 4×2 reflecting pixels, with a true reflection and the reflection by a method.
     fn seen(truth: [f32; 8], made: [f32; 8]) -> SeenFrame {
         let colors = |values: [f32; 8]| values.map(Vec3::splat).to_vec();
         let screen = GBufferData {

@@ -1,4 +1,4 @@
-//! The pictures of a case: what is seen with the true reflection in it, and with that of each method.
+//! The pictures of a case: the image with the true reflection, and with the reflection by each method.
 
 use super::cases::Complaint;
 use super::frames::SeenFrame;
@@ -11,13 +11,13 @@ use glam::Vec3;
 /// The folder of the pictures.
 pub const FOLDER: &str = "pictures";
 
-/// What the pictures of the truth are called.
+/// Name of the pictures of the true reflection.
 pub const TRUTH: &str = "truth";
 
-/// Frames of a film that are shown in a second.
+/// Frames of a film that are shown per second.
 const FRAMES_PER_SECOND: f32 = 6.0;
 
-/// The file of a case's picture by a method, or of the truth.
+/// The file of a case's picture by a method, or of the true reflection.
 pub fn file(complaint: &Complaint, method: &str) -> String {
     let plain = |text: &str| -> String {
         text.chars().filter(|c| *c != ',').map(|c| if c.is_alphanumeric() { c } else { '-' }).collect()
@@ -26,7 +26,7 @@ pub fn file(complaint: &Complaint, method: &str) -> String {
     format!("{FOLDER}/{}-{}.{ending}", plain(complaint.name), plain(method))
 }
 
-/// The pictures of the truth and of each method, in the order of their names.
+/// The pictures of the true reflection and of each method, in the order of `names`.
 pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
     let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
@@ -39,7 +39,7 @@ pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec
 /// A picture: width and height, and three bytes a pixel.
 type Picture = ([u32; 2], Vec<u8>);
 
-/// What is seen, with a reflection in it that does not fade.
+/// The lit colour with a reflection that does not fade.
 fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
@@ -58,7 +58,7 @@ fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     for y in 0..height {
         for (extent, own) in &pictures {
             let row = 3 * extent[0] as usize;
-            // White, since what is black in a picture has no reflection.
+            // The rest of a column is white, since black means a missing reflection.
             let beside = vec![255; row];
             bytes.extend(own.get(y as usize * row..(y as usize + 1) * row).unwrap_or(&beside));
         }
@@ -66,7 +66,7 @@ fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     Content::Picture([whole, height], bytes)
 }
 
-/// A picture of another size, each of whose pixels is that of the old one at its place.
+/// A picture scaled to another size by the nearest pixel.
 fn enlarged((extent, bytes): &Picture, [width, height]: [u32; 2]) -> Vec<u8> {
     let texel = |x: u32, y: u32| {
         let index = (y * extent[1] / height * extent[0] + x * extent[0] / width) as usize;

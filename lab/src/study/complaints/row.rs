@@ -1,4 +1,4 @@
-//! Rows of the complaints: a case and a method each, with the number that says how much of the complaint there is.
+//! Rows of the complaints: each has a case, a method, and the number that measures the complaint.
 
 use super::cases::COMPLAINTS;
 use super::pictures::{self, TRUTH};
@@ -36,7 +36,7 @@ columns! {
         pub height: u32 = figure(""),
         /// Frames.
         pub frames: usize = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
     }
 }
@@ -66,7 +66,7 @@ impl Row for ComplaintRow {
         ]
     }
 
-    /// The pictures of each case: the truth beside each method.
+    /// The pictures of each case: the true reflection beside each method.
     fn clips(rows: &[Self]) -> Vec<ClipGroup> {
         let group = |case: &String| {
             let here: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
@@ -91,7 +91,7 @@ impl ComplaintRow {
     }
 }
 
-/// Cases and methods.
+/// Makes the table of numbers, by case and method.
 fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
     let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.shown()));
@@ -103,7 +103,7 @@ fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     cells
 }
 
-/// What the cases are about.
+/// Makes the table that describes the cases.
 fn meanings(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let mut cells = vec![["complaint", "what users say", "number"].map(str::to_owned).to_vec()];
     let meaning = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];

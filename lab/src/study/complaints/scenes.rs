@@ -1,5 +1,5 @@
-//! The scenes of the complaints: a few quadrilaterals and boxes each. What is painted shines by itself, so that its colour is the
-//! same from everywhere, and what reflects is black, so that it shows its reflection alone.
+//! The scenes of the complaints, each of a few quadrilaterals and boxes. Painted surfaces emit their colour, so that it is the
+//! same from everywhere. Reflecting surfaces are black, so that they show nothing but their reflection.
 
 use crate::scene::library::builder::MeshBuilder;
 use crate::scene::{Encoding, Lens, Light, Material, Mesh, Scene, Texture, View};
@@ -16,12 +16,12 @@ pub const GREY: Vec3 = Vec3::new(0.5, 0.5, 0.5);
 pub const DARK: Vec3 = Vec3::new(0.04, 0.04, 0.05);
 pub const WHITE: Vec3 = Vec3::new(0.95, 0.95, 0.95);
 
-/// The lens of the cases, with another near and far plane.
+/// The lens of the cases, with the given near and far plane.
 pub fn lens(near_m: f32, far_m: f32) -> Lens {
     Lens::perspective(FIELD_OF_VIEW.to_radians(), near_m, far_m)
 }
 
-/// A scene under construction: meshes with a material each.
+/// A scene under construction: meshes, each with its own material.
 pub struct Parts {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
@@ -32,13 +32,13 @@ impl Parts {
         Self { meshes: Vec::new(), materials: Vec::new() }
     }
 
-    /// A mesh of paint that shines.
+    /// Adds a mesh of paint, which emits its colour.
     pub fn paint(mut self, name: &str, albedo: Vec3, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
         self.add(name, Material { albedo, reflectivity: 0.0, emission: 1.0, ..Material::default() }, shape);
         self
     }
 
-    /// A mesh that reflects.
+    /// Adds a mesh that reflects.
     pub fn mirror(mut self, name: &str, roughness: f32, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
         self.add(name, Material { albedo: Vec3::ZERO, roughness, ..Material::default() }, shape);
         self
@@ -51,7 +51,7 @@ impl Parts {
         self.materials.push(Material { name: name.to_owned(), ..material });
     }
 
-    /// The scene, seen from a place.
+    /// Finishes the scene, with a view from a place.
     pub fn seen(self, name: &str, eye: [f32; 3], look_at: [f32; 3]) -> Scene {
         let view = View { name: name.to_owned(), eye: eye.into(), look_at: look_at.into(), ..View::default() };
         Scene {
@@ -98,7 +98,7 @@ pub fn block(min: [f32; 3], max: [f32; 3]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| mesh.cuboid(min.into(), max.into())
 }
 
-/// A back wall of two colours side by side, so that a reflection that is displaced shows.
+/// A back wall of two colours side by side, so that a displaced reflection is visible.
 fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
     let columns = 24;
     let mut parts = parts;
@@ -113,7 +113,7 @@ fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
     parts
 }
 
-/// A floor that mirrors, blocks that stand on it, and a wall behind.
+/// A mirroring floor, blocks that stand on it, and a wall behind them.
 pub fn blocks(name: &str, roughness: f32) -> Scene {
     let parts = Parts::new()
         .mirror("floor", roughness, floor([-12.0, 12.0], [-2.0, 12.0]))
@@ -123,7 +123,7 @@ pub fn blocks(name: &str, roughness: f32) -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen(name, [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
-/// A tower that hangs behind the end of a floor, with sky between both.
+/// A tower that hangs behind the end of a floor, with sky between tower and floor.
 pub fn sky_gap() -> Scene {
     Parts::new()
         .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 8.0]))
@@ -131,7 +131,7 @@ pub fn sky_gap() -> Scene {
         .seen("sky-gap", [0.0, 1.5, -2.0], [0.0, 1.2, 8.0])
 }
 
-/// Poles before a wall, in a floor and a wall at the side that mirror.
+/// Poles before a wall, reflected in a mirroring floor and a mirroring side wall.
 pub fn poles() -> Scene {
     let pole = |mesh: &mut MeshBuilder, x: f32, z: f32| block([x, 0.0, z], [x + 0.06, 2.6, z + 0.06])(mesh);
     let parts = Parts::new()
@@ -145,7 +145,7 @@ pub fn poles() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("poles", [-0.8, 1.5, -2.0], [0.6, 1.0, 5.0])
 }
 
-/// A floor of gloss, seen from a hand above it.
+/// A glossy floor, seen from a hand's breadth above it.
 pub fn grazing() -> Scene {
     let parts = Parts::new()
         .mirror("floor", 0.3, floor([-12.0, 12.0], [-2.0, 12.0]))
@@ -154,7 +154,7 @@ pub fn grazing() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("grazing", [0.0, 0.25, -2.0], [0.0, 0.3, 5.0])
 }
 
-/// A pillar on a floor that mirrors, which the camera sees from near and from far.
+/// A pillar on a mirroring floor, for cameras near and far.
 pub fn pillar() -> Scene {
     let parts = Parts::new().mirror("floor", 0.0, floor([-30.0, 30.0], [-60.0, 8.0])).paint(
         "pillar",
@@ -164,7 +164,7 @@ pub fn pillar() -> Scene {
     back_wall(parts, 30.0, 12.0, 8.0).seen("pillar", [0.0, 1.5, -4.0], [0.0, 1.0, 2.0])
 }
 
-/// A bright block that hangs before a dark wall, in a floor of gloss.
+/// A bright block that hangs before a dark wall, reflected in a glossy floor.
 pub fn silhouettes() -> Scene {
     Parts::new()
         .mirror("floor", 0.25, floor([-12.0, 12.0], [-2.0, 12.0]))
@@ -174,7 +174,7 @@ pub fn silhouettes() -> Scene {
         .seen("silhouettes", [0.0, 1.5, -2.0], [0.0, 0.8, 4.0])
 }
 
-/// A wall of metal at the side, which is black but for what it reflects, in a floor that mirrors.
+/// A black metal wall at the side that shows only reflections, reflected itself in a mirroring floor.
 pub fn metal() -> Scene {
     let parts = Parts::new()
         .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
@@ -183,7 +183,7 @@ pub fn metal() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("metal", [-0.6, 1.5, -2.0], [0.8, 1.0, 5.0])
 }
 
-/// A block that moves before a wall, on a floor that mirrors.
+/// A block that moves before a wall, on a mirroring floor.
 pub fn moving() -> Scene {
     let parts = Parts::new().mirror("floor", 0.15, floor([-12.0, 12.0], [-2.0, 12.0])).paint(
         "thing",
@@ -193,7 +193,7 @@ pub fn moving() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("moving", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
-/// A weapon close before the camera, above a floor that mirrors.
+/// A weapon close to the camera, above a mirroring floor.
 pub fn weapon() -> Scene {
     let parts = Parts::new()
         .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]))
@@ -202,13 +202,14 @@ pub fn weapon() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("weapon", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
-/// A pane between the camera and a wall, which the scene itself does not have.
+/// A wall for the case of a pane between the camera and the wall; the scene itself has no pane.
 pub fn pane() -> Scene {
     let parts = Parts::new().mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]));
     back_wall(parts, 12.0, 12.0, 12.0).seen("pane", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
-/// A wall of fine stripes, in a floor that bends down with the distance, so that its far part shows more of the wall in each pixel.
+/// A wall of fine stripes, reflected in a floor that bends down with distance, so that its far part shows more of the wall in
+/// each pixel.
 pub fn stripes() -> Scene {
     const RADIUS_M: f32 = 60.0;
     const STRIPES_M: f32 = 0.5;

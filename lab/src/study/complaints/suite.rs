@@ -1,4 +1,4 @@
-//! The study of complaints: a cell for each, in which every method is tried.
+//! The study of complaints: each complaint is a cell, in which every method is tried.
 
 use super::cases::{COMPLAINTS, Complaint};
 use super::frames::{Take, show_frames};
@@ -16,22 +16,21 @@ use crate::study::journal::scene_digest;
 use crate::study::record::{Provenance, recorded};
 use serde_json::json;
 
-/// Width and height of the pictures, and of those of a quick study.
+/// Sizes of the pictures in pixels: of a whole study, and of a quick one.
 const SIZES: [[u32; 2]; 2] = [[240, 136], [120, 68]];
 
-/// Some complaints, and methods that are tried on them.
+/// Some complaints, and the variants that are tried on them.
 pub struct ComplaintStudy {
     cases: Vec<(&'static Complaint, Take)>,
     variants: Vec<(String, Variant)>,
 }
 
 impl ComplaintStudy {
-    /// The study of some methods: in small pictures if `is_quick`, and of the complaints whose name contains some words, if
-    /// they are given. A method that goes on among the scene's triangles where the screen ends is tried on the screen alone as
-    /// well.
+    /// The study of some methods: in small pictures if `is_quick`, and only for complaints whose name contains `words`, if
+    /// given. A method that follows rays among the triangles beyond the screen is also tried on the screen alone.
     ///
     /// # Errors
-    /// [`Error::Usage`] if no complaint has these words in its name.
+    /// [`Error::Usage`] if no complaint has `words` in its name.
     pub fn new(methods: &[&'static MethodInfo], is_quick: bool, words: Option<&str>) -> Result<Self> {
         let size = SIZES[usize::from(is_quick)];
         let chosen = COMPLAINTS.iter().filter(|c| words.is_none_or(|words| c.name.contains(words)));
@@ -47,7 +46,7 @@ impl ComplaintStudy {
         Ok(Self { cases, variants })
     }
 
-    /// The row of a variant with its number.
+    /// The row of a variant, with its number.
     fn row(
         &self,
         gpu: &Gpu,
@@ -77,7 +76,7 @@ impl ComplaintStudy {
     }
 }
 
-/// A method as it is, and on the screen alone where it would go on among triangles.
+/// A method as it is, and also on the screen alone if it would follow rays among the triangles.
 fn variants(method: &'static MethodInfo, setup: &Setup) -> Vec<(String, Variant)> {
     let plain = (method.name.to_owned(), Variant { method, setup: setup.clone() });
     let on_screen = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::None);
@@ -86,7 +85,7 @@ fn variants(method: &'static MethodInfo, setup: &Setup) -> Vec<(String, Variant)
     std::iter::once(plain).chain(has_both.then_some(alone)).collect()
 }
 
-/// A cell is a complaint, by its place.
+/// A cell is a complaint, by its index.
 impl Study for ComplaintStudy {
     type Cell = usize;
     type Row = ComplaintRow;

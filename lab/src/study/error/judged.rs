@@ -13,7 +13,7 @@ use crate::metrics::world;
 use crate::study::columns::{figure, measured_columns};
 use crate::study::record::{Head, RecordSubject};
 
-/// An image, and what it is held against.
+/// An image, with the references that it is compared with.
 struct JudgedImage<'a> {
     truth: &'a Truth,
     reference: &'a Reference,
@@ -57,10 +57,10 @@ impl JudgedImage<'_> {
 
 /// Where a method's rays ended.
 pub(super) struct MethodHits {
-    /// On the screen, in pixels; `None` for a miss. Not of rays that end among the triangles of the scene, whatever the
-    /// screen shows there.
+    /// Ends on the screen, in pixels; `None` for a miss. `positions` is `None` for a method whose rays end among the triangles
+    /// of the scene, even where the screen shows the end.
     pub(super) positions: Option<Vec<Option<[f64; 2]>>>,
-    /// In the world.
+    /// Ends in the world.
     pub(super) ends: Vec<RayEnd>,
 }
 
@@ -113,8 +113,8 @@ impl Record {
         }
     }
 
-    /// The records of a variant's image against each reference; in a cell of mirrors, those of its hits as well. What is
-    /// `on_screen` alone is held against what the screen shows, too.
+    /// The records of a variant's image against each reference; in a cell of mirrors, also the records of its hits. A variant
+    /// that is `on_screen` alone is also compared with the screen reference.
     pub(super) fn against_all(
         &self,
         truth: &Truth,

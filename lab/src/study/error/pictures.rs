@@ -1,4 +1,5 @@
-//! The pictures of a cell: reflection colours, and for methods each error map as numbers and as a picture in FLIP's colours.
+//! The pictures of a cell: reflection colours, and for each method the error maps, as numbers and as pictures in FLIP's
+//! colours.
 
 use super::{MeasuredCell, display};
 use crate::study::exhibit::{Content, ExtraFile};
@@ -17,7 +18,7 @@ pub fn flip_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}-flip.png", safe_word(name))
 }
 
-/// The files of a cell, by its name.
+/// The files of a cell; their names begin with `name`.
 pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
     let image_file = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
     let mut files = Vec::new();

@@ -1,4 +1,4 @@
-//! What the rows of the error study come to over its cells: a point for each variant, and the parts of the error.
+//! Summaries of the error study over its cells: a point for each variant, and the parts of the error.
 
 use super::{ErrorRecord, ErrorReference, ImageError};
 use crate::metrics::pareto::{self, MeasuredPoint};
@@ -12,45 +12,45 @@ use std::collections::BTreeMap;
 /// Name of the floor in tables.
 pub const FLOOR: &str = "floor of the screen";
 
-/// A variant over all cells.
+/// A variant, summarized over all cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Its name.
+    /// Name of the variant.
     pub name: String,
-    /// Median over the cells of its median time.
+    /// Median over the cells of the variant's median time.
     pub time_ms: f64,
-    /// Mean over the cells of its error: the share of wrong hits against the oracle, else the RMSE.
+    /// Mean over the cells of the variant's error: the share of wrong hits against the oracle, else the RMSE.
     pub error: f64,
-    /// Mean over the cells of its place agreement; `None` where no cell has one.
+    /// Mean over the cells of the variant's place agreement; `None` if no cell has one.
     pub place_agreement: Option<f64>,
-    /// Medians over the cells of what it made of the scene before the first frame: bytes on the device, and
-    /// milliseconds. `None` where no record says it.
+    /// Medians over the cells of the data that the variant prepared before the first frame: bytes on the device, and
+    /// milliseconds. `None` if no record has them.
     pub prepared: Option<(f64, f64)>,
     /// Means over the cells of [`more_columns`].
     pub more: Vec<Option<f64>>,
-    /// By how much the time may be smaller or greater, as a share.
+    /// Uncertainty of the time in either direction, as a share.
     pub noise: f64,
-    /// Whether no other variant beats it.
+    /// Whether no other variant is better in both time and error.
     pub on_front: bool,
 }
 
-/// The columns of an image's errors that tables show beside the error itself: those with a header.
+/// The columns of an image's errors that tables show beside the error itself, which are those with a header.
 pub fn more_columns() -> Vec<Column<ImageError>> {
     ImageError::columns().columns.into_iter().filter(|c| !c.title.is_empty()).collect()
 }
 
-/// The mean; `None` of nothing.
+/// The mean; `None` without values.
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Mean over the cells of the screen's floor; `None` where no cell has one.
+/// Mean over the cells of the screen's floor; `None` if no cell has one.
 pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
-    // Every method of a cell has the same.
+    // Every method of a cell has the same floor.
     mean(&records.iter().filter_map(|r| r.floor).collect::<Vec<_>>())
 }
 
-/// The error of a record in the plot of its reference.
+/// The error of a record, as plotted for its reference.
 fn error(record: &ErrorRecord) -> Option<f64> {
     match record.against {
         ErrorReference::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
@@ -58,7 +58,7 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
-/// The values of a variant over the cells: times, their noise, errors, places, bytes, milliseconds, and those of
+/// The values of a variant over the cells: times, their noise, errors, place agreements, bytes, milliseconds, and the values of
 /// [`more_columns`].
 type VariantValues = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
 
@@ -68,8 +68,8 @@ fn noise_of(record: &ErrorRecord) -> Option<f64> {
     Some(half / record.time_ms?).filter(|share| share.is_finite())
 }
 
-/// By how much the median time over some cells may be off, as a share: what strays in each cell by itself strays less over
-/// many. Records that do not say it, of few frames or of an earlier version, are taken to differ by what counts for a verdict.
+/// Uncertainty of the median time over some cells, as a share; independent noise averages out over many cells. Half the
+/// threshold of a verdict is used if some records have no noise, because they have few frames or are older.
 fn noise(of_cells: &[f64], cells: usize) -> f64 {
     if of_cells.len() < cells {
         return THRESHOLD / 2.0;
@@ -77,8 +77,8 @@ fn noise(of_cells: &[f64], cells: usize) -> f64 {
     Stats::of(of_cells).median_ms / (cells as f64).sqrt()
 }
 
-/// One point a variant against a reference, over some records, in order of time. A variant with an
-/// error that is not finite is left out.
+/// One point a variant against a reference, from some records, in order of time. A variant with an error that is not finite is
+/// left out.
 pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     let columns = more_columns();
     let mut all: Vec<VariantValues> = Vec::new();
@@ -125,8 +125,8 @@ pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     points
 }
 
-/// What the error consists of: a row a method and reference, and one for the floor; a column a roughness; medians over the
-/// views. A method is shown by its base variant, the first in the records.
+/// The parts of the error: a row for each method and reference, and one for the floor; a column for each roughness; medians
+/// over the views. A method is represented by its base variant, the first in the records.
 pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
     let mut bases = BTreeMap::new();
     for r in records {

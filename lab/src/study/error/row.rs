@@ -1,5 +1,5 @@
-//! The rows of the error study, and what they come to: run time against error for each reference, and the parts of the
-//! error by roughness.
+//! The rows of the error study and their summaries: run time against error for each reference, and the parts of the error by
+//! roughness.
 
 use super::ImageError;
 use super::points::{self, FLOOR, Point};
@@ -14,16 +14,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// What a figure is held against.
+/// Reference that a figure is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Against", rename_all = "lowercase")]
 pub enum ErrorReference {
     /// Hits against the oracle, in the record's version; mirrors only.
     Oracle,
-    /// The image against the screen reference of that version, in which a miss is black; not for what
-    /// sees more than the screen.
+    /// The image against the screen reference of the record's version of the oracle, in which a miss is black; not for variants
+    /// that see more than the screen.
     Screen,
-    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment.
+    /// Hits (mirrors only) and the image against the triangles. A ray that leaves the scene brings the environment.
     World,
 }
 
@@ -71,14 +71,14 @@ columns! {
     }
 }
 
-/// The three references with what their charts show.
+/// The three references, with their names and the vertical axes of their charts.
 const REFERENCES: [(ErrorReference, &str, &str); 3] = [
     (ErrorReference::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
     (ErrorReference::Screen, "screen", "RMSE against the screen reference"),
     (ErrorReference::World, "world", WORLD_AXIS),
 ];
 
-/// What an error against the world is called.
+/// The vertical axis of error against the world.
 const WORLD_AXIS: &str = "RMSE against the world reference";
 
 /// The horizontal axis of run time against error.
@@ -105,7 +105,7 @@ impl Row for ErrorRecord {
         &self.head.program
     }
 
-    /// The points of every reference with the front.
+    /// The tables of points for every reference, which mark the front.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let cells = rows.iter().map(cell_of).collect::<BTreeSet<_>>().len();
         let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
@@ -122,7 +122,7 @@ impl Row for ErrorRecord {
         if rows.is_empty() { Vec::new() } else { vec![source_table(&one_of_each(rows))] }
     }
 
-    /// One chart for each reference that the rows have, and one of bytes where they differ.
+    /// One chart for each reference that the rows have, and one for prepared bytes if they differ.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let chart = |(against, name, axis): (ErrorReference, &str, &str)| {
             let points = points::points(rows, against);
@@ -138,7 +138,8 @@ impl Row for ErrorRecord {
     }
 }
 
-/// What is prepared against the error, where there is more than one size of it: one size alone is a column of the table.
+/// Chart of prepared bytes against error; `None` if all variants prepared the same number of bytes, which is then a column of
+/// the table alone.
 fn bytes_against_error(points: &[Point]) -> Option<Chart> {
     let cost = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
     let points: Vec<&Point> = points.iter().filter(|p| cost(p) > 0.0).collect();
@@ -161,7 +162,7 @@ fn cell_of(r: &ErrorRecord) -> String {
     cell_name(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
 }
 
-/// Keeps the first record of each figure that several devices measured: an error is the same on all devices.
+/// Keeps the first record of each figure that several devices measured, since an error is the same on all devices.
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let is_first = |r: &&ErrorRecord| {
@@ -171,15 +172,15 @@ fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     records.iter().filter(is_first).cloned().collect()
 }
 
-/// What is beside errors against the world.
+/// The floor, which is shown beside errors against the world alone.
 fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
     points::floor(records).filter(|_| against == ErrorReference::World)
 }
 
-/// Bytes of a MiB.
+/// Number of bytes in a MiB.
 const MIB: f64 = (1 << 20) as f64;
 
-/// One row a point, and below them the floor. Places, and what was prepared, are columns where a point has any.
+/// One row a point, and below them the floor. Place agreement and prepared data have columns if a point has any.
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
@@ -208,7 +209,7 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
 }
 
-/// What the error consists of, with the words that explain it.
+/// The table of the parts of the error, with its description.
 pub fn source_table(records: &[ErrorRecord]) -> Table {
     Table::new(
         "sources",

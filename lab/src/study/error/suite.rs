@@ -1,4 +1,4 @@
-//! The cells of the error study: scene, view, size and roughness. A cell is all variants, which are timed in turn.
+//! The cells of the error study: scene, view, size and roughness. In a cell all variants are timed in turn.
 
 use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
 use crate::error::Result;
@@ -9,7 +9,7 @@ use crate::study::journal::scene_digest;
 use crate::study::names::cell_name;
 use serde_json::json;
 
-/// Each view at each size with each of the global factors.
+/// The study: each view, at each size, with each of the global factors.
 pub struct ErrorStudy {
     scenes: Vec<StudiedScene>,
     sizes: Vec<[u32; 2]>,
@@ -28,12 +28,13 @@ struct StudiedScene {
     variants: Vec<Variant>,
 }
 
-/// A cell: the numbers of its scene and of the view there, the size, and the factors.
+/// A cell: the indices of its scene and of the view in the scene, the size, and the factors.
 pub type ErrorCell = (usize, usize, [u32; 2], Globals);
 
 impl ErrorStudy {
-    /// The study of some scenes with their views, of some variants, with so many timed frames of each, at least one, and
-    /// so many rays a pixel of the references, at least two. In a scene that lacks what a method needs, the method is left out.
+    /// The study of some scenes with their views, and of some variants. Each variant gets a number of timed frames, at least
+    /// one; the references get a number of rays a pixel, at least two. A method is left out in a scene that lacks what it
+    /// needs.
     pub fn new(
         scenes: Vec<(Scene, Vec<View>)>,
         sizes: Vec<[u32; 2]>,

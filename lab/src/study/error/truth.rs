@@ -1,4 +1,4 @@
-//! The references of a cell: hits and image of the screen by each version of the oracle, and of the world.
+//! The references of a cell: hits and image of the screen by each version of the oracle, and hits and image of the world.
 
 use super::{ErrorSpec, display};
 use crate::error::Result;
@@ -15,7 +15,7 @@ use crate::scene::{GBufferData, Material};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Rays a pixel of the world reference between two chances to stop.
+/// Rays a pixel of the world reference that are traced between two calls of `go_on`.
 const RAYS_AT_ONCE: u32 = 8;
 
 /// The seed of the world references.
@@ -26,18 +26,18 @@ pub(super) struct Truth {
     pub(super) data: GBufferData,
     /// Reflecting pixels.
     pub(super) mask: Vec<bool>,
-    /// Whether every one of them is a mirror; only then do hits compare.
+    /// Whether every reflecting pixel is a mirror; only then are hits compared.
     pub(super) mirrors: bool,
-    /// What the screen shows, by each version of the oracle that a variant is held against.
+    /// The references in screen space, by each version of the oracle that a variant is compared with.
     pub(super) screens: Vec<ScreenTruth>,
-    /// Where the mirror rays end in the world; none unless all are mirrors.
+    /// Where the mirror rays end in the world; empty unless all reflecting pixels are mirrors.
     pub(super) world_hits: Vec<WorldHit>,
     pub(super) world: Reference,
     /// The RMSE of the screen's floor.
     pub(super) floor: f64,
 }
 
-/// The references in screen space, by a version of the oracle.
+/// The references in screen space, by one version of the oracle.
 pub(super) struct ScreenTruth {
     pub(super) version: OracleVersion,
     /// Hits of the mirror rays: pixel x, pixel y and reversed depth.
@@ -46,7 +46,8 @@ pub(super) struct ScreenTruth {
 }
 
 impl Truth {
-    /// What the screen shows by a version; one that no variant is held against is the first one's.
+    /// The references in screen space by a version of the oracle; those of the first listed version if no variant is compared
+    /// with `version`.
     pub(super) fn screen(&self, version: OracleVersion) -> &ScreenTruth {
         self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
     }
@@ -59,7 +60,8 @@ pub(super) struct Reference {
     pub(super) standard_error: f64,
 }
 
-/// The references of the G-buffer that the variants see. `go_on` is called between two steps, and its error ends it.
+/// Computes the references for the G-buffer that the variants see. `go_on` is called between two steps, and its error ends the
+/// computation.
 pub(super) fn truth(
     spec: &ErrorSpec,
     data: GBufferData,

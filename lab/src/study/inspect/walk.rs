@@ -24,27 +24,26 @@ pub struct VisitedCell {
     pub level: u32,
     /// Column and row of the cell in its level.
     pub place: Vec2,
-    /// Its top left and bottom right corners, in pixels.
+    /// Top left and bottom right corners of the cell, in pixels.
     pub corners: [Vec2; 2],
     /// The nearest depth in the cell.
     pub nearest: f32,
     /// The ray's depth after the step.
     pub ray: f32,
-    /// Whether the ray went on to the next cell. Otherwise it met the content of this one, and the level went
-    /// down.
+    /// Whether the ray went on to the next cell. Otherwise it met the content of this cell, and the walk went down a level.
     pub crossed: bool,
 }
 
 /// How a ray's path ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WalkEnd {
-    /// It hit a cell of level 0.
+    /// The ray hit a cell of level 0.
     Hit,
-    /// It left the visible volume.
+    /// The ray left the visible volume.
     Left,
-    /// It met a block from behind.
+    /// The ray met a block from behind.
     Behind,
-    /// It ran out of iterations.
+    /// The ray ran out of iterations.
     Exhausted,
 }
 
@@ -84,7 +83,8 @@ impl Walk {
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
-            // If the ray meets a cell, the next cell to be visited is inside it.
+            // A ray that meets a cell stands at its entry, since the next visited cell is inside; otherwise it stands at the
+            // exit.
             let stands = ray.at(visit.span[usize::from(!visit.meets)]);
             way.push(stands.xy());
             cells.push(VisitedCell {

@@ -1,22 +1,22 @@
-//! What each run changed: its total times beside those of an earlier run, judged as `ssct compare` judges them. The
+//! Changes from run to run: the total times of each run are compared with those of an earlier run, as `ssct compare` does. The
 //! earlier run is the latest one on the same device that timed something in common.
 
 use super::LibraryRun;
 use crate::study::compare::{self, Run, TOTAL, TimeComparison, TimeSample};
 use std::sync::Arc;
 
-/// A run beside an earlier one.
+/// A run compared with an earlier one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunChange {
     /// Index of the earlier run in the library.
     pub before: usize,
     /// Index of the later run.
     pub after: usize,
-    /// A record for each total that both have.
+    /// A record for each total that both runs have.
     pub totals: Vec<TimeComparison>,
 }
 
-/// The change of each run that has one, in the order of the library. Threshold: 0 ≤ t < 1.
+/// The change of each run that has an earlier run to compare with, in the order of the library. Threshold: 0 ≤ t < 1.
 pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     let mut found = Vec::new();
     for (after, run) in library.iter().enumerate() {
@@ -33,7 +33,7 @@ pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     found
 }
 
-/// A run's frames as one sample each: the sum of the counted passes, under the name of the total.
+/// Reduces each frame of a run to one sample: the sum of the counted passes, under the name of the total.
 pub fn totals_only(run: Run) -> Run {
     let frame = |rows: &[TimeSample]| {
         let first = rows.iter().find(|row| row.counted)?;
@@ -41,7 +41,7 @@ pub fn totals_only(run: Run) -> Run {
             subject: Arc::clone(&first.subject),
             sample: first.sample,
             pass: TOTAL.to_owned(),
-            // The comparison would make another total of counted rows.
+            // The comparison would add counted rows up to another total.
             counted: false,
             ms: rows.iter().filter(|row| row.counted).map(|row| row.ms).sum(),
             floors: [first.floors[1]; 2],

@@ -1,5 +1,5 @@
-//! Reads records as any commit since the first has written them. Older records lack some fields of newer ones, so that
-//! each is read from plain JSON as far as it goes.
+//! Reads records as any commit since the first has written them. Older records lack some fields of newer ones, so that each
+//! field is read from plain JSON if it is present.
 
 use super::{Measurement, Quantity, Setting};
 use crate::gpu::DeviceInfo;
@@ -13,7 +13,7 @@ use serde_json::Value as Json;
 /// The kinds of records that the studies write.
 pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
 
-/// Settings that older records have at their top, and newer ones in their setup.
+/// Settings that older records have at their top level, and newer records in their setup.
 const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
 
 /// Settings that belong to the place of a measurement and not to its method.
@@ -24,19 +24,19 @@ const OF_THE_PLACE: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity
 pub struct ReadRecord {
     /// One of [`KINDS`].
     pub kind: String,
-    /// "VERSION, commit COMMIT".
+    /// Program, as "VERSION, commit COMMIT".
     pub program: String,
     /// Version of the definitions.
     pub definitions: u32,
     /// Device.
     pub device: DeviceInfo,
-    /// The record's figures. Their device has the number 0: there is but this one.
+    /// The record's figures. The index of the device is 0, since a record has one device.
     pub measurements: Vec<Measurement>,
-    /// For a record of the stress study: whether the case passed.
+    /// Whether the case passed, in a record of the stress study.
     pub passed: Option<bool>,
 }
 
-/// Whether the objects of a file are records of the studies, by the kind of the first.
+/// Whether a file has records of the studies, judged by the kind of its first object.
 pub fn are_records(objects: &[Json]) -> bool {
     objects.first().and_then(|first| first["kind"].as_str()).is_some_and(|kind| KINDS.contains(&kind))
 }
@@ -44,7 +44,7 @@ pub fn are_records(objects: &[Json]) -> bool {
 /// Reads a record.
 ///
 /// # Errors
-/// What the record lacks, as the end of a sentence that begins with the record.
+/// The part that the record lacks, as the end of a sentence that begins with the record.
 pub fn record(json: &Json) -> Result<ReadRecord, String> {
     let kind = json["kind"].as_str().filter(|kind| KINDS.contains(kind)).ok_or("has no kind that is known")?;
     let device = DeviceInfo::deserialize(&json["device"]).map_err(|_| "has no device")?;
@@ -88,7 +88,7 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     let number = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
     let found = match (kind, json["against"].as_str()) {
         ("time", _) => vec![(Quantity::Time, number("/total/median_ms"))],
-        // The time of a cell stands in each of its records.
+        // Each record of a cell has the time of the cell, so that one of them is enough.
         ("error", Some("oracle")) => {
             let wrong = number("/hit_agreement").map(|right| (1.0 - right).max(0.0));
             vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, number("/time_ms"))]
@@ -127,7 +127,7 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     })
 }
 
-/// All that was set, from each part of a record that may hold settings.
+/// Everything that was set for a measurement, collected from each part of a record that may hold settings.
 fn setup(json: &Json) -> RecordedSetup {
     let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
     let mut all: RecordedSetup = top.collect();
@@ -149,8 +149,8 @@ fn setting(head: &Head) -> Setting {
     }
 }
 
-/// The method with its parameters that differ from the preset. The presets of a method from a folder are not known
-/// here, so all of its parameters are named.
+/// The method, with its parameters that differ from the preset. The presets of a method from a folder are not known here, so
+/// that all of its parameters are named.
 fn method(head: &Head) -> String {
     if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
         return head.variant();

@@ -49,7 +49,7 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
     run
 }
 
-/// A trend's figure, runs and lines.
+/// The quantity, runs and lines of a trend.
 type Shown = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
 
 fn shown(library: &[LibraryRun]) -> Vec<Shown> {
@@ -66,7 +66,7 @@ fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
         });
         run("r", &records.collect::<Vec<_>>())
     };
-    // The second machine is ten times as slow, which no ratio shows.
+    // The second machine is ten times as slow, which must not change any ratio.
     let library = [library_run(1.0, [0.5, 0.75, 2.0]), library_run(10.0, [0.5, 0.25, 0.5])];
     let expected = vec![("unified".to_owned(), vec![Some(0.75), Some(0.5)])];
     assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
@@ -79,7 +79,7 @@ fn no_line_joins_devices_views_or_settings() {
     };
     assert_eq!(shown(&[pair("one", "a"), pair("two", "a")]), [], "devices");
     assert_eq!(shown(&[pair("one", "a"), pair("one", "b")]), [], "views");
-    // In a run of two devices, a method's base is the one on its own device.
+    // In a run with two devices, times are divided by the base method's time on the same device.
     let merged = run("r", &[time_record("one", "a", "ssct", 10.0), time_record("two", "a", "unified", 5.0)]);
     assert_eq!(shown(&[merged.clone(), merged]), [], "a ratio across devices");
     let mut other = time_record("one", "a", "unified", 5.0);
@@ -90,7 +90,7 @@ fn no_line_joins_devices_views_or_settings() {
     older["definitions"] = 1.into();
     let older = run("r", &[older, time_record("one", "a", "ssct", 10.0)]);
     assert_eq!(shown(&[pair("one", "a"), older]), [], "definitions");
-    // A parameter makes another method.
+    // Another value of a parameter makes another method.
     let mut varied = time_record("one", "a", "unified", 5.0);
     varied["setup"]["resolution_scale"] = 0.5.into();
     let varied = run("r", &[varied, time_record("one", "a", "ssct", 10.0)]);
@@ -154,7 +154,7 @@ fn an_older_record_is_read_as_far_as_it_goes() {
     );
 }
 
-/// Frames of two counted passes and one that does not count; `factor` is on the counted ones.
+/// Frames of two counted passes and one that does not count; `factor` multiplies the counted times.
 fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
     let said = [("scene", "rooms"), ("view", "a"), ("method", "ssct")].map(|(n, v)| (n.to_owned(), v.to_owned()));
     let subject = Arc::new(Subject(said.into_iter().collect()));
@@ -197,7 +197,7 @@ fn a_change_is_judged_as_compare_judges_the_total() {
     let verdicts: Vec<_> =
         found.iter().map(|c| (c.before, c.after, c.totals.iter().map(|t| t.verdict).collect::<Vec<_>>())).collect();
     assert_eq!(verdicts, [(0, 4, vec![Some(Verdict::Slower)]), (1, 5, vec![Some(Verdict::Same)])]);
-    // The numbers are those that a comparison of all passes has for the total.
+    // The figures must equal those for the total in a comparison of all passes.
     let whole = times(&frames(Some(one.clone()), 1.0), &frames(Some(one), 2.0), 0.05);
     let total = whole.iter().find(|r| r.pass == TOTAL).expect("a total");
     let figures =

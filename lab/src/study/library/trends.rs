@@ -12,11 +12,11 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Trend {
     /// Device.
     pub device: DeviceInfo,
-    /// Where it was measured, except for the views.
+    /// Setting of the measurements, without the views.
     pub setting: Setting,
     /// The views. Each value of a line is the median over them.
     pub views: Vec<String>,
-    /// What was measured.
+    /// Quantity that was measured.
     pub quantity: Quantity,
     /// Indices of the runs in the library, ascending; at least two.
     pub runs: Vec<usize>,
@@ -24,25 +24,25 @@ pub struct Trend {
     pub lines: Vec<TrendLine>,
 }
 
-/// A method over the runs of its trend.
+/// The values of a method over the runs of its trend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrendLine {
     /// The method and its parameters.
     pub method: String,
-    /// For each run of the trend its value, ≥ 0; `None` where the run did not measure it. At least two are there.
+    /// Value for each run of the trend, ≥ 0; `None` where the run did not measure it. At least two values are present.
     pub values: Vec<Option<f64>>,
 }
 
 /// The values of one method in one run, by view.
 type Views = BTreeMap<String, f64>;
 
-/// What a trend is of: the index of its device, the setting, the views and the quantity.
+/// Key of a trend: the index of its device, the setting, the views and the quantity.
 type Place = (usize, Setting, Vec<String>, Quantity);
 
-/// For each method its values, by the index of the run.
+/// The values of each method, by the index of the run.
 type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
 
-/// All trends of a library, with times over those of a base method.
+/// All trends of a library, with times divided by those of a base method.
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
     let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
@@ -59,7 +59,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
         }
     }
     let trend = |((device, setting, views, quantity), mut methods): (Place, Methods)| {
-        // The base over itself is always 1.
+        // The base method divided by itself is always 1, and tells nothing.
         methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
         let runs: BTreeSet<usize> = methods.values().flat_map(|values| values.keys().copied()).collect();
         let line = |(method, values): (String, BTreeMap<usize, f64>)| TrendLine {
@@ -101,8 +101,8 @@ fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<Stri
     cells
 }
 
-/// The values of errors as they are; those of times over the base's, in the views that both have. `None` if no view is
-/// left.
+/// The values of errors unchanged, and those of times divided by the base method's, in the views that both have. `None` if no
+/// view is left.
 fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
     if !quantity.is_time() {
         return Some(views.clone());

@@ -1,4 +1,4 @@
-//! Why a pixel is as it is, in sentences.
+//! Reasons for a pixel's colour, in sentences.
 
 use super::{MethodEnd, OracleEnd, PixelReport, WorldEnd};
 use crate::metrics::hits::HitVerdict;
@@ -7,8 +7,8 @@ use crate::metrics::world::is_same_place;
 use crate::reference::MissReason;
 use crate::reference::pixel::{EstimatedColor, UnseenReason};
 
-/// The sentences of a pixel. `is_sky_surface` says that its mesh shows the environment; `traces_lobes`, that the method's own
-/// ray of a rough pixel is not the mirror ray.
+/// The sentences of a pixel. `is_sky_surface` says that the pixel's mesh shows the environment. `traces_lobes` says that the
+/// method's ray of a rough pixel is not the mirror ray.
 pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
     if !report.surface.reflects {
         return vec![not_reflecting(report, is_sky_surface)];
@@ -66,7 +66,7 @@ fn verdict(report: &PixelReport) -> String {
     }
 }
 
-/// Where the ray ends in the world, and what hides that place.
+/// Where the ray ends in the world, and what hides that place from the screen.
 fn world(end: &WorldEnd) -> String {
     let Some(mesh) = &end.mesh else { return "In the world the ray meets nothing: it ends in the sky.".to_owned() };
     let length = end.length_m.unwrap_or_default();
@@ -105,9 +105,9 @@ pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'stat
     }
 }
 
-/// How the method's end differs from the oracle's, and from the world's.
+/// How the end of the method's ray differs from that of the oracle's ray, and from the end in the world.
 fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
-    // Beyond the screen the oracle of the screen has nothing to say.
+    // The screen's oracle says nothing about rays that went beyond the screen.
     let went_on = own.place_m.is_some() && !own.hits_screen;
     let place = own.pixel.map(|p| p.map(f64::from));
     let say = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
@@ -144,7 +144,7 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
     })
 }
 
-/// Why the colour of a mirror's pixel is wrong though its ray ends right and nothing of it fades.
+/// Why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does not fade.
 fn color(report: &PixelReport) -> Option<String> {
     let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
     let place = own.pixel.map(|p| p.map(f64::from));
@@ -158,16 +158,16 @@ fn color(report: &PixelReport) -> Option<String> {
     })
 }
 
-/// What the fade leaves.
+/// The share of the reflection that the fade leaves, if it is partial.
 fn fade(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
-    // A fade is stored as a float of 16 bits, so that one of 1 may be a little less.
+    // A fade is stored as a 16-bit float, so that a fade of 1 may be read as a little less.
     let is_partial = is_hit && (0.0..0.995).contains(&fade);
     is_partial.then(|| format!("The fade at the picture's border leaves {:.0} % of the reflection.", 100.0 * fade))
 }
 
-/// Whether a reflection is wrong that would be right without its fade.
+/// Whether the reflection is wrong, and would be right without its fade.
 fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
     let colors = &report.colors;
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
@@ -178,7 +178,7 @@ fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
     is_wrong && fade(report).is_some() && without_fade == PixelVerdict::Right
 }
 
-/// How a ray ends that hits nothing on the screen.
+/// How a ray ends that hits nothing on the screen, in words.
 pub(super) fn miss(reason: MissReason, behind: bool) -> &'static str {
     match (reason, behind) {
         (MissReason::NoRay, _) => "has no ray",

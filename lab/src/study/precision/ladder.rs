@@ -1,4 +1,4 @@
-//! The ladder of formats over the views: for each method its rungs, a table of them, and charts of bytes against error.
+//! The ladder of formats over the views: the rungs of each method, a table of all rungs, and charts of bytes against error.
 
 use super::{PrecisionRecord, Storage};
 use crate::metrics::pareto;
@@ -9,20 +9,20 @@ use crate::study::names::{roughness as roughness_name, safe_word};
 use crate::study::record::Provenance;
 use serde_json::Value;
 
-/// What a rung comes to for a method over the views.
+/// A rung's results for a method over the views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
     /// The formats.
     pub storage: Storage,
-    /// Mean share of wrong hits, mirrors.
+    /// Mean share of wrong hits, for mirrors.
     pub wrong_hits: Option<f64>,
-    /// The greatest of a view.
+    /// Greatest share of wrong hits in a view.
     pub wrong_hits_worst: Option<f64>,
     /// Mean RMSE of each roughness, in the order of [`roughness_values`].
     pub rmse: Vec<f64>,
 }
 
-/// The roughness values of some records, in the order of their first.
+/// The roughness values of some records, in the order in which they first appear.
 pub fn roughness_values(records: &[PrecisionRecord]) -> Vec<Option<f32>> {
     distinct(records.iter().map(|r| r.head.roughness))
 }
@@ -66,7 +66,7 @@ impl Row for PrecisionRecord {
         vec![Table { id: "table", about: ABOUT.to_owned(), cells: cells(rows), ..Table::default() }]
     }
 
-    /// For each method: wrong hits, and the RMSE of each roughness.
+    /// Charts for each method: wrong hits, and the RMSE of each roughness.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let mut charts = Vec::new();
         let mut add = |stem: String, title: String, points: Vec<(Storage, f64)>| {
@@ -115,7 +115,7 @@ fn methods(records: &[PrecisionRecord]) -> Vec<&str> {
     distinct(records.iter().map(|r| r.head.method.as_str()))
 }
 
-/// One row a rung; for each method its wrong hits (mean and worst view) and its RMSE by roughness.
+/// One line a rung, with the wrong hits (mean and worst view) and the RMSE by roughness of each method.
 fn cells(records: &[PrecisionRecord]) -> Vec<Vec<String>> {
     let methods: Vec<(&str, Vec<Rung>)> = methods(records).into_iter().map(|m| (m, rungs(records, m))).collect();
     let roughness = roughness_values(records);

@@ -1,4 +1,4 @@
-//! What formats make of a G-buffer's numbers, and the ladder of formats that is climbed.
+//! Rounding of a G-buffer's numbers by storage formats, and the ladder of formats that is measured.
 
 use super::ExactGBuffer;
 use crate::math::{linear_to_srgb, srgb_to_linear};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Bytes of reflectivity and roughness, two 16-bit floats: the same on every rung.
 const MATERIAL_BYTES: u32 = 4;
 
-/// How depth is stored. In fixed point, standard and reversed depth are the same steps from the other end.
+/// Format of depth. Fixed point has the same steps for standard and reversed depth, counted from opposite ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DepthFormat {
@@ -41,7 +41,7 @@ impl DepthFormat {
         }
     }
 
-    /// What is read again, as reversed depth, of a reversed depth of 0…1.
+    /// The value that is read back, as reversed depth, after storing a reversed depth of 0…1.
     pub fn store(self, reversed: f64) -> f32 {
         let fixed = |steps: f64| ((reversed * steps).round() / steps) as f32;
         match self {
@@ -53,7 +53,7 @@ impl DepthFormat {
     }
 }
 
-/// How normals are stored.
+/// Format of normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFormat {
@@ -86,7 +86,7 @@ impl NormalFormat {
         }
     }
 
-    /// What is read again of a normal; not quite of unit length where that is so in the format.
+    /// The normal that is read back after storing one; its length is not exactly 1 if the format rounds it.
     pub fn store(self, normal: Vec3) -> Vec3 {
         let fixed = |v: f32, steps: f32| unit_steps(0.5 + 0.5 * v, steps) * 2.0 - 1.0;
         let store = |v: f32| match self {
@@ -99,7 +99,7 @@ impl NormalFormat {
     }
 }
 
-/// How the lit colour is stored.
+/// Format of the lit colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorFormat {
@@ -135,7 +135,7 @@ impl ColorFormat {
         }
     }
 
-    /// What is read again of a linear colour.
+    /// The colour that is read back after storing a linear colour.
     pub fn store(self, color: Vec3) -> Vec3 {
         match self {
             Self::Rgba32f => color,
@@ -153,17 +153,17 @@ fn half(v: f32) -> f32 {
     half::f16::from_f32(v).to_f32()
 }
 
-/// The nearest of so many steps of 0…1.
+/// The nearest multiple of 1 / `steps` in 0…1.
 fn unit_steps(v: f32, steps: f32) -> f32 {
     (v.clamp(0.0, 1.0) * steps).round() / steps
 }
 
-/// The nearest float of 5 bits of exponent (as in 16-bit floats), some bits of mantissa and no sign;
-/// negative numbers become 0, great ones the greatest.
+/// The nearest unsigned float with 5 bits of exponent (as in 16-bit floats) and `mantissa_bits` bits of mantissa. Negative
+/// numbers become 0, and numbers out of range the greatest float.
 fn unsigned_float(v: f32, mantissa_bits: i32) -> f32 {
     let v = f64::from(v).max(0.0);
     let greatest = (2.0 - 2.0_f64.powi(-mantissa_bits)) * 2.0_f64.powi(15);
-    // Below 2⁻¹⁴ the steps stay as they are there: denormals.
+    // Denormals below 2⁻¹⁴ all have the step of the exponent −14.
     let exponent = v.log2().floor().clamp(-14.0, 15.0) as i32;
     let step = 2.0_f64.powi(exponent - mantissa_bits);
     ((v / step).round() * step).min(greatest) as f32
@@ -181,11 +181,11 @@ pub struct Storage {
 }
 
 impl Storage {
-    /// The finest: where the ladder begins.
+    /// The finest formats, with which the ladder begins.
     pub const FINEST: Self =
         Self { depth: DepthFormat::F32Reversed, normal: NormalFormat::Rgba32f, color: ColorFormat::Rgba32f };
 
-    /// What [`crate::passes::gbuffer`] has.
+    /// The formats of [`crate::passes::gbuffer`].
     pub const OWN: Self = Self { normal: NormalFormat::Rgba16f, color: ColorFormat::Rgba16f, ..Self::FINEST };
 
     /// Bytes of a pixel, reflectivity and roughness included.
@@ -193,7 +193,7 @@ impl Storage {
         self.depth.bytes() + self.normal.bytes() + self.color.bytes() + MATERIAL_BYTES
     }
 
-    /// What differs from [`Storage::FINEST`], by name.
+    /// The formats that differ from [`Storage::FINEST`], by name.
     pub fn name(self) -> String {
         let finest = Self::FINEST;
         let parts = [
@@ -205,7 +205,7 @@ impl Storage {
         if parts.is_empty() { "all 32-bit float".into() } else { parts.join(", ") }
     }
 
-    /// A G-buffer as it is read again.
+    /// The G-buffer that is read back after storing the exact one.
     pub fn store(self, exact: &ExactGBuffer) -> GBufferData {
         GBufferData {
             depth: exact.depth.iter().map(|d| self.depth.store(*d)).collect(),
@@ -215,7 +215,7 @@ impl Storage {
         }
     }
 
-    /// The rungs: the finest, each coarser format by itself, this project's own, and smaller ones together.
+    /// The rungs: the finest, each coarser format by itself, this project's own formats, and several coarser formats combined.
     pub fn ladder() -> Vec<Self> {
         use ColorFormat as C;
         use DepthFormat as D;
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn each_depth_is_off_by_what_its_format_says() {
-        // Surfaces from 50 to 150 m of near 0.1 and far 1000; the greatest error there.
+        // Surfaces from 50 to 150 m, with near plane 0.1 and far plane 1000; the greatest error is compared.
         let reversed = |z: f64| 0.1 * (1000.0 - z) / (z * (1000.0 - 0.1));
         let off = |format: DepthFormat| {
             let error = |z: i32| (f64::from(format.store(reversed(f64::from(z)))) - reversed(f64::from(z))).abs();
@@ -260,7 +260,8 @@ mod tests {
 
     #[test]
     fn small_floats_are_those_of_the_format() {
-        // 1 + 2⁻⁶ is there in 6 bits, and between two steps in 5 (ties go up); the least denormal is 2⁻²⁰.
+        // 6 bits of mantissa represent 1 + 2⁻⁶ exactly; in 5 bits it lies between two steps (ties go up). The least denormal is
+        // 2⁻²⁰.
         assert_eq!(unsigned_float(1.015_625, 6), 1.015_625);
         assert_eq!(unsigned_float(1.0, 5), 1.0);
         assert_eq!(unsigned_float(1.01, 5), 1.0);

@@ -1,4 +1,4 @@
-//! Two runs of the study of compiled programs beside each other: which program's numbers changed, and by how much.
+//! Comparison of two runs of the study of compiled programs: which program's numbers changed, and by how much.
 
 use super::{FRAME, Kind, ShaderRecord, statistic_text};
 use crate::study::exhibit::{Table, distinct};
@@ -9,26 +9,26 @@ use serde::Serialize;
 pub struct ShaderComparison {
     /// "compare-shaders".
     pub kind: &'static str,
-    /// What the runs are called.
+    /// Name of the first run.
     pub a: String,
-    /// The second.
+    /// Name of the second run.
     pub b: String,
-    /// Variant, roughness, when it runs, program and stage. A sixth text is the program's number among those of a run that
-    /// agree in all of these; it is empty for the first.
+    /// Variant, roughness, when the program runs, program and stage. A sixth text numbers programs of a run that agree in all
+    /// of these; it is empty for the first.
     pub program: Vec<String>,
-    /// The driver's name of what is compared.
+    /// The driver's name of the statistic.
     pub statistic: String,
-    /// Its value in the first run; null if that run has no such program.
+    /// Value in the first run; null if that run has no such program.
     pub value_a: Option<f64>,
-    /// Its value in the second run.
+    /// Value in the second run; null if that run has no such program.
     pub value_b: Option<f64>,
 }
 
-/// Runs with what they are called.
+/// A run's name and records.
 pub type NamedRun<'a> = (&'a str, &'a [ShaderRecord]);
 
-/// The keys by which records of two runs find each other. Constants are left out, since a change of the program may change
-/// them; records that agree in the rest are numbered in the order of the run.
+/// The keys by which records of two runs are matched. Constants are left out, since a change of the program may change them;
+/// records with otherwise equal keys are numbered in the order of the run.
 fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     let mut keys: Vec<Vec<String>> = Vec::new();
     for record in records {
@@ -43,7 +43,7 @@ fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     keys
 }
 
-/// Every statistic of every program that either run has, digests left out.
+/// Every statistic of every program that either run has, except digests.
 pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderComparison> {
     let (keys_a, keys_b) = (keys(a), keys(b));
     let all = distinct(keys_a.iter().chain(&keys_b).cloned());

@@ -1,14 +1,14 @@
-//! What drivers' statistics of compiled programs are about, by their names. Each driver has names of its own; a table sorts
-//! them, so that the figures that matter stand in one place whatever a driver calls them.
+//! Kinds of the drivers' statistics about compiled programs, found by their names. Each driver uses its own names; the kinds
+//! let tables show the important figures in one place, whatever their names.
 
-/// What a statistic is about.
+/// Kind of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Registers of an invocation or a subgroup.
     Registers,
-    /// Registers that did not fit, and were put into memory.
+    /// Registers that did not fit and were moved to memory.
     Spills,
-    /// Bytes of memory that an invocation or a subgroup has for itself.
+    /// Bytes of private memory of an invocation or a subgroup.
     Scratch,
     /// Bytes of memory that a workgroup shares.
     Shared,
@@ -18,27 +18,27 @@ pub enum Kind {
     Instructions,
     /// Subgroups that a SIMD unit or a core holds at a time.
     Occupancy,
-    /// Cycles, as the driver estimates them.
+    /// Cycles estimated by the driver.
     Cycles,
-    /// A number that tells code from other code.
+    /// A number that identifies code.
     Digest,
     /// Anything else.
     Other,
 }
 
-/// What the values of several programs come to.
+/// How the values of several programs are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fold {
-    /// Their sum.
+    /// Sum of the values.
     Sum,
-    /// The greatest.
+    /// Greatest of the values.
     Greatest,
-    /// The least.
+    /// Least of the values.
     Least,
 }
 
-/// Parts of names in lower case, and what they are about; the first that fits counts. RADV and ANV name their statistics so
-/// (docs/devices.md), and other drivers may use the same words.
+/// Parts of names in lower case with their kinds; the first part that a name contains decides. RADV and ANV name their
+/// statistics so (docs/devices.md), and other drivers may use the same words.
 const NAMES: [(&str, Kind); 21] = [
     ("hash", Kind::Digest),
     ("spill", Kind::Spills),
@@ -64,18 +64,19 @@ const NAMES: [(&str, Kind); 21] = [
 ];
 
 impl Kind {
-    /// What a statistic of a driver's name is about.
+    /// The kind of a statistic with a driver's name.
     pub fn named(name: &str) -> Self {
         let name = name.to_lowercase();
         NAMES.iter().find(|(part, _)| name.contains(part)).map_or(Self::Other, |(_, kind)| *kind)
     }
 
-    /// Whether a table for people shows it.
+    /// Whether tables for people show the statistic.
     pub fn is_main(self) -> bool {
         !matches!(self, Self::Digest | Self::Other)
     }
 
-    /// What it comes to over the programs of a frame; `None` for what no sum and no extreme makes sense of.
+    /// How the values over the programs of a frame are combined; `None` for kinds for which neither sum nor extreme makes
+    /// sense.
     pub fn fold(self) -> Option<Fold> {
         match self {
             Self::Registers | Self::Scratch | Self::Shared => Some(Fold::Greatest),
@@ -87,7 +88,7 @@ impl Kind {
 }
 
 impl Fold {
-    /// What two values come to.
+    /// Combines two values into one.
     pub fn join(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Sum => a + b,

@@ -1,5 +1,5 @@
-//! Captures where no capture should be: inside a wall, on a surface, with faces of one texel, moved each frame. What
-//! follows rays in them must show a number in every pixel, and end every ray.
+//! Captures at unusual places: inside a wall, on a surface, with faces of one texel, moved in each frame. Methods that follow
+//! rays in captures must show a number in every pixel, and end every ray.
 
 use super::lineup::SceneLineup;
 use super::{JudgedFrame, StressRecord};
@@ -16,34 +16,35 @@ use glam::Vec3;
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
-/// Texels along a side of a face where nothing else is tried: odd, so that no level of the pyramid halves exactly.
+/// Texels along a side of a face in cases that test something other than sizes; odd, so that no level of the pyramid halves
+/// exactly.
 const SIDE: u32 = 61;
 
 /// Captures, and how they move.
 pub struct CaptureCase {
-    /// What it tries, as records name it.
+    /// Name of the case in records.
     pub name: String,
-    /// By how much the whole scene is moved along each axis, metres.
+    /// Offset of the whole scene along each axis, in metres.
     offset: f32,
     view: View,
-    /// Where the captures stand in each frame, in the scene that is not moved, metres; as many in each frame.
+    /// Places of the captures in each frame, relative to the unmoved scene, in metres; the number is the same in each frame.
     places: Vec<Vec<Vec3>>,
     resolution: u32,
 }
 
-/// What must pass: the methods that follow rays in captures.
+/// The methods that must pass, which follow rays in captures.
 pub fn methods() -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|m| m.takes_captures).collect()
 }
 
-/// Every case of a scene whose first view looks at something.
+/// Every case of a scene, made from its first view.
 pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
     let Some(view) = scene.views.first() else { return Vec::new() };
     let (eye, ahead) = (view.eye, (view.look_at - view.eye).normalize_or(Vec3::Z));
     let bounds = scene.bounds();
     let materials = scene.materials_in(view);
     let ray = WorldRay { origin: eye.as_dvec3(), direction: ahead.as_dvec3(), t_min: 1e-3, t_max: f64::INFINITY };
-    // Where nothing is ahead, the far corner of the bounds stands for the wall.
+    // If no surface is ahead, the far corner of the bounds replaces the wall.
     let wall = World::new(scene, &materials).closest(&ray).map_or(bounds.max, |hit| ray.at(hit.t).as_vec3());
     let case = |name: &str, resolution: u32, offset: f32, places: Vec<Vec<Vec3>>| CaptureCase {
         name: format!("{}: captures {name}", scene.name),
@@ -77,12 +78,12 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
 }
 
 impl CaptureCase {
-    /// What a line-up is made for: cases that agree in it share one.
+    /// Key of a line-up; cases with equal keys share one.
     pub fn key(&self) -> (u32, usize, u32) {
         (self.resolution, self.places[0].len(), self.offset.to_bits())
     }
 
-    /// The scene of each frame, moved and with the captures where they stand then.
+    /// The scene of each frame, moved as a whole, with the captures at that frame's places.
     pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let capture = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
         let frame_scene = |places: &Vec<Vec3>| {
@@ -93,7 +94,7 @@ impl CaptureCase {
         self.places.iter().map(frame_scene).collect()
     }
 
-    /// The line-up of methods with as many captures of the case's size.
+    /// The line-up of methods, with the case's number and size of captures.
     ///
     /// # Errors
     /// Errors of the device.
@@ -109,8 +110,8 @@ impl CaptureCase {
     }
 }
 
-/// Runs the methods of the case's line-up, as mirrors and as gloss, frame by frame: a record of each. Hits are not
-/// compared, since the screen's oracle does not know what captures show.
+/// Runs the methods of the case's line-up, as mirrors and as gloss, frame by frame, and makes a record of each. Hits are not
+/// compared, since the screen's oracle does not know the captures.
 ///
 /// # Errors
 /// Errors of the device.

@@ -1,4 +1,4 @@
-//! Adversarial G-buffers, each made from its name's seed alone: sizes, depth ranges, depths, ray
+//! Adversarial G-buffers, made from seeds alone, so that they are the same in each run: sizes, depth ranges, depths, ray
 //! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
 use crate::math::random::Stream;
@@ -7,19 +7,19 @@ use glam::{DMat4, DVec2, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
-/// A G-buffer that a method may stumble over.
+/// A G-buffer that is hard for methods.
 pub struct Case {
-    /// What it tries, as records name it.
+    /// Name of the case in records.
     pub name: String,
-    /// Whether its rays are defined, so that hits compare with the oracle's: normals of a finite length
-    /// above 0, and mirrors.
+    /// Whether the rays are defined, so that hits can be compared with the oracle's: normals of a finite length above 0, and
+    /// mirrors.
     pub comparable: bool,
     extent: [u32; 2],
     lens: Lens,
     texel: Box<dyn Fn(&Pixel) -> Texel + Sync>,
 }
 
-/// What a pixel shows.
+/// Contents of a pixel.
 #[derive(Debug, Clone, Copy)]
 struct Texel {
     depth: f32,
@@ -29,7 +29,7 @@ struct Texel {
     color: Vec3,
 }
 
-/// Where a pixel is.
+/// A pixel, with what its contents may depend on.
 struct Pixel<'a> {
     x: u32,
     y: u32,
@@ -39,7 +39,7 @@ struct Pixel<'a> {
     random: Stream,
 }
 
-/// The camera of a case, with what every pixel asks of it.
+/// The camera of a case, with values that every pixel uses.
 struct Screen {
     view_to_clip: DMat4,
     clip_to_view: DMat4,
@@ -67,7 +67,7 @@ impl Pixel<'_> {
         self.random.uniform(n)
     }
 
-    /// A colour that tells pixels apart.
+    /// A random colour that differs from pixel to pixel.
     fn color(&self) -> Vec3 {
         Vec3::new(self.uniform(100) as f32, self.uniform(101) as f32, self.uniform(102) as f32)
     }
@@ -77,8 +77,8 @@ impl Pixel<'_> {
         Texel { depth, normal: normal.as_vec3(), reflectivity: 1.0, roughness: 0.0, color: self.color() }
     }
 
-    /// The nearest of some random tilted rectangles before a wall, and its normal: geometry that could
-    /// be. `None` where a pixel in 16 shows sky.
+    /// The nearest of some random tilted rectangles before a wall, as a view depth and a normal, like plausible geometry.
+    /// `None` for sky, in one pixel of 16.
     fn facets(&self, seed: u64) -> Option<(f64, DVec3)> {
         if Stream::new(seed, 1 << 40).uniform(u64::from(self.x / 4 + self.y / 4 * 8191)) < 1.0 / 16.0 {
             return None;
@@ -86,7 +86,7 @@ impl Pixel<'_> {
         let direction = self.direction();
         let lens = self.screen.lens;
         let (near, far) = (f64::from(lens.near_m), f64::from(lens.far_m));
-        // Distances that fit any lens: between its planes in the logarithm.
+        // Distances are interpolated in the logarithm between the lens's planes, so that they fit any lens.
         let distance = |share: f64| near * (far / near).powf(share);
         let mut nearest = (distance(0.6), DVec3::NEG_Z);
         for k in 0..12 {
@@ -97,7 +97,7 @@ impl Pixel<'_> {
             let inside = (0..2).all(|a| (pixel[a] / f64::from(self.extent[a]) - centre[a]).abs() < half[a]);
             let normal = DVec3::new(2.0 * u(4) - 1.0, 2.0 * u(5) - 1.0, -0.3 - u(6)).normalize();
             let z = distance(0.05 + 0.5 * u(7));
-            // The plane through a point straight ahead of the rectangle's middle.
+            // Intersects the plane through the point at depth z straight ahead.
             let facing = direction.dot(normal);
             let hit = z * normal.z / facing;
             if inside && facing < 0.0 && hit > near && hit < nearest.0 {
@@ -115,7 +115,7 @@ impl Pixel<'_> {
         }
     }
 
-    /// Facets whose normals send every ray along a direction.
+    /// Facets whose normals reflect every ray along a direction.
     fn aimed(&self, seed: u64, along: DVec3) -> Texel {
         let normal = (along.normalize() - self.direction().normalize()).try_normalize().unwrap_or(DVec3::Y);
         match self.facets(seed) {
@@ -135,7 +135,7 @@ impl Case {
         Self { name: name.into(), comparable: true, extent, lens, texel: Box::new(texel) }
     }
 
-    /// One whose rays nobody can say the truth about.
+    /// A case whose rays have no defined truth.
     fn without_truth(mut self) -> Self {
         self.comparable = false;
         self
@@ -146,7 +146,7 @@ impl Case {
         self.extent
     }
 
-    /// The G-buffer, with its numbers as the device stores them.
+    /// The G-buffer, with its numbers rounded as the device stores them.
     pub fn gbuffer(&self) -> GBufferData {
         let [width, height] = self.extent;
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, self.lens, width as f32 / height as f32);
@@ -175,14 +175,14 @@ impl Case {
     }
 }
 
-/// The size of cases that are about something else: primes.
+/// The size of images in cases that test something else than sizes. Both sides are primes.
 const ODD: [u32; 2] = [127, 61];
 
-/// Pixels from which on a random quarter of the tiles reflects: a march of one pixel a step through all of them
-/// would take minutes on a CPU.
+/// Number of pixels from which only a random quarter of the tiles reflects, since a march of one pixel a step through all of
+/// them would take minutes on a CPU.
 const LARGE: u32 = 4_000_000;
 
-/// Pixels along a side of such a tile.
+/// Pixels along a side of a tile.
 const PATCH: u32 = 16;
 
 /// Every case; `quick` leaves the large images out.
@@ -286,9 +286,9 @@ fn directions() -> Vec<Case> {
         .into_iter()
         .map(|(name, along)| Case::new(format!("rays along {name}"), ODD, lens, move |p: &Pixel| p.aimed(3, along)))
         .collect();
-    // Towards the eye, each pixel its own way: the ray stays in its pixel.
+    // Each ray goes straight back to the eye, so that it stays in its pixel.
     all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
-    // In a square image of a square lens, steps of whole pixels in x and y pass through corners.
+    // In a square image of a square lens, rays that step whole pixels in x and y pass through corners.
     all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
         p.aimed(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
     }));
@@ -343,7 +343,7 @@ fn colors() -> Vec<Case> {
     all
 }
 
-/// One pixel in ten of another colour.
+/// One pixel in ten has the colour `odd`.
 fn odd_color(p: &Pixel, odd: f32) -> Vec3 {
     if p.uniform(0) < 0.1 { Vec3::splat(odd) } else { p.color() }
 }

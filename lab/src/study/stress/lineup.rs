@@ -1,5 +1,5 @@
-//! Methods made once for many cases: their pipelines, which a driver compiles for longer than it draws, and
-//! the maps that they capture of a scene outlast a G-buffer and a camera.
+//! Methods that are made once for many cases. The pipelines take a driver longer to compile than to draw, and can be used for
+//! other G-buffers and cameras, like the maps that they capture of a scene.
 
 use crate::error::Result;
 use crate::gpu::frame::Mode;
@@ -12,7 +12,7 @@ use crate::stage::gbuffer::{self, reflection};
 use crate::stage::{Shot, Stage};
 use glam::Vec3;
 
-/// What a frame left.
+/// The images that a frame left.
 pub(super) struct FrameImages {
     pub reflection: Pixels,
     pub composite: Pixels,
@@ -31,7 +31,7 @@ impl FrameImages {
     }
 }
 
-/// The screen-space ones of some methods, for G-buffers of one size.
+/// The screen-space methods among some methods, made for G-buffers of one size.
 pub struct ScreenLineup {
     pub(super) context: FrameContext,
     effects: Vec<(&'static MethodInfo, Effect)>,
@@ -54,7 +54,7 @@ impl ScreenLineup {
         self.effects.len()
     }
 
-    /// One frame of a method, by its number, on a G-buffer of the line-up's size.
+    /// Draws one frame of a method, given by its index, on a G-buffer of the line-up's size.
     pub(super) fn reflect(
         &mut self,
         n: usize,
@@ -72,27 +72,27 @@ impl ScreenLineup {
 
 /// Methods on a scene, for cameras of one size.
 pub struct SceneLineup {
-    /// What they show.
+    /// Scene that the methods show.
     pub scene: Scene,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The cameras that the methods are made for: those of the kind of the scene's first view.
+    /// Kind of the cameras that the methods are made for, which is that of the scene's first view.
     pub(super) kind: ProjectionKind,
-    /// How the methods are set up.
+    /// Setup of the methods.
     pub(super) setup: Setup,
     stage: Stage,
     shots: Vec<(&'static MethodInfo, Shot)>,
-    /// What the first shot drew.
+    /// Counts of what the first shot drew.
     drawn: DrawnCounts,
 }
 
 impl SceneLineup {
-    /// Makes methods that show hits beside their reflection, where they have them.
+    /// Makes methods that also show hits, if they have them.
     pub fn with_hits(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         Self::with(gpu, scene, setup, Wants::HITS, methods)
     }
 
-    /// Makes methods as they are shown.
+    /// Makes methods that show their reflection.
     pub fn new(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         Self::with(gpu, scene, setup, Wants::REFLECTION, methods)
     }
@@ -126,7 +126,7 @@ impl SceneLineup {
         self.shots.iter_mut().try_for_each(|(_, shot)| shot.move_captures(&mut self.stage, places))
     }
 
-    /// Draws what a camera sees, which the methods then reflect. `None` if there are no methods.
+    /// Draws the G-buffer of a camera, which the methods then reflect. `None` if there are no methods.
     pub(super) fn draw(&mut self, camera: Camera) -> Result<Option<GBufferData>> {
         let Some((_, shot)) = self.shots.first_mut() else { return Ok(None) };
         shot.camera = camera;
@@ -134,8 +134,8 @@ impl SceneLineup {
         gbuffer::read(&mut self.stage.context, shot).map(Some)
     }
 
-    /// Shows every method a camera at rest, before one that moves: those with a history begin it, and see as many frames
-    /// as it averages.
+    /// Draws as many frames of a camera at rest as a history averages, so that methods with a history begin it before the
+    /// camera moves.
     pub(super) fn settle(&mut self, camera: Camera) -> Result<()> {
         for (_, shot) in &mut self.shots {
             shot.camera = camera;
@@ -144,12 +144,12 @@ impl SceneLineup {
         Ok(())
     }
 
-    /// What each method makes of what was drawn last.
+    /// Images that each method makes from the last G-buffer drawn.
     pub(super) fn made(&mut self) -> Result<Vec<FrameImages>> {
         self.each(Mode::Timed, FrameImages::read)
     }
 
-    /// The reflection that each method makes of what was drawn last.
+    /// The reflection that each method makes from the last G-buffer drawn.
     pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
         self.each(Mode::Plain, |context, _, output| reflection(context, output))
     }

@@ -1,5 +1,4 @@
-//! Stability in motion: how much a reflection changes from frame to frame where the surface that shows
-//! it only moved on the screen.
+//! Stability in motion: how much a reflection changes from frame to frame, where its surface only moved on the screen.
 
 use super::lineup::SceneLineup;
 use crate::error::Result;
@@ -47,7 +46,7 @@ impl Motion {
     /// The view of a frame, counted from 0, in an image of some rows.
     fn view(self, scene: &Scene, view: &View, frame: u32, rows: u32) -> View {
         let lens = view.lens.unwrap_or(scene.lens);
-        // A pixel in the middle of the image, as a slope.
+        // The size of a pixel in the middle of the image, as a slope.
         let pixel = lens.height_at_m(1.0) / rows as f32;
         let ahead = view.look_at - view.eye;
         let right = Vec3::Y.cross(ahead).normalize_or(Vec3::X) * ahead.length();
@@ -84,7 +83,7 @@ columns! {
         pub height: u32 = figure(""),
         /// Global roughness.
         pub roughness: f32 = figure(""),
-        /// All that was set.
+        /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
         /// Pairs of a pixel and the same surface a frame before.
         pub pairs: usize = figure(""),
@@ -109,14 +108,14 @@ impl AsDatum for Motion {
     }
 }
 
-/// A method's change beside that of the world reference.
+/// A method's change compared with that of the world reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WorldMotion {
     /// The world reference's own flicker, as [`MotionRecord::flicker`].
     pub reference_flicker: f64,
-    /// The method's flicker over it; null where the reference stands still.
+    /// Ratio of the method's flicker to the reference's; null where the reference stands still.
     pub ratio: Option<f64>,
-    /// [`MotionRecord::deviation`], taken against the world reference.
+    /// [`MotionRecord::deviation`], computed against the world reference.
     pub deviation: Option<f64>,
 }
 
@@ -144,8 +143,8 @@ impl Row for MotionRecord {
     }
 }
 
-/// Methods × motions and roughness: the median over the views of the flicker over the reference's own, and how far it is
-/// off the reference's (0 for the truth, 1 for a method that shows nothing).
+/// A table of methods × motions and roughness. Cells have medians over the views of two figures: the flicker divided by the
+/// reference's, and its deviation from the reference's (0 for the truth, 1 for a method that shows nothing).
 fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
     let median = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
@@ -160,7 +159,7 @@ fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(
 }
 
 impl MotionRecord {
-    /// The method, with its captures where it has some.
+    /// The method, with its fallback and captures, if it has any.
     pub fn variant(&self) -> String {
         let setting = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
         let named = |name: &str, words: &str| match setting(name).as_str() {
@@ -171,11 +170,11 @@ impl MotionRecord {
     }
 }
 
-/// What is moved through, in the scene of a line-up.
+/// View and settings of a motion, in the scene of a line-up.
 pub struct MotionSpec<'a> {
     /// View that the camera starts from.
     pub view: &'a View,
-    /// Pixels: the line-up's.
+    /// Size in pixels, which is the line-up's.
     pub extent: [u32; 2],
     /// Roughness of everything.
     pub roughness: f32,
@@ -183,12 +182,12 @@ pub struct MotionSpec<'a> {
     pub frames: u32,
     /// Rays a pixel of the references.
     pub rays: u32,
-    /// Whether the change is held against the world reference's own, too.
+    /// Whether the change is also compared with that of the world reference.
     pub against_world: bool,
 }
 
 impl MotionSpec<'_> {
-    /// The name of its cell with a motion, in a scene.
+    /// The name of the cell of a motion in a scene.
     pub fn name(&self, scene: &Scene, motion: Motion) -> String {
         let [width, height] = self.extent;
         let Self { roughness, frames, rays, .. } = self;
@@ -205,7 +204,7 @@ pub struct MotionStudy {
     pub views: Vec<View>,
     /// Methods.
     pub methods: Vec<&'static MethodInfo>,
-    /// Their parameters, and the size.
+    /// Parameters of the methods, with the size.
     pub setup: Setup,
     /// Roughness values of everything.
     pub roughness: Vec<f32>,
@@ -217,7 +216,7 @@ pub struct MotionStudy {
     pub lineup: Option<SceneLineup>,
 }
 
-/// A view, by its place among those of the study, with a roughness and a motion.
+/// A cell: a view, by its index in the study, with a roughness and a motion.
 pub type MotionCell = (usize, f32, Motion);
 
 impl MotionStudy {
@@ -267,7 +266,7 @@ impl Study for MotionStudy {
     }
 }
 
-/// Moves the camera past methods, and past the references.
+/// Moves the camera, and compares the changes of the methods' images with those of the references.
 pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineup) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
     let materials = globals.materials(&lineup.scene, spec.view);
@@ -288,7 +287,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
             made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
         }
     }
-    // One seed for all frames: what is left of a pixel's noise in the difference is its change.
+    // All frames share one seed, so that the noise of a pixel cancels in the difference of two frames, except where its
+    // reflection changes.
     let EffectParams { oracle, bounces, .. } = lineup.setup.effect();
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle, bounces };
     let reference: Vec<Vec<Vec3>> =
@@ -336,7 +336,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     Ok(methods.iter().zip(&images).map(record).collect())
 }
 
-/// The world reference of a G-buffer, with one seed as the screen's.
+/// The world reference of a G-buffer, with the seed of the screen reference.
 fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> Vec<Vec3> {
     let first_hits = FirstHits::shown(world, screen);
     let reference = WorldReference::new(world, &first_hits, &screen.camera, 3).with_bounces(bounces);

@@ -1,4 +1,4 @@
-//! Rows of the stress study, and their tables: method × failure, what is violated, motions, and every case.
+//! Rows of the stress study, and their tables: method × failure, violations, motions, and all cases.
 
 use super::motion::MotionRecord;
 use super::{AGREEMENT, COMPARED_PIXELS, JUDGED, StressRecord};
@@ -138,7 +138,7 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// What must pass and does not, and what took long, a row each.
+/// A line for each case that must pass and fails, and for each that took long.
 fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header =
         ["method", "case", "why", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
@@ -162,13 +162,13 @@ fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// Cases × methods: what was wrong in each.
+/// A table of cases × methods: what was wrong in each.
 fn cases(records: &[StressRecord]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &StressRecord| r.case.clone(), |r: &StressRecord| r.method.clone());
     pivot("case", records, [&case, &method], |here| here.first().map(|r| summary(r)))
 }
 
-/// What was wrong with one record, in a few words.
+/// Says what was wrong with one record, in a few words.
 fn summary(r: &StressRecord) -> String {
     let share = |n: usize| format!("{:.2} %", 100.0 * n as f64 / r.pixels.max(1) as f64);
     let mut words: Vec<String> =

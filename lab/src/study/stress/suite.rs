@@ -14,41 +14,41 @@ use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use serde_json::{Value, json};
 
-/// Pixels of the cases with a scene.
+/// Size of the images of cases with a scene, in pixels.
 const SCENE_SIZE: [u32; 2] = [321, 181];
 
-/// Pixels of the cases with captures, which are drawn anew in each.
+/// Size of the images of cases with captures, in pixels; each case draws its captures again.
 const CAPTURE_SIZE: [u32; 2] = [161, 91];
 
-/// Pixels of the cases with triangles.
+/// Size of the images of cases with triangles, in pixels.
 const TREE_SIZE: [u32; 2] = [161, 91];
 
-/// Triangles of the largest case, in a quick suite and in a whole one.
+/// Number of triangles of the largest case, in a quick suite and in a whole one.
 const MOST_TRIANGLES: [usize; 2] = [20_000, 1_000_000];
 
 /// Roughness values of the camera's motions.
 const MOTION_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// The suite.
+/// The suite of stress.
 pub struct StressStudy {
     is_quick: bool,
     methods: Vec<&'static MethodInfo>,
     scenes: Vec<Scene>,
     cases: Vec<Case>,
-    /// Places with the number of their scene.
+    /// Places of the camera, with the index of their scene.
     places: Vec<(usize, Place)>,
-    /// Captures with the number of their scene.
+    /// Cases of captures, with the index of their scene.
     captures: Vec<(usize, CaptureCase)>,
     /// Scenes of triangles.
     trees: Vec<TreeCase>,
-    /// Motions in the first scene: the number of the view, and the roughness.
+    /// Motions in the first scene: the index of the view, the roughness and the motion.
     motions: Vec<(usize, f32, Motion)>,
-    /// The methods that were made last, for G-buffers and for scenes.
+    /// The methods that were made last, for G-buffers and for scenes, which later cells share.
     screen: LastMade<[u32; 2], ScreenLineup>,
     scene: LastMade<String, SceneLineup>,
 }
 
-/// A cell of the suite, by its number among its kind.
+/// A cell of the suite, by its index among cells of its kind.
 #[derive(Debug, Clone, Copy)]
 pub enum StressCell {
     /// A G-buffer.
@@ -64,8 +64,8 @@ pub enum StressCell {
 }
 
 impl StressStudy {
-    /// The suite for some methods: small images and one scene if `is_quick`, and only cases whose name contains some words,
-    /// if they are given.
+    /// The suite for some methods: small images and one scene if `is_quick`, and only cases whose name contains `words`, if
+    /// given.
     pub fn new(methods: Vec<&'static MethodInfo>, is_quick: bool, words: Option<&str>) -> Self {
         let names = if is_quick { &library::names()[..1] } else { library::names() };
         let scenes: Vec<_> = names.iter().filter_map(|n| library::scene(n)).collect();
@@ -90,7 +90,7 @@ impl StressStudy {
         }
     }
 
-    /// The motions' way past a view.
+    /// View and settings of a motion.
     fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
         let (view, roughness, _) = self.motions[n];
         let (extent, frames, rays) = if self.is_quick { ([160, 90], 3, 16) } else { ([320, 180], 6, 64) };
@@ -124,7 +124,7 @@ impl Study for StressStudy {
         json!({ "quick": self.is_quick })
     }
 
-    /// The program's version and the digests of the scenes stand for everything that a case consists of.
+    /// The program's version and the digests of the scenes stand for all other properties of a case.
     fn cells(&self) -> Vec<Planned<StressCell>> {
         let setup = Setup::on_screen(SCENE_SIZE);
         let set: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
@@ -150,7 +150,7 @@ impl Study for StressStudy {
             let lineup = screen.of(extent, || ScreenLineup::new(gpu, extent, methods))?;
             return Ok(of_cases(run(gpu, &cases[n], lineup)?));
         }
-        // Scenes need the memory.
+        // Methods for G-buffers are dropped, since those for scenes need their memory.
         self.screen = LastMade::default();
         let rows = match *cell {
             StressCell::Case(_) => Vec::new(),

@@ -1,5 +1,5 @@
-//! Scenes whose triangles break trees and walks: a single one, slivers, all in one plane, far from the origin, inside a
-//! closed box, behind holes, and planes a millimetre apart. What follows rays among triangles must show a number in every
+//! Scenes whose triangles break trees and walks: a single one, slivers, all in one plane, far from the origin, inside a closed
+//! box, behind holes, and planes a millimetre apart. Methods that follow rays among triangles must show a number in every
 //! pixel, end every ray, and end it where the world does.
 
 use super::lineup::{FrameImages, SceneLineup};
@@ -24,16 +24,17 @@ use rayon::prelude::*;
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
-/// Share of the mirror rays that must end where the world ends them, ties apart: where the triangles are asked, and where a
-/// hit on the screen needs no more than the triangle of its pixel to confirm it, whatever else the ray may pass.
+/// Share of the mirror rays that must end where the world ends them, with ties counted as right: with triangles traced first,
+/// and with the screen traced first. On the screen, a hit is confirmed by the triangle of its pixel alone, whatever else the
+/// ray may pass.
 const RIGHT_ENDS: [f64; 2] = [0.999, 0.98];
 
-/// How far a place may lie from the world's, as a share of the ray's length: so little that of two planes a millimetre apart the
+/// Tolerance of the place where a ray ends, as a share of the ray's length: so small that of two planes a millimetre apart the
 /// right one must be met.
 const PLACE_SHARE: f64 = 1e-4;
 
-/// How far it may lie from there where a ray meets slivers: the weights of a sliver's corners are differences of products that are 10^5 times as large
-/// as its area, and lose as many of their digits.
+/// Tolerance of the place where a ray meets slivers. The weights of a sliver's corners are differences of products that are
+/// 10^5 times as large as its area, and lose as many of their digits.
 const PLACE_SHARE_ON_SLIVERS: f64 = 1e-3;
 
 /// The greatest rounding of a scene's coordinates, in metres, at which ends are compared.
@@ -41,10 +42,10 @@ const COMPARED_ROUNDING_M: f64 = 1e-3;
 
 /// A scene of triangles.
 pub struct TreeCase {
-    /// What it tries, as records name it.
+    /// Name of the case in records.
     pub name: String,
     make: Box<dyn Fn() -> Scene>,
-    /// How far a place may lie from the world's, as a share of the ray's length.
+    /// Tolerance of the place where a ray ends, as a share of the ray's length.
     place_share: f64,
 }
 
@@ -73,7 +74,7 @@ pub fn cases(most: usize) -> Vec<TreeCase> {
 }
 
 impl TreeCase {
-    /// The line-up of methods on the case's scene, which ask the triangles or the screen first.
+    /// The line-up of methods on the case's scene, which trace the triangles or the screen first.
     ///
     /// # Errors
     /// Errors of the device.
@@ -89,7 +90,8 @@ impl TreeCase {
     }
 }
 
-/// Runs the methods on a case, as mirrors and as gloss, asking the triangles first and the screen first: a record of each.
+/// Runs the methods on a case, as mirrors and as gloss, with the triangles and with the screen traced first, and makes a record
+/// of each.
 ///
 /// # Errors
 /// Errors of the device.
@@ -106,7 +108,8 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             lineup.set_materials(&materials)?;
             let Some(data) = lineup.draw(camera)? else { continue };
             let made = lineup.made()?;
-            // Where a device does not number triangles, rays begin at the points that depth gives, which are not so exact.
+            // On a device that does not number triangles, rays begin at points that follow from depth, which are too inexact to
+            // compare.
             let is_known =
                 roughness == 0.0 && gpu.numbers_triangles() && rounding_m(&lineup.scene) <= COMPARED_ROUNDING_M;
             let truth = is_known.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
@@ -121,7 +124,7 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
     Ok(records)
 }
 
-/// By what the coordinates of a scene are rounded: half a unit in the last place of the greatest, in metres.
+/// Rounding of a scene's coordinates: half a unit in the last place of the greatest coordinate, in metres.
 fn rounding_m(scene: &Scene) -> f64 {
     let bounds = scene.bounds();
     ROUNDING * f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
@@ -130,9 +133,9 @@ fn rounding_m(scene: &Scene) -> f64 {
 /// Where the mirror rays of a G-buffer end among the triangles.
 struct Truth<'a> {
     world: World<'a>,
-    /// The ray of each reflecting pixel that leads above its surface.
+    /// The mirror ray of each reflecting pixel, if it leads above the pixel's surface.
     rays: Vec<(usize, WorldRay)>,
-    /// What rounds where a ray begins, in metres.
+    /// Rounding of the point where a ray begins, in metres.
     rounding_m: f64,
     place_share: f64,
 }
@@ -165,8 +168,8 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// Whether rounding alone makes a ray end where the world does not: a ray whose direction or start differs by some units in
-    /// the last place of an f32 ends there.
+    /// Whether rounding alone explains the end of a ray: the world ends a ray there whose direction or start differs by some
+    /// units in the last place of an f32.
     fn is_tie(&self, ray: &WorldRay, end: &RayEnd, pixel: usize) -> bool {
         let random = Stream::new(23, pixel as u64);
         let offset = |n: u64| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(3 * n + axis) - 1.0));
@@ -178,8 +181,8 @@ impl<'a> Truth<'a> {
         })
     }
 
-    /// Compares where a method ends its rays with where the world ends them, which must agree for at least a share; `None` of
-    /// a method without hits.
+    /// Compares the ends of a method's rays with those in the world; `least` is the share that must agree. `None` for a method
+    /// without hits.
     fn compare(&self, made: &FrameImages, data: &GBufferData, least: f64) -> Option<ComparedRays> {
         let ends = ray_ends(made.hits.as_ref()?, data);
         let wrong: Vec<&(usize, WorldRay)> =
@@ -223,29 +226,29 @@ fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, lo
     }
 }
 
-/// The material 0: a mirror.
+/// Material 0: a mirror.
 fn mirror() -> Material {
     Material { name: "mirror".into(), albedo: Vec3::splat(0.2), ..Material::default() }
 }
 
-/// The material 1: paint, which reflects nothing.
+/// Material 1: paint, which reflects nothing.
 fn paint() -> Material {
     Material { name: "paint".into(), albedo: Vec3::new(0.8, 0.5, 0.3), reflectivity: 0.0, ..Material::default() }
 }
 
-/// The material 2: paint with holes.
+/// Material 2: paint with holes.
 fn holes() -> Material {
     Material { name: "holes".into(), alpha_mask: Some(0), ..paint() }
 }
 
-/// A mask of 4×4 texels, every other of which is a hole.
+/// A mask of 4×4 texels in a chequerboard of holes.
 fn mask() -> Texture {
     let texel = |i: u32| [if (i % 4 + i / 4).is_multiple_of(2) { 255 } else { 0 }; 4];
     let rgba = (0..16).flat_map(texel).collect();
     Texture { name: "mask".into(), width: 4, height: 4, rgba, encoding: Encoding::Linear }
 }
 
-/// Two triangles that make a parallelogram, which faces along edge × edge.
+/// Two triangles that make a parallelogram, which faces in the direction of the cross product of its edges.
 fn quad(origin: Vec3, a: Vec3, b: Vec3, material: usize) -> [Corners; 2] {
     [([origin, origin + a, origin + a + b], material), ([origin, origin + a + b, origin + b], material)]
 }
@@ -255,7 +258,7 @@ fn floor() -> [Corners; 2] {
     quad(Vec3::new(-10.0, 0.0, -10.0), 20.0 * Vec3::Z, 20.0 * Vec3::X, 0)
 }
 
-/// A tree of a single leaf; the mirror shows the sky.
+/// A single triangle, whose tree is a single leaf; the mirror shows the sky.
 fn one() -> Scene {
     let corners = [Vec3::new(-9.0, 0.0, -9.0), Vec3::new(0.0, 0.0, 9.0), Vec3::new(9.0, 0.0, -9.0)];
     scene("one", [(corners, 0)], Vec3::new(0.0, 2.0, -6.0), Vec3::ZERO, 100.0)
@@ -287,14 +290,14 @@ fn one_plane(count: usize) -> Scene {
     scene("one-plane", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// One triangle many times, before a mirror.
+/// Many copies of one triangle, before a mirror.
 fn same(count: usize) -> Scene {
     let corners = [Vec3::new(-4.0, 0.0, 4.0), Vec3::new(0.0, 5.0, 4.0), Vec3::new(4.0, 0.0, 4.0)];
     let all = floor().into_iter().chain((0..count).map(|_| (corners, 1)));
     scene("same", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// A box of mirrors around the camera, with smaller boxes in it, moved along each axis.
+/// A closed box of mirrors around the camera, with smaller boxes inside; `offset` moves all of them along each axis.
 fn closed_box(offset: f32) -> Scene {
     let cube = |corner: Vec3, size: f32, inwards: bool, material: usize| {
         let axes = [[Vec3::X, Vec3::Y, Vec3::Z], [Vec3::Y, Vec3::Z, Vec3::X], [Vec3::Z, Vec3::X, Vec3::Y]];
@@ -314,7 +317,8 @@ fn closed_box(offset: f32) -> Scene {
     scene("closed-box", walls.chain(boxes), moved(Vec3::new(0.0, 0.0, -9.5)), moved(Vec3::new(0.0, -2.0, 0.0)), 100.0)
 }
 
-/// A wall behind planes that are half holes, before a mirror: a ray passes many triangles that do not stop it.
+/// A wall behind planes with holes in half of their area, before a mirror, so that a ray passes many triangles without being
+/// stopped.
 fn behind_holes(planes: usize) -> Scene {
     let plane = |n: usize| {
         let z = 1.0 + 0.1 * n as f32;
@@ -325,8 +329,8 @@ fn behind_holes(planes: usize) -> Scene {
     scene("behind-holes", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// A chequerboard of squares in two planes a millimetre apart, all mirrors, before a wall: no ray may meet the plane that it
-/// begins on, and none that begins on the lower plane may miss the upper one's sides.
+/// A chequerboard of mirror squares in two planes a millimetre apart, before a wall. No ray may meet the plane that it begins
+/// on, and no ray that begins on the lower plane may miss the sides of the upper plane.
 fn near_planes(distance: f32) -> Scene {
     let side = distance / 8.0;
     let squares = (0..256).flat_map(|n| {
@@ -336,7 +340,7 @@ fn near_planes(distance: f32) -> Scene {
     });
     let (low, wide) = (Vec3::new(-2.0 * distance, -0.5 * distance, 2.0 * distance), 4.0 * distance);
     let wall = quad(low, wide * Vec3::X, wide * Vec3::Y, 1);
-    // Off the middle, so that no pixel's centre lies on the border of two squares, where either may be seen.
+    // The eye is off the middle, so that no pixel's centre lies on the border of two squares, where either may be seen.
     let eye = Vec3::new(0.013 * distance, 0.3 * distance, -0.6 * distance);
     scene("near-planes", squares.chain(wall), eye, Vec3::new(0.0, 0.0, 0.8 * distance), 10.0 * distance)
 }

@@ -39,28 +39,28 @@ pub struct TimeJob {
     pub has_reference: bool,
 }
 
-/// The thesis's figures that times are laid beside.
+/// The thesis's figures that times are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Beside")]
 pub enum ThesisFigures {
-    /// None.
+    /// No figures.
     Nothing,
     /// Table 5.8.
     Table,
-    /// The captions of its figures.
+    /// The captions of the thesis's figures.
     Captions,
 }
 
-/// Settings that the tables of a run depend on, beside its cells.
+/// Settings that the tables of a run depend on, in addition to its cells.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct TimeSettings {
-    /// What the times are laid beside.
+    /// Figures that the times are compared with.
     pub beside: ThesisFigures,
-    /// Frames that count.
+    /// Number of timed frames.
     pub samples: usize,
     /// Whether methods are timed against themselves.
     pub a_a: bool,
-    /// Whether each setting is judged beside the first, with which it was timed in turn.
+    /// Whether each setting gets a verdict against the first, with which it was timed in turn.
     #[serde(default)]
     pub judges: bool,
 }
@@ -82,7 +82,7 @@ pub struct TimeStudy {
     timer: Timer,
 }
 
-/// A size with a set of factors of a job, by its number: all variants, or the reference.
+/// A size and a set of factors of a job, given by its index: all variants, or the reference.
 pub struct TimeCell {
     job: usize,
     extent: [u32; 2],
@@ -292,20 +292,20 @@ impl Row for TimeRow {
 
 /// The file of raw samples.
 pub const SAMPLES: &str = "time-samples.csv";
-/// The file of medians, in the groups of the printed table.
+/// The file of medians, with the groups of passes of the printed table.
 pub const MEDIANS: &str = "pass-medians.csv";
-/// Its columns.
+/// Columns of the file of medians.
 pub const MEDIAN_COLUMNS: [&str; 9] =
     ["scene", "view", "width", "height", "roughness", "method", "pass", "counted", "median_ms"];
-/// The columns of a sample that say what it is of, before everything that was set.
+/// The columns of a sample that name its subject, before the columns of settings.
 pub const PLACE: [&str; 3] = ["scene", "view", "method"];
-/// The columns of a sample that say what was measured, after everything that was set.
+/// The columns of a sample with the measured values, after the columns of settings.
 pub const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
-/// The columns of noise floors, of the pass and of the total; empty where they were not measured.
+/// The columns of noise floors, of the pass and of the total; empty if they were not measured.
 pub const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
 
-/// Raw samples of time records: one row a sample and pass, one column for everything that was set of any of the
-/// methods; what a method does not have is empty.
+/// Raw samples of time records: one row a sample and pass, and one column for each setting of any of the methods. A setting
+/// that a method does not have is empty.
 pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let settings: BTreeSet<&String> = records.iter().flat_map(|r| r.head.setup.keys()).collect();
     let columns = settings.iter().map(|name| name.as_str());
@@ -327,8 +327,8 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     cells
 }
 
-/// Medians in milliseconds: a row for each group of passes of each record, those that do not count among them, and one for
-/// the total. The method is named as the printed table names it.
+/// Medians in milliseconds: a row for each group of passes of each record, including passes that do not count, and one for the
+/// total. The method has its name in the printed table.
 fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = vec![MEDIAN_COLUMNS.map(str::to_owned).to_vec()];
     for r in records {
@@ -380,7 +380,7 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// A bar a record: the median of each stage of the effect.
+/// The chart of a bar for each record, divided into the medians of the effect's stages.
 pub fn chart(records: &[TimeRecord]) -> Chart {
     let bar = |r: &TimeRecord| {
         let Head { scene, view, width, height, .. } = &r.head;
@@ -391,17 +391,17 @@ pub fn chart(records: &[TimeRecord]) -> Chart {
     Chart::new("time", "Where the time goes", Drawing::Bars(records.iter().map(bar).collect()))
 }
 
-/// A timed frame of a method, with what it was of.
+/// A timed frame, with its method and a label.
 pub struct TimedFrame {
     /// The method.
     pub method: String,
     /// Size, roughness and number, for labels.
     pub label: String,
-    /// Its passes and the host's side.
+    /// Times of the passes and of the host.
     pub report: FrameReport,
 }
 
-/// Every timed frame that the journal has of a run, those of the second series of each method among them.
+/// Every timed frame of a run in the journal, including the second series of each method.
 pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
     let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
     let mut frames = Vec::new();

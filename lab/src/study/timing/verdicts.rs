@@ -1,4 +1,5 @@
-//! Verdicts on settings that were timed in turn: each beside the first of its place (docs/definitions.md, "Verdicts").
+//! Verdicts on settings that were timed in turn: each is compared with the first of its place (docs/definitions.md,
+//! "Verdicts").
 
 use crate::metrics::bootstrap::CONFIDENCE;
 use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
@@ -6,10 +7,10 @@ use crate::study::exhibit::Table;
 use crate::study::record::{Head, PassRecord, TimeRecord};
 use std::sync::Arc;
 
-/// The samples of a record, as its file has them.
+/// The samples of a record, rounded as in its file.
 fn samples(record: &TimeRecord) -> Vec<TimeSample> {
     let subject = Arc::new(subject(&record.head));
-    // The file has six digits; what is read from it gets the same verdict.
+    // The file has six digits; rounding here makes samples that are read from the file get the same verdict.
     let written = |value: f64| format!("{value:.6}").parse().unwrap_or(value);
     let frame = |(n, times): (usize, &Vec<f64>)| {
         let sample = |(pass, ms): (&PassRecord, &f64)| TimeSample {
@@ -25,14 +26,14 @@ fn samples(record: &TimeRecord) -> Vec<TimeSample> {
     record.samples.iter().enumerate().flat_map(frame).collect()
 }
 
-/// What a record's frames were of.
+/// The subject of a record's frames.
 fn subject(head: &Head) -> Subject {
     let place = [("scene", &head.scene), ("view", &head.view), ("method", &head.method)];
     let place = place.map(|(name, value)| (name.to_owned(), value.clone()));
     Subject(head.setup.keys().map(|name| (name.clone(), head.setting(name))).chain(place).collect())
 }
 
-/// Each record beside the first of its place. The records of a place follow each other.
+/// Compares each record with the first of its place. The records of a place follow each other.
 fn verdicts(records: &[TimeRecord]) -> Vec<TimeComparison> {
     let is_one_place = |a: &TimeRecord, b: &TimeRecord| subject(&a.head).place() == subject(&b.head).place();
     let of_place = |records: &[TimeRecord]| {
@@ -56,7 +57,7 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
     (!found.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
 }
 
-/// What the table says.
+/// The description of the table.
 fn about() -> String {
     format!(
         "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, from low to high \

@@ -1,9 +1,9 @@
-//! Places the camera of a film, and the things that move before it.
+//! Places of a film's camera, and of the things that move before it.
 
 use super::VideoStudy;
 use crate::scene::{Camera, Placement};
 
-/// Frames after which the parts of a pixel repeat by which frames are shifted.
+/// Number of frames after which the jitter of the image, by parts of a pixel, repeats.
 const JITTERED: u32 = 8;
 
 impl VideoStudy {
@@ -17,7 +17,7 @@ impl VideoStudy {
         self.way.view(frame, self.frames, self.frames_per_second).camera(&self.scene, extent)
     }
 
-    /// Where meshes are placed in a frame.
+    /// The placements of meshes in a frame.
     pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
         let played = self.play.iter().flat_map(|motion| motion.at(time_s));
@@ -29,20 +29,20 @@ impl VideoStudy {
     }
 }
 
-/// Where a camera carries a thing, from where it was before the first camera.
+/// The placement of a thing that the camera carries, relative to its place before the first camera.
 fn carried_placement(first: &Camera, now: &Camera) -> Placement {
     let along = now.world_to_view.as_dmat4().inverse() * first.world_to_view.as_dmat4();
     let (_, turn, offset) = along.to_scale_rotation_translation();
     Placement { turn: turn.as_quat().normalize(), size: 1.0, offset: offset.as_vec3() }
 }
 
-/// By how much of a pixel a frame is shifted, x to the right and y down.
+/// The shift of a frame in pixels, x to the right and y down.
 fn shift(frame: u32) -> [f32; 2] {
-    // The first of the sequence is 0.
+    // The sequence begins at 1, since its element 0 is 0.
     [2, 3].map(|base| radical_inverse(frame % JITTERED + 1, base) - 0.5)
 }
 
-/// The digits of a number to a base, in the other order behind the point: the sequence of Halton (1960), in one dimension.
+/// The digits of a number to a base, mirrored behind the point: the sequence of Halton (1960), in one dimension.
 fn radical_inverse(mut number: u32, base: u32) -> f32 {
     let (mut sum, mut digit) = (0.0, 1.0);
     while number > 0 {

@@ -1,4 +1,4 @@
-//! What is kept of a film, and how a page shows it.
+//! The record of a film, and its display on a page.
 
 use crate::study::columns::{Column, columns, figure, part, series, time};
 use crate::study::engine::Row;
@@ -72,18 +72,18 @@ columns! {
 }
 
 impl VideoRecord {
-    /// A change over the world's own; `None` where the world stands still.
+    /// A change divided by that of the world reference; `None` where the world stands still.
     fn over_reference(&self, change: f64) -> Option<f64> {
         (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
     }
 
-    /// The films of one place, way, size and roughness are beside each other.
+    /// The title of a group: films of one scene, view, way, size and roughness are shown together.
     fn group(&self) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
         format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
     }
 
-    /// The file of an animated picture of its measurement.
+    /// The file of an animated picture that was measured.
     pub(super) fn clip_file(&self, name: &str) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
         let stem = cell_name(scene, &format!("{view}-{}", self.way), [*width, *height], self.head.roughness);
@@ -96,7 +96,7 @@ impl VideoRecord {
 /// Folder of the animated pictures.
 const CLIPS: &str = "clips";
 
-/// Name of the world among the films.
+/// Name of the world reference among the films.
 pub(super) const WORLD: &str = "world";
 
 const ABOUT: &str = "Each film is held against that of the world, frame by frame: FLIP and RMSE of the reflection colour as \
@@ -122,7 +122,7 @@ impl Row for VideoRecord {
         vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
     }
 
-    /// FLIP from frame to frame.
+    /// Charts of FLIP over the frames.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {

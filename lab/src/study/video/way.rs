@@ -8,26 +8,26 @@ use glam::{Quat, Vec3};
 pub enum CameraWay {
     /// Along a path, from its beginning to its end.
     Path(CameraPath),
-    /// From a view towards the point that it looks at, at the pace of a person who walks, or as much slower as to come
-    /// half of the way to that point.
+    /// From a view towards the point that it looks at, at a person's walking pace, or slower, so that the camera comes at most
+    /// half of the way.
     Walk(View),
     /// At rest in a view for a third of the film, then turned quickly to the right, and at rest again.
     Turn(View),
-    /// Aside from a view for a third of the film, and at rest.
+    /// At rest in a view for a third of the film, then a quick turn to the right, and at rest again.
     Stop(View),
-    /// At rest in a view.
+    /// Sideways from a view for a third of the film, then at rest.
     Rest(View),
 }
 
 /// Metres a second.
 const WALK: f32 = 1.4;
-/// Metres a second aside.
+/// Metres a second of the sideways motion.
 const ASIDE: f32 = 1.0;
-/// Degrees, and seconds that they take.
+/// Degrees of the turn, and its seconds.
 const TURN: (f32, f32) = (45.0, 0.2);
 
 impl CameraWay {
-    /// Its name in records.
+    /// Name of the way in records.
     pub fn name(&self) -> &str {
         match self {
             Self::Path(path) => &path.name,
@@ -38,7 +38,7 @@ impl CameraWay {
         }
     }
 
-    /// Where it begins; of a path, a view of the path's name.
+    /// The view at the beginning of the way; a path's view has the path's name.
     pub fn start(&self) -> View {
         match self {
             Self::Path(path) => {
@@ -49,7 +49,7 @@ impl CameraWay {
         }
     }
 
-    /// The view of a frame, of so many that are shown at so many a second.
+    /// The view of a frame in a film of `frames` frames, shown at `frames_per_second`.
     pub fn view(&self, frame: u32, frames: u32, frames_per_second: f32) -> View {
         let last = frames.saturating_sub(1).max(1) as f32;
         let of_second = |n: u32| n as f32 / frames_per_second;
@@ -113,7 +113,7 @@ mod tests {
         let way = CameraWay::Turn(view());
         let ahead = |frame| (way.view(frame, 60, 30.0).look_at - view().eye).normalize();
         assert_eq!(ahead(20), ahead(0));
-        // Three frames at 30 a second are half of the turn.
+        // Three frames at 30 a second make half of the turn.
         let half = ahead(23);
         assert!((half.angle_between(Vec3::Z).to_degrees() - 22.5).abs() < 0.01 && half.x > 0.0, "{half}");
         assert!((ahead(26).angle_between(Vec3::Z).to_degrees() - 45.0).abs() < 0.01);

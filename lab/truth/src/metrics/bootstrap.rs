@@ -6,22 +6,22 @@ use super::percentile;
 use crate::math::random::Stream;
 use serde::Serialize;
 
-/// The number of resamples of an interval. Fifty of them lie beyond each end, so an end is known to about a
-/// seventh of its tail.
+/// The number of resamples of an interval. Fifty resamples lie beyond each end, so that the number beyond an end varies by
+/// about a seventh.
 pub const RESAMPLES: u32 = 2000;
 
-/// The share of the resamples that lies inside the interval; the rest is split evenly between both ends.
+/// The share of the resamples that lies inside the interval; the other resamples are split evenly between both ends.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// With fewer samples on either side there is no verdict: even the range from the least to the greatest of four
-/// samples holds the median only seven times in eight (1 − 2 · 2⁻⁴).
+/// With fewer samples on either side there is no verdict. Even the range from the least to the greatest of four samples
+/// contains the true median only seven times in eight (1 − 2 · 2⁻⁴).
 pub const MIN_SAMPLES: usize = 5;
 
-/// B's median over A's, and the interval that resampling gives it: 0 ≤ `low` ≤ `high`. Infinite where A's
-/// median is 0 and B's is not; 1 where both are 0.
+/// The ratio of B's median to A's, with its interval over resamples: 0 ≤ `low` ≤ `high`. Infinite where A's median is 0 and B's
+/// is not; 1 where both are 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
-    /// The ratio of the samples' own medians.
+    /// Ratio of the medians of the original samples.
     pub ratio: f64,
     /// Lower end of the interval.
     pub low: f64,
@@ -29,13 +29,13 @@ pub struct Ratio {
     pub high: f64,
 }
 
-/// What an interval says about B compared with A.
+/// Verdict of an interval on B compared with A.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
-    /// The whole interval lies below 1 − bound.
+    /// The whole interval lies below 1 − bound, the greater of threshold and noise floor.
     Faster,
-    /// The whole interval lies above 1 + bound.
+    /// The whole interval lies above 1 + bound, the greater of threshold and noise floor.
     Slower,
     /// The whole interval lies within 1 ± threshold.
     Same,
@@ -47,8 +47,8 @@ impl Verdict {
     /// All verdicts, in the order in which a summary lists them.
     pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
 
-    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. Nothing
-    /// within the greater of the two is faster or slower; a floor does not widen what counts as the same.
+    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. A change within
+    /// the greater of both is neither faster nor slower; the noise floor does not widen the range that counts as the same.
     pub fn of(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
         let bound = threshold.max(floor);
         match (ratio.low, ratio.high) {
@@ -59,7 +59,7 @@ impl Verdict {
         }
     }
 
-    /// The name that reports print.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Faster => "FASTER",
@@ -70,19 +70,19 @@ impl Verdict {
     }
 }
 
-/// More samples than these are not foretold: the ratio lies too near to the bound.
+/// Greatest number of samples that is predicted; beyond it, the ratio lies too near to the bound.
 pub const MOST_FORETOLD: u64 = 10_000;
 
-/// About how many samples would decide what `n` left undecided, if the ratio stays where it is: the interval and the noise
-/// floor narrow by the root of the number of samples. At least [`MIN_SAMPLES`] and more than `n`; `None` above
-/// [`MOST_FORETOLD`].
+/// About how many samples would decide a verdict that `n` samples left undecided, if the ratio does not change: the interval
+/// and the noise floor narrow with the square root of the number of samples. The result is at least [`MIN_SAMPLES`] and more
+/// than `n`; `None` above [`MOST_FORETOLD`].
 pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) -> Option<u64> {
     if n < MIN_SAMPLES {
         return Some(MIN_SAMPLES as u64);
     }
     let Ratio { ratio, low, high } = *ratio;
     let change = (ratio - 1.0).abs();
-    // The end of the interval that is nearer to 1, and how far it may be from the ratio.
+    // Distance from the ratio to the end of the interval that is nearer to 1.
     let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
     let narrowed = if change > threshold {
         ((change - threshold) / toward_one).min(change / (toward_one + floor))
@@ -110,8 +110,9 @@ pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     Some(Ratio { ratio, low, high })
 }
 
-/// The median of the ratios b / a of some pairs that were timed in turn, with its interval over [`RESAMPLES`] resamples of
-/// the pairs: what slows both of a pair leaves it as it is. Times must be finite and ≥ 0. `None` of no pairs.
+/// The median of the ratios b / a of pairs that were timed in turn, with its interval over [`RESAMPLES`] resamples of the
+/// pairs. A disturbance that slows both times of a pair does not change their ratio. Times must be finite and ≥ 0. `None`
+/// without pairs.
 pub fn median_of_ratios(pairs: &[[f64; 2]], seed: u64) -> Option<Ratio> {
     let ratios: Vec<f64> = pairs.iter().map(|[a, b]| quotient(*a, *b)).collect();
     let [low, high] = interval([&ratios], seed, |[ratios]| median(ratios))?;
@@ -144,9 +145,8 @@ fn interval<const N: usize>(
     Some([percentile(&found, tail)?, percentile(&found, 1.0 - tail)?])
 }
 
-/// How far a time strays from itself: what two interleaved series of one thing measure is the same, so that whatever their
-/// interval reaches beyond 1 is noise. The farther end of the interval, as a share; `None` with fewer than
-/// [`MIN_SAMPLES`] in a series.
+/// How far a time strays from itself, as a share. Two series of one thing, timed in turn, have the same true median, so that
+/// the distance of their interval's farther end from 1 is noise. `None` with fewer than [`MIN_SAMPLES`] in a series.
 pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     if a.len().min(again.len()) < MIN_SAMPLES {
         return None;
@@ -155,7 +155,7 @@ pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     Some((1.0 - low).max(high - 1.0).max(0.0)).filter(|floor| floor.is_finite())
 }
 
-/// The median of some samples, as of [`ratio_of_medians`]; not a number for none.
+/// The median of some samples, as in [`ratio_of_medians`]; NaN without samples.
 pub fn median_of(samples: impl IntoIterator<Item = f64>) -> f64 {
     median(&mut samples.into_iter().collect::<Vec<_>>()).unwrap_or(f64::NAN)
 }
@@ -203,19 +203,19 @@ mod tests {
         assert_eq!(verdict(&base, &noise(8.0, 0.4, 20, 2)), Verdict::Faster);
         let wide = |seed| noise(10.0, 12.0, 10, seed);
         assert_eq!(verdict(&wide(1), &wide(2)), Verdict::Undecided);
-        // A difference that is as large as the threshold cannot be told from none.
+        // A difference that is as large as the threshold cannot be distinguished from no difference.
         assert_eq!(verdict(&base, &noise(10.5, 0.4, 20, 2)), Verdict::Undecided);
     }
 
     #[test]
     fn the_interval_of_three_samples_is_that_of_their_order_statistics() {
-        // A is constant, so the ratio is the median of a resample of {1, 2, 3}: 1 with probability
-        // 3 · 2/27 + 1/27 = 7/27, the same for 3. Both lie in the tails' 2.5 %.
+        // A is constant, so the ratio is the median of a resample of {1, 2, 3}: 1 with probability 3 · 2/27 + 1/27 = 7/27, the
+        // same for 3. Both probabilities exceed the 2.5 % of a tail.
         let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
-        // With seven values, the least is drawn four times or more with probability
-        // Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025, and one of the least two with 0.108: so the second is the
-        // end.
+        // With seven values, the least is drawn four times or more with probability Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025,
+        // which is less than a tail. One of the least two is drawn so often with probability 0.108 > 0.025, so that the second
+        // value is the end of the interval.
         let seven: Vec<f64> = (1..=7).map(f64::from).collect();
         let r = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
@@ -229,8 +229,7 @@ mod tests {
             r.low <= 1.0 && 1.0 <= r.high
         };
         let covered = (0..200).filter(|t| covers(*t)).count();
-        // The count covered has a standard deviation of 3, and the percentile interval of a median is a little
-        // wide.
+        // `covered` has a standard deviation of 3, and the percentile interval of a median is a little wide.
         assert!((180..=200).contains(&covered), "{covered}");
         assert!(covered < 200, "an interval that never misses is too wide");
     }
@@ -245,7 +244,7 @@ mod tests {
 
     #[test]
     fn what_slows_both_of_a_pair_does_not_widen_the_interval() {
-        // The load doubles each time now and then; the second takes a fifth more at any time.
+        // A load doubles each time in some turns; the second time of a pair is always a fifth longer.
         let load = |n: u32| if n.is_multiple_of(3) { 2.0 } else { 1.0 };
         let pairs: Vec<[f64; 2]> = (0..12).map(|n| [load(n), 1.2 * load(n)]).collect();
         let r = median_of_ratios(&pairs, 1).expect("pairs");
@@ -284,19 +283,19 @@ mod tests {
     #[test]
     fn as_many_samples_decide_as_are_foretold() {
         let foretold = |ratio, low, high, floor| samples_to_decide(&Ratio { ratio, low, high }, 10, 0.05, floor);
-        // The lower end is four times as far from the ratio as it may be: sixteen times as many samples.
-        // The last digit of a root may round the number up.
+        // The lower end is four times as far from the ratio as allowed, which takes sixteen times as many samples. The last
+        // digit of a root may round the number up.
         let is_about = |found: Option<u64>, n: u64| assert!(found == Some(n) || found == Some(n + 1), "{found:?}, {n}");
         is_about(foretold(1.1, 0.9, 1.3, 0.0), 160);
         is_about(foretold(0.9, 0.7, 1.1, 0.0), 160);
-        // Within the bound, the end of the interval that needs more samples counts.
+        // Within the bound, the end of the interval that needs more samples decides.
         is_about(foretold(1.0, 0.9, 1.1, 0.0), 40);
         is_about(foretold(1.025, 0.925, 1.125, 0.0), 160);
-        // An interval without a width is undecided by its floor alone, which narrows, too.
+        // An interval without a width is undecided by its noise floor alone, which narrows with more samples, too.
         is_about(foretold(1.1, 1.1, 1.1, 0.2), 40);
         assert_eq!([foretold(1.0501, 0.9, 1.2, 0.0), foretold(f64::INFINITY, 1.0, f64::INFINITY, 0.0)], [None; 2]);
         assert_eq!(samples_to_decide(&Ratio { ratio: 1.0, low: 0.9, high: 1.1 }, 4, 0.05, 0.0), Some(5));
-        // What is foretold decides, where the noise is what it was.
+        // The predicted number of samples decides, if the noise stays the same.
         let ratio = |n| ratio_of_medians(&noise(10.0, 8.0, n, 1), &noise(13.0, 8.0, n, 2), 1).expect("samples");
         let few = ratio(10);
         assert_eq!(Verdict::of(&few, 0.05, 0.0), Verdict::Undecided);

@@ -1,22 +1,21 @@
-//! Flicker: how much an image changes from frame to frame where the surface that shows it only moved on the screen
+//! Flicker: how much an image changes from frame to frame, at places where the surface only moved on the screen
 //! (docs/definitions.md, "Films").
 
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
 
-/// What is no colour is shown as none.
+/// Replaces a colour that is not finite by black.
 pub fn sound(color: Vec3) -> Vec3 {
     if color.is_finite() { color } else { Vec3::ZERO }
 }
 
-/// A pixel, and where its surface was a frame before, in pixels.
+/// A pixel, with the place where its surface was a frame before, in pixels.
 pub struct SamePlace {
     now: usize,
     before: [f64; 2],
 }
 
-/// The reflecting pixels whose surface reflected on the screen a frame before too, in all four pixels
-/// around the place.
+/// The reflecting pixels whose surface also reflected on the screen a frame before, in all four pixels around its place there.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
     let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();
@@ -63,8 +62,8 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
     pairs
 }
 
-/// Within 2 % of the depth of each other: the tolerance of docs/definitions.md, "World agreement", for what the screen
-/// shows.
+/// Whether the depths of two points differ by at most 2 %, the tolerance of docs/definitions.md, "World agreement", for places
+/// that the screen shows.
 fn is_one_surface(a: DVec3, b: DVec3) -> bool {
     (a.z - b.z).abs() <= 0.02 * b.z
 }
@@ -74,13 +73,13 @@ pub fn changes(pairs: &[SamePlace], before: &[Vec3], now: &[Vec3], width: u32) -
     pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
 }
 
-/// Mean absolute value over changes and channels of what `measure` makes of a change and its index.
+/// The mean absolute value, over changes and channels, of `measure`, which is called with a change's index and the change.
 pub fn mean(changes: &[Vec3], measure: impl Fn(usize, Vec3) -> Vec3) -> f64 {
     let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(measure(n, *c).abs().element_sum()) / 3.0).sum();
     if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
 }
 
-/// Between the four pixels around a place, all of which are on the screen.
+/// Interpolates between the four pixels around a place, all of which are on the screen.
 fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
     let (x, y) = (x - 0.5, y - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);

@@ -17,7 +17,7 @@ impl FlipMap {
     /// is ꟻLIP's default, at which a pixel spans 1/67 of a degree (a 4K display 0.7 m wide, 0.7 m away).
     ///
     /// # Panics
-    /// If an image has another size.
+    /// If an image has another size than stated.
     pub fn new(reference: &[u8], test: &[u8], width: u32, height: u32) -> Self {
         let bytes = 3 * width as usize * height as usize;
         assert!(reference.len() == bytes && test.len() == bytes, "both images must have the stated size");
@@ -55,11 +55,10 @@ mod tests {
 
     #[test]
     fn flat_colours_have_the_error_of_the_papers_formula() {
-        // Flat images have no features, and no filter changes them, so the error is the colour term alone: the
-        // HyAB distance in Hunt-adjusted L*a*b* to the power 0.7, mapped to 0…0.95 up to 0.4 of its greatest
-        // value and to 0.95…1 beyond. Black and white are 100 apart. The greatest distance is that of green to
-        // blue, computed here from their L*a*b* values, (87.735, −86.183, 83.180) and (32.297, 79.188,
-        // −107.860), with a* and b* scaled by L*/100.
+        // Flat images have no features, and no filter changes them, so the error is the colour term alone. This term is the
+        // HyAB distance in Hunt-adjusted L*a*b* to the power 0.7, mapped to 0…0.95 up to 0.4 of its greatest value and to
+        // 0.95…1 beyond. Black and white are 100 apart. The greatest distance is the distance of green to blue, computed here
+        // from their L*a*b* values, (87.735, −86.183, 83.180) and (32.297, 79.188, −107.860), with a* and b* scaled by L*/100.
         let hyab = |a: [f64; 3], b: [f64; 3]| {
             let hunt = |c: [f64; 3], i: usize| c[0] / 100.0 * c[i];
             (a[0] - b[0]).abs() + (hunt(a, 1) - hunt(b, 1)).hypot(hunt(a, 2) - hunt(b, 2))
@@ -72,7 +71,7 @@ mod tests {
         let found = FlipMap::new(&flat([0; 3]), &flat([255; 3]), 32, 24).mean();
         assert!((found - expected(100.0)).abs() < 1e-4, "{found} {}", expected(100.0));
         assert!((0.967..0.968).contains(&found));
-        // sRGB 119 has L* = 50.034: below the knee.
+        // sRGB 119 has L* = 50.034, which is below the knee.
         let found = FlipMap::new(&flat([119; 3]), &flat([0; 3]), 32, 24).mean();
         assert!((found - expected(50.034)).abs() < 1e-3, "{found} {}", expected(50.034));
     }

@@ -3,38 +3,38 @@
 use super::percentile;
 use serde::{Deserialize, Serialize};
 
-/// How a method's hits compare with the oracle's over the reflecting pixels. The four fractions are of those
+/// How a method's hits compare with the oracle's over the reflecting pixels. The four fractions are shares of the reflecting
 /// pixels and add up to 1; all are null if no pixel reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HitAgreement {
     /// The number of reflecting pixels.
     #[serde(skip)]
     pub pixels: usize,
-    /// Both miss, or both hit and |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
+    /// Share of pixels where both miss, or both hit and |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
     pub hit_agreement: Option<f64>,
-    /// Only the method hits.
+    /// Share of pixels where only the method hits.
     #[serde(rename = "false")]
     pub false_hits: Option<f64>,
-    /// Only the oracle hits.
+    /// Share of pixels where only the oracle hits.
     pub missed: Option<f64>,
-    /// Both hit, but further apart.
+    /// Share of pixels where both hit, but further apart.
     pub displaced: Option<f64>,
     /// Median distance in pixels over the pixels where both hit; null if there are none.
     pub hit_error_px_p50: Option<f64>,
-    /// The 99th percentile of that distance.
+    /// The 99th percentile of the same distance.
     pub hit_error_px_p99: Option<f64>,
 }
 
 /// How the two hits of one pixel compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HitVerdict {
-    /// Both miss, or both hit within one pixel.
+    /// Method and oracle both miss, or both hit within one pixel.
     Agrees,
     /// Only the method hits.
     False,
     /// Only the oracle hits.
     Missed,
-    /// Both hit, but further apart.
+    /// Method and oracle both hit, but further apart.
     Displaced,
 }
 
@@ -46,7 +46,7 @@ impl HitVerdict {
             (Some(_), None) => Self::False,
             (None, Some(_)) => Self::Missed,
             (Some(m), Some(o)) if (m[0] - o[0]).abs() <= 1.0 && (m[1] - o[1]).abs() <= 1.0 => Self::Agrees,
-            // This includes a hit at NaN.
+            // A method's hit at NaN ends here, too.
             (Some(_), Some(_)) => Self::Displaced,
         }
     }
@@ -101,7 +101,7 @@ mod tests {
         let a = HitAgreement::new(&reflecting, &method, &oracle);
         let of_seven = |n: f64| Some(n / 7.0);
         assert_eq!(a.pixels, 7);
-        // Both miss; exactly one pixel apart on both axes; equal.
+        // The three agreeing pixels: both miss; hits exactly one pixel apart on both axes; equal hits.
         assert_eq!(a.hit_agreement, of_seven(3.0));
         assert_eq!((a.false_hits, a.missed, a.displaced), (of_seven(1.0), of_seven(1.0), of_seven(2.0)));
         // Distances √2, 5, 1.001, 0.

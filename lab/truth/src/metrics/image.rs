@@ -14,8 +14,8 @@ pub fn masked_rmse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -
     rmse(select(reference, mask).as_flattened(), select(test, mask).as_flattened())
 }
 
-/// Mean squared difference over the mean squared value of the reference, over the three channels of
-/// the mask's pixels. `None` if the reference is black there.
+/// Mean squared difference, divided by the mean squared value of the reference, over the three channels of the mask's pixels.
+/// `None` if the reference is black there.
 ///
 /// # Panics
 /// If the images and the mask differ in length.
@@ -60,7 +60,7 @@ mod tests {
     fn errors_are_those_of_a_hand_computation() {
         // Differences in the mask: 0, 3, 0 and 0, 4, 0.
         assert!((masked_rmse(&REFERENCE, &TEST, &MASK) - (25.0_f64 / 6.0).sqrt()).abs() < 1e-12);
-        // The reference's squares: 1 + 4 + 9.
+        // The squares of the reference add up to 1 + 4 + 9.
         let relative = masked_relative_mse(&REFERENCE, &TEST, &MASK).expect("not black");
         assert!((relative - 25.0 / 14.0).abs() < 1e-12);
         let map = error_map(&REFERENCE, &TEST, &MASK);

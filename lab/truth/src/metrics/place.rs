@@ -1,23 +1,23 @@
-//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where they end among the
-//! scene's triangles, for methods that see more than the screen as well.
+//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where the same rays end among the
+//! scene's triangles; it also judges methods that see more than the screen.
 
 use crate::math::constants::VISIBLE_WITHIN;
 use crate::reference::world_hits::WorldHit;
 use glam::DVec3;
 
-/// Where a method takes a ray to end.
+/// Where a ray ends by a method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayEnd {
     /// At a place in the world, in metres.
     Place(DVec3),
-    /// Nowhere: it escapes to the environment.
+    /// In the environment, to which the ray escapes.
     Sky,
-    /// The method does not know.
+    /// At a place that the method does not know.
     Unknown,
 }
 
-/// Whether a method's end of a ray is the world's: within 2 % of the ray's length and 2 cm of its end, or in the sky
-/// where the ray escapes. `None` if there is no ray.
+/// Whether the end of a ray by a method is right: within 2 % of the ray's length plus 2 cm of its end in the world, or in the
+/// sky if the ray escapes. `None` if there is no ray.
 pub fn is_right(truth: &WorldHit, method: &RayEnd) -> Option<bool> {
     match (*truth, *method) {
         (WorldHit::NotReflecting, _) => None,
@@ -29,7 +29,7 @@ pub fn is_right(truth: &WorldHit, method: &RayEnd) -> Option<bool> {
     }
 }
 
-/// The share of the rays that a method ends rightly; `None` if nothing reflects. The truth is that of
+/// The share of the rays that a method ends right; `None` if nothing reflects. `truth` is the result of
 /// [`world_hits`](crate::reference::world_hits::world_hits).
 ///
 /// # Panics
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn a_place_is_right_within_two_per_cent_of_the_rays_length_and_two_centimetres() {
-        // After 5 m: 0.12 m, whichever way, and whether the screen shows it or not.
+        // After 5 m the tolerance is 0.12 m, in each direction, whether the screen shows the place or not.
         for (off, expected) in [(0.0, true), (0.119, true), (0.121, false), (-0.119, true), (-0.121, false)] {
             assert_eq!(is_right(&hit(9.0, 5.0), &RayEnd::Place(DVec3::Z * (9.0 + off))), Some(expected), "{off}");
             assert_eq!(is_right(&hit(9.0, 5.0), &RayEnd::Place(DVec3::new(off, 0.0, 9.0))), Some(expected), "{off}");

@@ -1,4 +1,4 @@
-//! Whether the reflection of a pixel is right, and if it is not, whether the screen shows what belongs there
+//! Verdict on the reflection of a pixel: whether it is right, and if it is wrong, whether the screen reference is right
 //! (docs/dump.md, "Verdict").
 
 use crate::math::linear_to_srgb;
@@ -6,27 +6,27 @@ use crate::reference::pixel::EstimatedColor;
 use glam::Vec3;
 use serde::{Serialize, Serializer};
 
-/// The [`difference`] of two reflections above which one of them is wrong.
+/// The [`difference`] of two reflections above which they count as different.
 pub const WRONG: f32 = 0.1;
 
-/// How many standard errors of a reference a difference may lie above [`WRONG`].
+/// Number of standard errors of a reference that are added to [`WRONG`].
 const STANDARD_ERRORS: f32 = 3.0;
 
-/// How the reflection that a pixel shows compares with the references.
+/// Result of comparing a pixel's reflection with the references.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PixelVerdict {
     /// The pixel does not reflect.
     NotReflecting,
-    /// It shows what the world shows.
+    /// The reflection matches the world reference.
     Right,
-    /// It shows something else, though the screen has what belongs there.
+    /// The reflection differs from the world reference, though the screen reference matches it.
     WrongByScreen,
-    /// It shows something else, and the screen does not have what belongs there.
+    /// The reflection differs from the world reference, and so does the screen reference.
     WrongByWorld,
 }
 
 impl PixelVerdict {
-    /// Judges a reflection after the fade, by the references of the same pixel.
+    /// Judges a reflection, after its fade, by the references of the same pixel.
     pub fn judge(shown: Vec3, screen: &EstimatedColor, world: &EstimatedColor) -> Self {
         let [own, best] =
             [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|one| differs(&one, world));
@@ -37,7 +37,7 @@ impl PixelVerdict {
         }
     }
 
-    /// Its name, as records have it.
+    /// The name of the verdict in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::NotReflecting => "does not reflect",
@@ -55,12 +55,12 @@ impl Serialize for PixelVerdict {
 }
 
 /// The difference of two linear colours as a display shows them: root mean square over the channels, in shares of the way from
-/// black to white. Linear values would take a dark reflection that is missing for a small error.
+/// black to white. In linear values, a missing dark reflection would look like a small error.
 pub fn difference(a: Vec3, b: Vec3) -> f32 {
     rms(display(a) - display(b))
 }
 
-/// What a display shows of a linear colour, 0…1 in each channel.
+/// The colour that a display shows for a linear colour, 0…1 in each channel.
 fn display(color: Vec3) -> Vec3 {
     color.map(|v| linear_to_srgb(if v.is_nan() { v } else { v.clamp(0.0, 1.0) }))
 }
@@ -69,7 +69,7 @@ fn rms(v: Vec3) -> f32 {
     (v.length_squared() / 3.0).sqrt()
 }
 
-/// Whether two colours differ by more than [`WRONG`] and what chance explains; a colour that is no number always does.
+/// Whether two colours differ by more than [`WRONG`] and more than their standard errors explain; NaN always differs.
 fn differs(a: &EstimatedColor, b: &EstimatedColor) -> bool {
     let reach = |one: &EstimatedColor| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
     let found = difference(a.color, b.color);
@@ -99,7 +99,8 @@ mod tests {
     fn a_dark_reflection_that_is_missing_is_wrong() {
         let dark = exact(0.09);
         assert_eq!(PixelVerdict::judge(Vec3::ZERO, &dark, &dark), PixelVerdict::WrongByScreen);
-        // Half as bright again is shown as 0.36 in place of 0.29: hardly seen.
+        // A display shows 0.36 in place of 0.29 here, which is hardly visible, although the linear value is half as bright
+        // again.
         assert!(difference(Vec3::splat(0.1), Vec3::splat(0.07)) < WRONG);
         assert_eq!(difference(Vec3::splat(7.0), Vec3::ONE), 0.0, "a display shows nothing above white");
     }

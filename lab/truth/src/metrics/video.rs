@@ -1,14 +1,14 @@
-//! The quality of a film beside the film that it should be, in just-objectionable differences (JOD), by ColorVideoVDP
-//! (Mantiuk et al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
+//! The quality of a film compared with a reference film, in just-objectionable differences (JOD), by ColorVideoVDP (Mantiuk et
+//! al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
 
 use crate::error::{Error, Result};
 use colorvideovdp::{Color, Cvvdp, DisplayModel, Geometry, Image, Options, Photometry};
 
-/// The display that is looked at: what it emits is that of the metric's monitor of this name (200 cd/m² at most, under
-/// the 250 lux of an office), and its pixels are those of [`FlipMap`](super::flip::FlipMap).
+/// The display that the viewer looks at. The display's light is that of the metric's monitor of this name (at most 200 cd/m²,
+/// under the 250 lux of an office), and its pixels have the size of [`FlipMap`](super::flip::FlipMap).
 const DISPLAY: &str = "standard_4k";
 
-/// Working memory of the metric at most, in bytes.
+/// Greatest working memory of the metric, in bytes.
 const MEMORY: usize = 8 << 30;
 
 /// A film: display images of one size, 3 · width · height sRGB bytes each, rows from the top.
@@ -22,11 +22,11 @@ pub struct Film {
     pub frames: Vec<Vec<u8>>,
 }
 
-/// What a film is worth beside another of as many frames and pixels, shown at so many frames a second: 10 where nobody
-/// sees a difference, and one less where 75 % of people prefer the other.
+/// The quality of a film compared with a reference of equal length and size: 10 if nobody sees a difference, and one less if 75
+/// % of people prefer the reference.
 ///
 /// # Errors
-/// [`Error::Usage`] if the films differ in size or length, or the metric does not take them: too large, or too short.
+/// [`Error::Usage`] if the films differ in size or length, or the metric refuses them as too large or too short.
 pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64> {
     let refused = |e: colorvideovdp::Error| Error::Usage(format!("ColorVideoVDP does not compare the films: {e}"));
     let images = |film: &Film| {
@@ -53,7 +53,7 @@ pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64>
 mod tests {
     use super::*;
 
-    /// A texture that moves a pixel a frame.
+    /// A texture that moves by a pixel a frame.
     fn film() -> Film {
         let (width, height) = (64, 48);
         let texel = |n: u32, x: u32, y: u32| (((x + n) * 37 + y * 91) % 200 + 20) as u8;
@@ -64,7 +64,7 @@ mod tests {
         Film { width, height, frames: (0..12).map(frame).collect() }
     }
 
-    /// The film with `change` (the frame, the pixel) added to it.
+    /// The film with `change`, a function of frame and pixel, added to it.
     fn with(mut film: Film, change: impl Fn(usize, usize) -> i16) -> Film {
         for (n, frame) in film.frames.iter_mut().enumerate() {
             for (i, byte) in frame.iter_mut().enumerate() {
@@ -84,8 +84,8 @@ mod tests {
         assert!(weak < 10.0 && strong < weak - 0.2, "{weak}, {strong}");
     }
 
-    /// What a metric of single images cannot tell: the same difference in each frame, once always alike and once with
-    /// its sign changed from frame to frame.
+    /// Tests what a metric of single images cannot measure: the same difference in each frame counts less if it stands still
+    /// than if its sign alternates.
     #[test]
     fn what_flickers_is_worth_less_than_what_stands_still() {
         let grey = with(film(), |_, _| -255);

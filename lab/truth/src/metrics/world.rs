@@ -1,5 +1,5 @@
-//! World agreement (docs/definitions.md, "World agreement"): how often a method hits what the ray hits in the scene's
-//! triangles if the screen shows that place, and misses if the screen does not show it.
+//! World agreement (docs/definitions.md, "World agreement"): how often a method hits what the ray hits in the scene's triangles
+//! if the screen shows the end of the ray, and misses if it does not.
 
 /// The largest distance, in x and in y, between a method's hit and the world's, in pixels.
 pub const WITHIN_PIXELS: f64 = 2.0;
@@ -9,14 +9,14 @@ pub const WITHIN_PIXELS: f64 = 2.0;
 pub struct WorldAgreement {
     /// The number of reflecting pixels.
     pub pixels: u64,
-    /// Both hit within [`WITHIN_PIXELS`], or both miss.
+    /// Number of pixels where both hit within [`WITHIN_PIXELS`], or both miss.
     pub agree: u64,
-    /// The method hits, but the screen does not show where the ray ends.
+    /// Number of pixels where the method hits, but the screen does not show the end of the ray.
     #[serde(rename = "false")]
     pub false_hits: u64,
-    /// The method misses although the screen shows where the ray ends.
+    /// Number of pixels where the method misses, although the screen shows the end of the ray.
     pub missed: u64,
-    /// Both hit, but further apart.
+    /// Number of pixels where both hit, but further apart.
     pub displaced: u64,
 }
 
@@ -32,9 +32,9 @@ pub fn is_same_place(a: [f64; 2], b: [f64; 2]) -> bool {
     (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS)
 }
 
-/// Compares a method's hits with the world's. All three slices have equal length. For each pixel they hold
-/// whether it reflects, the pixel coordinates where the ray ends in the world if the screen shows that place,
-/// and those of the method's hit, if any. A hit that is not finite counts as false or displaced.
+/// Compares a method's hits with the world's. All three slices have equal length. For each pixel, `reflects` says whether it
+/// reflects, and `visible` has the end of its ray in the world, if the screen shows it. `method` has the method's hit, if any,
+/// in pixel coordinates like `visible`. A hit that is not finite counts as false or displaced.
 pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Option<[f64; 2]>]) -> WorldAgreement {
     let mut counts = WorldAgreement::default();
     for ((_, world), method) in reflects.iter().zip(visible).zip(method).filter(|((reflects, _), _)| **reflects) {

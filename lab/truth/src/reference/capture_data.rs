@@ -1,4 +1,4 @@
-//! A capture on the host (docs/definitions.md, "Images"): what the references follow rays in.
+//! A capture on the host (docs/definitions.md, "Images"): images in which the references follow rays.
 
 use crate::scene::capture::face_camera;
 use crate::scene::{Capture, GBufferData, Surface, sky};
@@ -7,7 +7,7 @@ use glam::Vec3;
 /// Six images of the scene around a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaptureData {
-    /// Where they were made, in the world, in metres.
+    /// Place from which the images were made, in the world, in metres.
     pub place: Vec3,
     /// The faces in Vulkan's order +x −x +y −y +z −z. All have the same size and lens; normals are in the view space of
     /// the face, and colours are the lit colour, black where the sky is seen.
@@ -15,8 +15,8 @@ pub struct CaptureData {
 }
 
 impl CaptureData {
-    /// Makes one of what each texel of each face shows: `texel` says the view depth in metres, infinite for sky, the
-    /// normal in world axes and the lit colour in a direction in world axes, whose greatest component is 1.
+    /// Makes a capture from a function of direction. `texel` gives the view depth in metres, infinite for sky, the normal in
+    /// world axes and the lit colour. The direction is in world axes, and its greatest component is 1.
     pub fn of(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
         let side = capture.resolution;
         let count = (side * side) as usize;

@@ -1,6 +1,6 @@
-//! The surface that each pixel of an image sees first, and where it reflects. First hits are either traced
-//! through the pixels' centres, which needs no G-buffer and so is independent evidence, or taken from a
-//! G-buffer, which leaves the reflection as the only difference between a method and the reference.
+//! The surface that each pixel of an image sees first, and the point on it that reflects. First hits can be traced through the
+//! pixels' centres, which needs no G-buffer and is therefore independent evidence. They can also be taken from a G-buffer,
+//! which leaves the reflection as the only difference between a method and the reference.
 
 use super::surface::{SurfacePoint, World, sky_color};
 use crate::scene::bvh::{TriangleHit, WorldRay};
@@ -8,10 +8,9 @@ use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How far a depth of a G-buffer may lie from its surface, as a share of the distance, or of the height of the image where
-/// rays of sight are parallel. Most devices round the position of a vertex
-/// to a 256th of a pixel, by half of that at most. Where the depth changes from one pixel to the next by four times itself, which
-/// is steeper than what a picture can show, that rounding moves the depth by this share.
+/// Greatest error of a depth in a G-buffer, as a share of the distance, or of the height of an orthographic image. Most devices
+/// round the position of a vertex to a 256th of a pixel, by at most half of this unit. The bound holds for surfaces whose depth
+/// changes by up to four times itself from pixel to pixel, which is steeper than an image can show.
 const STORED_DEPTH_ERROR: f64 = 1.0 / 128.0;
 
 /// The first surfaces of an image; rows from the top, pixel (i, j) at `j · width + i`.
@@ -38,8 +37,7 @@ pub struct Receiver {
     pub incoming: DVec3,
     /// Unit shading normal.
     pub normal: DVec3,
-    /// Unit normal of the triangle on the camera's side; equal to the shading normal where only a G-buffer is
-    /// known.
+    /// Unit normal of the triangle on the camera's side; equal to the shading normal if only a G-buffer is known.
     pub geometric_normal: DVec3,
     /// Roughness ϱ.
     pub roughness: f64,
@@ -109,7 +107,7 @@ impl PrimaryRays {
         let (x, y) = (f64::from(x) + u, f64::from(y) + v);
         let ndc = DVec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, 0.5);
         let point = self.clip_to_view.project_point3(ndc);
-        // A ray begins at the eye, or, if all are parallel, beside it.
+        // A ray begins at the eye, or, for parallel rays, beside it.
         let (along, beside) = match self.kind {
             ProjectionKind::Perspective => (point.normalize(), None),
             ProjectionKind::Orthographic => (DVec3::Z, Some(DVec3::new(point.x, point.y, 0.0))),
@@ -119,7 +117,7 @@ impl PrimaryRays {
         (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
     }
 
-    /// Everything but the extent that the rays depend on.
+    /// Everything, except the extent, that the rays depend on.
     pub(super) fn numbers(&self) -> Vec<f64> {
         [&self.clip_to_view.to_cols_array()[..], &self.view_to_world.to_cols_array(), &[self.near_m, self.far_m]]
             .concat()
@@ -180,16 +178,15 @@ impl FirstHits {
         all
     }
 
-    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet that world, and the planes
-    /// of the triangles there, below which no light leads. A device
-    /// that rounds vertices to fractions of a pixel puts its depths beside the surface, by millimetres where the eye sees it
-    /// at a grazing angle, and rays from there would meet the surface itself. Where the world has nothing near a depth, its
-    /// point stays.
+    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet the world, and the
+    /// triangles' planes there, below which no light leads. The depths alone are too inexact on a device that rounds vertices
+    /// to fractions of a pixel. At a grazing angle they lie millimetres beside the surface, so that rays from there would meet
+    /// the surface itself. A point stays in place if the world has no surface near it.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
         Self::from_gbuffer(gbuffer).onto(world, gbuffer)
     }
 
-    /// Takes one pixel alone as [`Self::shown`] takes all: the others have no receivers.
+    /// Takes one pixel as [`Self::shown`] does; all other pixels have no receivers.
     pub fn shown_at(world: &World, gbuffer: &GBufferData, index: usize) -> Self {
         let mut alone = Self::from_gbuffer(gbuffer);
         let receiver = alone.receivers.get(index).copied().flatten();
@@ -200,7 +197,7 @@ impl FirstHits {
         alone.onto(world, gbuffer)
     }
 
-    /// Moves receivers from where the depths of a G-buffer put them to where the camera's rays meet a world.
+    /// Moves receivers from the points given by the G-buffer's depths to the points where the camera's rays meet a world.
     fn onto(self, world: &World, gbuffer: &GBufferData) -> Self {
         let mut all = self;
         let (kind, reach) = (gbuffer.camera.kind(), gbuffer.camera.reach_m(1.0));

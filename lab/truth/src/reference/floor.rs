@@ -1,6 +1,6 @@
-//! The floor of the screen's picture (docs/definitions.md, "Floor of the screen"): the reflection that shows, for each ray
-//! whose end the screen shows, the screen's colour there, and the truth for all others. The hits of a method on the
-//! screen cannot bring it nearer to the world.
+//! The floor of the screen's picture (docs/definitions.md, "Floor of the screen"): the reflection that has the screen's colour
+//! for each ray whose end the screen shows, and the truth for all other rays. Better hits on the screen cannot bring a method
+//! nearer to the world than this floor.
 
 use super::first_hits::FirstHits;
 use super::partial_sums::PartialSums;
@@ -10,7 +10,7 @@ use super::world_hits::ShownPlaces;
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 
-/// Sums of what a screen shows of the rays of a world reference.
+/// Sums over the rays of a world reference, in which rays that end on the screen have the screen's colour.
 #[derive(Debug, Clone)]
 pub struct ScreenFloor<'a> {
     screen: ShownPlaces<'a>,
@@ -18,28 +18,27 @@ pub struct ScreenFloor<'a> {
 }
 
 impl<'a> ScreenFloor<'a> {
-    /// Makes the floor of a G-buffer and its own first hits, without samples.
+    /// The floor of a G-buffer and its first hits, without samples.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let screen = ShownPlaces::new(gbuffer, first_hits);
         Self { screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
     }
 
-    /// Adds samples to the state of a reference of the same size, and what the screen shows of the same samples to the
-    /// sums.
+    /// Adds samples to the state of a reference of the same size, and the same samples with the screen's colours to the sums.
     pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
         let Self { screen, sums, .. } = self;
         let last = state.samples().saturating_add(samples);
         while let Some(stop) = sums.next_stop(last) {
             reference.add_beside(state, stop, sums.open(), |sum, sample| {
                 let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
-                // What further bounces bring is on no screen.
+                // The screen does not show light of further bounces, which is taken from the reference.
                 *sum += on_screen.map_or(sample.radiance, |color| color + sample.bounced);
             });
             sums.close(stop);
         }
     }
 
-    /// The reflection colour, linear, rows from the top; of the state that all samples were added to.
+    /// The reflection colour, linear, rows from the top. All samples must have been added to `state`.
     pub fn image(&self, state: &WorldState) -> Vec<Vec3> {
         let pixels = state.sample_counts().enumerate();
         pixels.map(|(pixel, samples)| (self.sums.total(pixel) / f64::from(samples.max(1))).as_vec3()).collect()
@@ -57,8 +56,8 @@ mod tests {
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
 
-    /// A mirror floor 1 m below the eye and a wall at z = 4 that stands on it, both of one colour. The camera looks down
-    /// by 25° and sees 30° up and down: its upper edge rises by 5°, and shows the wall up to 0.35 m above the eye.
+    /// A mirror floor 1 m below the eye and a wall at z = 4 that stands on it, both of one colour. The camera looks down by 25°
+    /// and sees 30° up and down, so that the upper edge of its image rises by 5° and shows the wall up to 0.35 m above the eye.
     fn stage(wall: Surface) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let behind = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -72,14 +71,15 @@ mod tests {
         (scene, Camera::new(Vec3::ZERO, Vec3::new(0.0, -down.sin(), down.cos()), lens, 1.0))
     }
 
-    /// What a pixel's floor differs by from the truth.
+    /// Difference of the floor from the truth at a pixel.
     struct Difference {
         color: Vec3,
-        /// Metres from the screen's upper edge up to the end of the mirror ray; only of pixels in the middle columns.
+        /// Metres from the screen's upper edge up to the end of the mirror ray; `None` outside the middle columns.
         above_m: Option<f64>,
     }
 
-    /// The reflecting pixels where the screen shows another colour on all that does not reflect.
+    /// The differences at the reflecting pixels, where `on_screen` replaces the screen's colour on surfaces that do not
+    /// reflect.
     fn differences(wall: Surface, on_screen: Option<Vec3>) -> Vec<Difference> {
         let (scene, camera) = stage(wall);
         let world = World::new(&scene, &scene.materials);
@@ -97,14 +97,14 @@ mod tests {
         let truth = reference.image(&state).reflection;
         let pixels = floor.image(&state).into_iter().zip(truth).zip(&first_hits.receivers).enumerate();
         let difference = |(i, ((floor, truth), receiver)): (usize, ((Vec3, Vec3), &Option<Receiver>))| {
-            // A ray rises as steeply as it fell, from z = 1 / slope: to 4 slope − 2 above the eye.
+            // A ray rises as steeply as it fell, from z = 1 / slope, and reaches 4 slope − 2 above the eye.
             let above = receiver.as_ref()?.position.z.recip() * 4.0 - 2.0 - 4.0 * 5_f64.to_radians().tan();
             Some(Difference { color: floor - truth, above_m: (8..16).contains(&(i % 24)).then_some(above) })
         };
         pixels.filter_map(difference).collect()
     }
 
-    /// The colours' differences of the middle pixels whose mirror rays end in some range above the upper edge.
+    /// The colour differences of pixels in the middle columns whose mirror rays end in a range above the upper edge.
     fn middle(all: &[Difference], range: std::ops::Range<f64>) -> Vec<Vec3> {
         all.iter().filter(|d| d.above_m.is_some_and(|a| range.contains(&a))).map(|d| d.color).collect()
     }
@@ -117,10 +117,10 @@ mod tests {
 
     #[test]
     fn the_floor_is_what_the_screen_shows_wrongly_and_nothing_else() {
-        // The wall is unlit: a fifth of its albedo.
+        // The wall is unlit, so that its colour is a fifth of its albedo.
         let (wrong, truth) = (Vec3::new(0.7, 0.1, 0.3), 0.2 * COLOR);
         let all = differences(Surface::Lit, Some(wrong));
-        // A pixel's rays end up to half a metre apart, and colours are bilinear: what is near the edges is left out.
+        // A pixel's rays end up to half a metre apart, and colours are bilinear, so that pixels near the edges are left out.
         let (on, off) = (middle(&all, -1.0..-0.4), middle(&all, 0.4..9.0));
         assert!(on.len() > 10 && off.len() > 40, "{} {}", on.len(), off.len());
         assert!(off.iter().all(|found| found.length() < 1e-6), "the screen does not show it: {off:?}");

@@ -13,7 +13,7 @@ pub struct MinMax {
 }
 
 impl MinMax {
-    /// A texel of a device's chain. Where it keeps no maxima, that is NaN.
+    /// A texel of a device's chain; `max` is NaN if the chain keeps no maxima.
     pub fn of(texel: &[f32]) -> Self {
         Self { min: texel[0], max: texel.get(1).copied().unwrap_or(f32::NAN) }
     }
@@ -27,7 +27,7 @@ pub fn offset(side: u32) -> u32 {
 /// Alg. 3 over a whole level, which must have a coarser one. The thesis does not say what a fetch beyond the
 /// edge returns (which occurs for a side of 1); here, as in the shader, it returns the texel at the edge.
 ///
-/// Four texels determine a cell, even if it covers six or nine: the erratum of Alg. 3.
+/// Four texels determine a cell, even if it covers six or nine, which is the erratum of Alg. 3.
 pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
     let (width, height) = below.coarser()?;
     let (offset_x, offset_y) = (offset(below.width), offset(below.height));
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn an_odd_level_skips_its_middle_texel() {
-        // For a side of 3, Eq. 4.1 reads texels 0 and 2: the nearest one, in the middle, is lost.
+        // For a side of 3, Eq. 4.1 reads texels 0 and 2: the nearest texel, in the middle, is lost.
         let c = chain(&depth(3, 1, &[0.4, 0.1, 0.5]));
         assert_eq!(c[1].texels, [MinMax { min: 0.4, max: 0.5 }]);
     }

@@ -1,6 +1,6 @@
 //! The thesis's Hi-Z ray tracing on the CPU, step by step (§4.2.7: Alg. 2, Alg. 4 and its listing): the twin of
-//! `shaders-glsl/thesis/hi_z_ray_trace.glsl`, in the same 32-bit floats and with the same departures from the
-//! thesis. It also records what the shader does not: the cells and levels that a ray visited.
+//! `shaders-glsl/thesis/hi_z_ray_trace.glsl`, in the same 32-bit floats and with the same departures from the thesis. Unlike
+//! the shader, it also records the cells and levels that a ray visited.
 
 use super::Level;
 use super::hi_z::MinMax;
@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 pub struct HiZConstants {
     /// The level at which the traversal begins.
     pub start_level: u32,
-    /// The most iterations.
+    /// Greatest number of iterations.
     pub iterations: u32,
     /// How far a ray is pushed past a cell boundary, in pixels.
     pub cross_offset: f32,
@@ -29,8 +29,7 @@ pub struct Step {
     pub cell_count: Vec2,
     /// The minimum depth of the cell.
     pub minimum_plane: f32,
-    /// Whether the ray crossed the cell's boundary before its depth plane. If so, the level goes up, otherwise
-    /// down.
+    /// Whether the ray crossed the cell's boundary before its depth plane. If so, the walk goes up a level, otherwise down.
     pub crossed: bool,
     /// The ray's position after the step: texture coordinates and standard depth.
     pub ray: Vec3,
@@ -39,15 +38,15 @@ pub struct Step {
 /// How a traversal ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// It went below level 0: a hit.
+    /// The traversal went below level 0, which is a hit.
     Hit,
-    /// It left the screen: a miss.
+    /// The ray left the screen, which is a miss.
     LeftScreen,
-    /// It ran out of iterations, which the thesis treats as a hit.
+    /// The traversal ran out of iterations, which the thesis treats as a hit.
     Exhausted,
 }
 
-/// The record of a traversal.
+/// The record of a traversal, for one ray.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HiZTrace {
     /// The ray's origin at its pixel.
@@ -56,7 +55,7 @@ pub struct HiZTrace {
     pub entered: Vec3,
     /// Every iteration, in order.
     pub steps: Vec<Step>,
-    /// How the traversal ended.
+    /// End of the traversal.
     pub end: End,
 }
 
@@ -116,7 +115,7 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
         let left = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
         let below = !crossed && level == 0;
         level = if crossed { (level + 1).min(chain.len() - 1) } else { level.saturating_sub(1) };
-        // In the shader's order: the loop body checks for the screen's edge, and the loop's condition checks
+        // The checks have the shader's order: the loop body tests for the screen's edge, and then the loop's condition tests
         // the level.
         if left {
             break End::LeftScreen;

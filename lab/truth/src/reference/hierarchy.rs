@@ -1,13 +1,12 @@
-//! A second traversal, which uses a pyramid to find what the oracle finds in a tenth of the steps (docs/numerics.md,
-//! "What a robust method does", items 2 to 4). The Monte Carlo reference uses it. Its agreement with
-//! [`super::oracle`] is evidence for both; the two share only the set-up of rays and the pixels' blocks, which
-//! have tests of their own.
+//! A second traversal, which uses a pyramid to find the oracle's hits in a tenth of the steps (docs/numerics.md, "What a robust
+//! method does", items 2 to 4). The Monte Carlo reference uses it. The traversal's agreement with [`super::oracle`] is evidence
+//! for both; the two share only the set-up of rays and the pixels' blocks, which have tests of their own.
 //!
-//! A cell of level l covers exactly the pixels whose indices, shifted right by l, give its own, at every image
-//! size. It stores the interval from the farthest back to the nearest front of their blocks. The ray's depth
-//! over a cell is an interval too, whichever way the ray runs. If the two intervals do not meet, the ray passes
-//! the whole cell in one step. The bounds stay conservative under rounding because depths and crossings are
-//! monotonic expressions that are evaluated at the same boundaries on every level.
+//! At every image size, a cell of level l covers exactly the pixels whose indices, shifted right by l, equal the cell's index.
+//! The cell stores the interval from the farthest back to the nearest front of their blocks. The ray's depth over a cell is an
+//! interval too, whichever way the ray runs. If the two intervals do not meet, the ray passes the whole cell in one step. The
+//! bounds stay conservative under rounding because depths and crossings are monotonic expressions that are evaluated at the
+//! same boundaries on every level.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -32,7 +31,7 @@ impl<'a> Hierarchy<'a> {
         Self { rays: RaySetup::new(gbuffer), levels, version: OracleVersion::V1 }
     }
 
-    /// Makes traversals follow another version of the oracle.
+    /// Makes traversals follow a version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
@@ -53,8 +52,8 @@ impl<'a> Hierarchy<'a> {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// Traces a segment that begins on the screen, from cell to cell: down a level where the ray may meet
-    /// something, up a level where it left the parent cell.
+    /// Traces a segment that begins on the screen, from cell to cell. The walk goes down a level where the ray may meet a
+    /// block, and up a level where the ray left the parent cell.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let sides = [self.levels[0].width, self.levels[0].height];
         let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
@@ -117,7 +116,8 @@ impl<'a> Hierarchy<'a> {
         })
     }
 
-    /// The cosine by which a ray runs against the current pixel's normal; negative if it runs along the normal.
+    /// The cosine of the angle between a ray and the reversed normal of the current pixel; negative if the ray runs along the
+    /// normal.
     fn inward(&self, lanes: &[Lane; 2], segment: &Segment) -> f64 {
         let [x, y] = lanes.map(|lane| lane.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
@@ -132,7 +132,7 @@ impl<'a> Hierarchy<'a> {
         depth < block.front && (depth < before.front || is_torn && is_deep)
     }
 
-    /// The result for a ray that ends at `end`, in the pixel where it is just before that.
+    /// The result for a ray that ends at `end`, in the pixel where the ray is just before its end.
     fn miss(&self, lanes: &[Lane; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let before = lanes.map(|lane| lane.before(end));
         let behind = self.cell(&before, 0).is_some_and(|b| b.front >= b.back && segment.depth_at(end) < b.back);
@@ -162,7 +162,7 @@ fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2]
     Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.at(s) }
 }
 
-/// The walk along one axis; it keeps the column (or row) in which the ray is.
+/// The walk along one axis; `pixel` is the column (or row) in which the ray is.
 #[derive(Debug, Clone, Copy)]
 struct Lane<'s> {
     segment: &'s Segment,
@@ -183,8 +183,8 @@ impl<'s> Lane<'s> {
         Self { segment, axis, direction, first, pixel: first, side: side as i32 }
     }
 
-    /// The s at which the ray leaves the cell of the given level that contains the current pixel, or the
-    /// screen: the last cell may extend beyond it, and the ray's end is rounded to the screen's edge.
+    /// The s at which the ray leaves the cell of the given level that contains the current pixel. The last cell may extend
+    /// beyond the screen, whose edge then counts, since the ray's end is rounded to it.
     fn exit(&self, level: usize) -> f64 {
         let cell = self.pixel >> level;
         self.crossing(((if self.direction > 0 { cell + 1 } else { cell }) << level).min(self.side))
@@ -205,14 +205,14 @@ impl<'s> Lane<'s> {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }
 
-    /// The pixel behind all boundaries for which `crossed` is true. The position at s gives a first guess,
-    /// which is then corrected, so that the result does not depend on the rounding of the position.
+    /// The pixel behind all boundaries for which `crossed` is true. The position at s gives a first guess; corrections then
+    /// make sure that the result does not depend on the rounding of the position.
     fn pixel_at(&self, s: f64, crossed: impl Fn(f64) -> bool) -> i32 {
         if self.direction == 0 {
             return self.first;
         }
         let mut pixel = self.segment.at(s)[self.axis].floor() as i32;
-        // The offsets of the boundary at which the ray leaves a pixel and of the one at which it entered.
+        // Offsets from a pixel to the boundary at which the ray leaves it, and to the boundary at which the ray entered.
         let (ahead, behind) = if self.direction > 0 { (1, 0) } else { (0, 1) };
         while crossed(self.crossing(pixel + ahead)) {
             pixel += self.direction;

@@ -1,24 +1,25 @@
 //! The oracle of images (docs/definitions.md, "Images"): finds what a reflection ray hits in the screen and in captures
 //! by examining every pixel on its path, in f64. It is slow, short and meant to be read.
 //!
-//! The screen is one image of the scene, and each face of a capture is another. In each of them the ray is a straight
-//! line over a field of blocks, as in [`super::oracle`].
+//! The screen is one image of the scene, and each face of a capture is another. In each image the ray is a straight line over a
+//! field of blocks, as in [`super::oracle`].
 //!
-//! - **The screen** says what it says in version 2 of the oracle, as long as it sees the ray: it loses it at the first
-//!   pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends in the
-//!   sky. Any other that hits nothing is followed in captures, from where it was lost.
+//! - **The screen** gives the hits of version 2 of the oracle while it sees the ray. It loses the ray at the first pixel whose
+//!   block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends in the sky. Any other ray
+//!   that hits nothing is followed in captures, from where the screen lost it.
 //! - **A capture sees a point** if the point is not behind the back of its block there, and not before the near plane.
 //!   A lost ray goes on in the nearest capture that sees the point where it was lost.
-//! - **A face is followed** while it sees the ray: until the ray leaves by a side, to the next face; through the far
-//!   plane, to the sky; through the near plane, where it is lost; or until it is behind the front of a block. Then, if it
-//!   runs the way of the normal there, it passes while it is inside the block, because it leaves that surface, and is lost
-//!   if it is behind it. If it runs against the normal, it hits if it was in front of the block where it entered the
-//!   pixel, or came through the joint to the block before, as version 2 of the oracle says; else it is lost. A ray that
-//!   begins inside the block hits it at once. So does one that comes from another face and is behind the block by no more
-//!   than the thickness of the last block there: it came through the joint of a surface that both faces show.
-//! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture
-//!   in which it did not get on is left out until it gets on in another. Where no capture is left, its end is unknown.
-//! - **Outside the scene's bounds** nothing stands. A ray that an image lost there ends in the sky.
+//! - **A face follows a ray** until the ray leaves it or is behind the front of a block. A ray that leaves by a side goes on in
+//!   the next face, through the far plane it ends in the sky, and through the near plane it is lost. A ray behind the front of
+//!   a block that runs along the normal there passes inside the block, because it leaves that surface; behind the block's back
+//!   it is lost. A ray that runs against the normal hits if it was in front of the block where it entered the pixel. It also
+//!   hits if it came through the joint to the previous pixel's block, by the rule of version 2 of the oracle; else it is lost.
+//!   A ray that begins inside the block hits at once. A ray from another face also hits if it is behind the block by no more
+//!   than the thickness of that face's last block. The ray then came through the joint of a surface that both faces show.
+//! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture in
+//!   which the ray did not advance is left out until the ray advances in another. If no capture is left, the end of the ray is
+//!   unknown.
+//! - **Outside the scene's bounds** there is no surface, so that a ray that an image lost there ends in the sky.
 
 use super::capture_data::CaptureData;
 use super::oracle::{self, Oracle, PassedPixel};
@@ -37,34 +38,34 @@ pub enum EndInImages {
     Capture {
         /// The index of the capture.
         index: usize,
-        /// Where it hits, relative to the eye, in world axes, in metres.
+        /// Where the ray hits, relative to the eye, in world axes, in metres.
         place: DVec3,
-        /// Width of a texel of the capture there, in metres.
+        /// Width of a texel of the capture at the hit, in metres.
         texel_m: f64,
     },
     /// In the sky.
     Sky,
-    /// Where no image sees it.
+    /// At a place that no image sees.
     Unknown,
 }
 
-/// A ray from where the screen lost it.
+/// A ray that the screen lost, from where it was lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExactLostRay {
-    /// Relative to the eye, in world axes, in metres.
+    /// Where the screen lost the ray, relative to the eye, in world axes, in metres.
     pub start: DVec3,
-    /// Unit, in world axes.
+    /// Unit direction in world axes.
     pub direction: DVec3,
 }
 
-/// What the screen makes of a ray.
+/// Result of following a ray on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ScreenRayEnd {
-    /// There is no ray, or it runs below the surface that it leaves.
+    /// There is no ray, or the ray runs below the surface that it leaves.
     NoRay,
-    /// It ends there.
+    /// The ray ends on the screen or in the sky.
     Ends(EndInImages),
-    /// The screen loses it.
+    /// The screen loses the ray.
     Loses(ExactLostRay),
 }
 
@@ -81,7 +82,7 @@ pub struct ImageOracle<'a> {
 /// A capture.
 #[derive(Debug, Clone)]
 struct Cube<'a> {
-    /// Relative to the eye.
+    /// Place relative to the eye.
     place: DVec3,
     faces: Vec<Face<'a>>,
 }
@@ -93,17 +94,17 @@ struct Face<'a> {
     view_to_world: DMat3,
 }
 
-/// How a ray fared in a face or a capture.
+/// Result of following a ray in a face or a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FollowEnd {
     Hit,
     Sky,
     Lost,
-    /// It left a face.
+    /// The ray left a face by a side.
     On {
-        /// By a side in this direction of the capture.
+        /// Axis, in the capture, of the side by which the ray left.
         side: DVec3,
-        /// Past a block of this thickness in reversed depth.
+        /// Thickness, in reversed depth, of the last block that the ray passed.
         thickness: f64,
     },
 }
@@ -124,18 +125,18 @@ impl<'a> ImageOracle<'a> {
         }
     }
 
-    /// With a box in the world, in metres, outside of which nothing stands.
+    /// Sets a box in the world, in metres, outside of which there is no surface.
     pub fn with_bounds(self, bounds: Aabb) -> Self {
         let eye = self.screen.rays.gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         Self { bounds: [bounds.min, bounds.max].map(|corner| corner.as_dvec3() - eye), ..self }
     }
 
-    /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if it runs below the surface.
+    /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if the ray runs below the surface.
     pub fn trace(&self, x: u32, y: u32) -> Option<EndInImages> {
         self.end(self.trace_screen(x, y))
     }
 
-    /// Where the ray ends, given what the screen trace found.
+    /// Where the ray ends, given the result on the screen.
     pub fn end(&self, on_screen: ScreenRayEnd) -> Option<EndInImages> {
         match on_screen {
             ScreenRayEnd::NoRay => None,
@@ -149,14 +150,14 @@ impl<'a> ImageOracle<'a> {
         self.screen.rays.mirror(x, y)
     }
 
-    /// What the screen makes of the mirror ray of a pixel.
+    /// Follows the mirror ray of a pixel on the screen.
     pub fn trace_screen(&self, x: u32, y: u32) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let direction = rays.mirror(x, y).filter(|d| rays.normal(x, y).is_some_and(|n| n.dot(*d) > 0.0));
         direction.map_or(ScreenRayEnd::NoRay, |direction| self.trace_screen_along(x, y, direction))
     }
 
-    /// What the screen makes of a ray from a pixel's centre along a view-space direction of any length.
+    /// Follows a ray on the screen, from a pixel's centre along a view-space direction of any length.
     pub fn trace_screen_along(&self, x: u32, y: u32, direction: DVec3) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let Some(segment) = rays.segment(x, y, direction) else { return ScreenRayEnd::NoRay };
@@ -186,7 +187,7 @@ impl<'a> ImageOracle<'a> {
         ScreenRayEnd::Loses(ExactLostRay { start, direction: self.view_to_world * segment.direction })
     }
 
-    /// Where a ray ends that the screen lost.
+    /// Where a ray ends that the screen lost, by following it in captures.
     pub fn follow(&self, lost: &ExactLostRay) -> EndInImages {
         let (mut point, mut excluded) = (lost.start, Vec::new());
         loop {
@@ -226,19 +227,19 @@ impl<'a> ImageOracle<'a> {
 }
 
 impl Cube<'_> {
-    /// The face in which a direction lies: the one along whose axis it reaches farthest.
+    /// The face in which a direction lies: the face along whose axis the direction reaches farthest.
     fn cube_face(&self, direction: DVec3) -> &Face<'_> {
         let along = |face: &&Face| face.view_to_world.z_axis.dot(direction);
         let farthest = self.faces.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
         farthest.unwrap_or(&self.faces[0])
     }
 
-    /// Width of a texel at a place relative to the capture's.
+    /// Width of a texel at a place relative to the capture's place, in metres.
     fn texel_m(&self, point: DVec3) -> f64 {
         2.0 * point.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
     }
 
-    /// Whether it sees a point relative to its place.
+    /// Whether the capture sees a point, given relative to its place.
     fn sees(&self, point: DVec3) -> bool {
         let face = self.cube_face(point);
         let image = &face.image;
@@ -249,10 +250,10 @@ impl Cube<'_> {
         position.z < 1.0 && (block == DepthBlock::EMPTY || position.z >= block.back)
     }
 
-    /// Follows a ray from a point that it sees, from face to face.
+    /// Follows a ray from face to face, beginning at a point that the capture sees.
     fn follow(&self, point: DVec3, direction: DVec3) -> (FollowEnd, DVec3) {
         let (mut face, mut position, mut before) = (self.cube_face(point), point, 0.0);
-        // A line crosses each of the six planes between faces once at most.
+        // A line crosses each of the six planes between faces at most once.
         for _ in 0..7 {
             let (how, reached) = face.follow(position, direction, before);
             position = reached;
@@ -268,8 +269,8 @@ impl Face<'_> {
         self.view_to_world.transpose() * v
     }
 
-    /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the
-    /// capture's place. `before` is the thickness of the block at which it left the face before, or 0.
+    /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the capture's
+    /// place. `before` is the thickness of the block at which the ray left the previous face, or 0.
     fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (FollowEnd, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {

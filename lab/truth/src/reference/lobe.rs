@@ -8,7 +8,7 @@ pub fn lobe_direction(axis: DVec3, exponent: f64, u: [f64; 2]) -> DVec3 {
     if exponent.is_infinite() {
         return axis;
     }
-    // ln cos θ stays exact where cos θ is near 1: sin² θ = 1 − cos² θ = −(e^(2 ln cos θ) − 1).
+    // Computing from ln cos θ stays exact where cos θ is near 1: sin² θ = 1 − cos² θ = −(e^(2 ln cos θ) − 1).
     let ln_cos = (-u[0]).ln_1p() / (exponent + 1.0);
     let (cos, sin) = (ln_cos.exp(), (-(2.0 * ln_cos).exp_m1()).max(0.0).sqrt());
     let (sin_phi, cos_phi) = (std::f64::consts::TAU * u[1]).sin_cos();

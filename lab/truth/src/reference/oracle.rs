@@ -1,20 +1,19 @@
 //! The oracle (docs/definitions.md, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
 //! pixel on its path, in f64. It is slow, short and meant to be read.
 //!
-//! Version 2 asks for each block that a ray meets whether the ray can have come from in front of it. A block's
-//! thickness is a guess that keeps rays from slipping through surfaces. Where the screen does not show what
-//! lies between two pixels, version 1 lets rays hit this guess although in the world they pass behind the
-//! object, or end on a side of it that is not visible.
+//! Version 2 hits a block only if the ray can have come from in front of it. A block's thickness is a guess that keeps rays
+//! from slipping through surfaces. Where the screen does not show what lies between two pixels, rays of version 1 can hit this
+//! guess. In the world such rays pass behind the object, or end on a side of it that is not visible.
 //!
-//! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths
-//!   that are one pixel apart cannot tell, but the normal there can: if the ray runs along it, the ray passes
-//!   as if the pixel were empty; otherwise it hits.
-//! - Any later block is hit if the ray is in front of it where it enters the pixel. It is also hit if the ray
-//!   was in front of the previous pixel's block, and so passes between the two fronts, provided that these are
-//!   close enough to belong to one surface ([`JOINED`]). If they are not, the ray is at the edge of a visible
-//!   surface, and it hits the block's side only up to a depth of the thickness times the cosine by which the
-//!   ray runs against the normal: the more a ray runs along the surface, the sooner it has passed behind it. In
-//!   all other cases the ray is behind what is visible, and misses.
+//! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths one pixel apart
+//!   cannot tell whether it does, but the pixel's normal can: a ray that runs along the normal passes as if the pixel were
+//!   empty; any other ray hits.
+//! - Any later block is hit if the ray is in front of it where it enters the pixel. It is also hit if the ray was in front of
+//!   the previous pixel's block, and therefore passes between the two fronts, provided that both fronts are close enough to
+//!   belong to one surface ([`JOINED`]). Otherwise the ray is at the edge of a visible surface, and hits the block's side only
+//!   down to a limited depth. The limit is the thickness times the cosine between the ray and the reversed normal: the more a
+//!   ray runs along the surface, the sooner it has passed behind it. In all other cases the ray is behind what is visible, and
+//!   misses.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -24,25 +23,25 @@ use crate::scene::GBufferData;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// From which side a ray comes to a block that it meets.
+/// The side from which a ray comes to a block that it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approach {
-    /// From in front: a hit.
+    /// From in front of the block, which is a hit.
     InFront,
     /// From inside, while it leaves the surface on which it begins; version 2 lets it pass.
     Leaving,
-    /// From behind: a miss in version 2.
+    /// From behind the block, which is a miss in version 2.
     Behind,
 }
 
 /// A block that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
-    /// The block's pixel.
+    /// Pixel of the block.
     pub pixel: [u32; 2],
     /// The position: pixel x, pixel y and reversed depth.
     pub position: DVec3,
-    /// Whether the ray crosses the block's front there. Otherwise it enters by a side or through the back.
+    /// Whether the ray crosses the block's front at the position. Otherwise it enters by a side or through the back.
     pub crosses_front: bool,
     /// The side from which the ray comes; only version 2 uses it.
     pub approach: Approach,
@@ -53,13 +52,13 @@ pub struct Meeting {
 /// A pixel that a segment passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PassedPixel {
-    /// The pixel.
+    /// Index of the pixel.
     pub pixel: [i32; 2],
-    /// The pixel before; `None` for the one in which the segment begins.
+    /// The previous pixel; `None` for the pixel in which the segment begins.
     pub last: Option<[i32; 2]>,
-    /// s at which the segment enters it.
+    /// s at which the segment enters the pixel.
     pub entry: f64,
-    /// s at which it leaves it, or ends.
+    /// s at which the segment leaves the pixel, or ends.
     pub exit: f64,
 }
 
@@ -72,12 +71,12 @@ pub struct Oracle<'a> {
 }
 
 impl<'a> Oracle<'a> {
-    /// Computes each pixel's block. Follows version 1.
+    /// Computes each pixel's block. The oracle follows version 1.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer), version: OracleVersion::V1 }
     }
 
-    /// Makes the oracle follow another version.
+    /// Makes the oracle follow a version.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
@@ -93,7 +92,7 @@ impl<'a> Oracle<'a> {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// docs/definitions.md, "Oracle", item 4, for a segment that begins on the screen.
+    /// Traces a segment that begins on the screen, by docs/definitions.md, "Oracle", item 4.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let ends = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;
@@ -110,8 +109,8 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// All blocks that a segment meets, in order, as if it passed through each of them. Every version chooses
-    /// from these.
+    /// All blocks that a segment meets, in order, as if it passed through each of them. Every version chooses its hit from
+    /// these meetings.
     pub fn meetings(&self, segment: &Segment) -> Vec<Meeting> {
         let mut all = Vec::new();
         let _: ControlFlow<(), Trace> = self.walk(segment, |meeting| {
@@ -146,8 +145,8 @@ impl<'a> Oracle<'a> {
         ControlFlow::Continue(end.map_or(Trace::NO_RAY, miss))
     }
 
-    /// The pixels that a segment passes, in order, from the one in which it begins. The walk goes on by the nearer of
-    /// the next boundaries in x and y; at a corner, directly to the diagonal pixel.
+    /// The pixels that a segment passes, in order, from the pixel in which it begins. The walk crosses the nearer of the next
+    /// boundaries in x and y; at a corner it goes directly to the diagonal pixel.
     pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = PassedPixel> {
         let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
         let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
@@ -204,9 +203,9 @@ fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
     segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
 }
 
-/// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. This is the crossing
-/// with the front if it is within that range (then the flag is true), otherwise the entry; `None` if the ray
-/// does not meet the block.
+/// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. The meeting is the crossing with the
+/// front if it lies between `entry` and `exit` (then the flag is true), otherwise the entry; `None` if the ray does not meet
+/// the block.
 pub(super) fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {

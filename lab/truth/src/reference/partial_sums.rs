@@ -1,14 +1,13 @@
-//! Sums over the samples of pixels whose value does not depend on where the samples were divided: one run, an interrupted
-//! run and several runs that each took some of the samples give the same sums, to the bit.
+//! Sums over the samples of pixels that do not depend on how the samples were divided. One run, an interrupted run and several
+//! runs that each took some of the samples give the same sums, to the bit.
 //!
-//! Floating-point sums depend on their grouping, so the grouping is fixed: [`LEAF`] samples are added up one after the
-//! other, and these sums in pairs, as the leaves of a binary tree over all samples (pairwise summation: Higham 1993).
-//! For some of the samples, one sum is kept for each greatest part of the tree that they fill: at most two for each
-//! level.
+//! Floating-point sums depend on their grouping, so the grouping is fixed: [`LEAF`] samples are added up one after the other,
+//! and make a leaf of a binary tree over all samples, whose sums are added in pairs (pairwise summation: Higham 1993). For a
+//! range of samples, one sum is kept for each largest subtree that the range fills, which are at most two for each level.
 
 use std::ops::AddAssign;
 
-/// The number of samples that are added up one after the other. Samples are divided only at multiples of it.
+/// The number of samples that are added up one after the other. Runs divide samples only at multiples of this number.
 pub const LEAF: u32 = 64;
 
 /// Sums of each pixel over the samples from `first` to before `end`.
@@ -20,7 +19,7 @@ pub struct PartialSums<S> {
     parts: Vec<Part<S>>,
 }
 
-/// The sums over a part of the tree: a power of two of leaves, or the beginning of one.
+/// The sums over a part of the tree: a power of two of leaves, or the beginning of such a part.
 #[derive(Debug, Clone, PartialEq)]
 struct Part<S> {
     first: u32,
@@ -39,7 +38,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.first
     }
 
-    /// The number after that of the last sample.
+    /// The number after the last sample's.
     pub fn end(&self) -> u32 {
         self.end
     }
@@ -49,13 +48,12 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.pixels
     }
 
-    /// The end of the samples that can be added at once, on the way to before sample `last`; `None` once all are added.
+    /// The end of the samples that can be added at once, on the way to sample `last` (exclusive); `None` once all are added.
     pub fn next_stop(&self, last: u32) -> Option<u32> {
         (self.end < last).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(last))
     }
 
-    /// The sums, one a pixel, to which the samples up to [`Self::next_stop`] are to be added; then call
-    /// [`Self::close`].
+    /// The sums, one a pixel, to which the caller adds the samples up to [`Self::next_stop`], before calling [`Self::close`].
     pub fn open(&mut self) -> &mut [S] {
         if self.end.is_multiple_of(LEAF) || self.parts.is_empty() {
             self.parts.push(Part { first: self.end, samples: 0, sums: vec![S::default(); self.pixels] });
@@ -73,7 +71,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.join();
     }
 
-    /// Joins the last parts as long as they are the two halves of one.
+    /// Joins the last parts as long as they are the two halves of a larger part.
     fn join(&mut self) {
         while let [.., left, right] = &mut self.parts[..] {
             let halves = left.samples == right.samples && left.samples.is_multiple_of(LEAF);
@@ -87,7 +85,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
     }
 
-    /// Adds the sums of the samples that follow. Returns false, and adds nothing, if `next` does not begin where these
+    /// Appends the sums of the samples that follow these. Returns false, and adds nothing, if `next` does not begin where these
     /// sums end, does not begin with a leaf, or has another number of pixels.
     #[must_use]
     pub fn append(&mut self, next: Self) -> bool {
@@ -123,12 +121,12 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         })
     }
 
-    /// The sums as files keep them: the sums of all pixels, part by part.
+    /// The sums in the form that files keep: the sums of all pixels, part by part.
     pub fn kept(&self) -> impl Iterator<Item = &S> {
         self.parts.iter().flat_map(|part| &part.sums)
     }
 
-    /// The sums of the samples from `first` to before `end`, from what [`Self::kept`] returned; `None` if there are too
+    /// Restores the sums of the samples from `first` to before `end` from the result of [`Self::kept`]; `None` if there are too
     /// few sums or too many.
     pub fn from_kept(first: u32, end: u32, pixels: usize, mut kept: impl Iterator<Item = S>) -> Option<Self> {
         let mut sums = Self::new(first, pixels);
@@ -205,7 +203,7 @@ mod tests {
     }
 
     proptest! {
-        /// However the samples are divided, interrupted and kept, the sums are the same bits.
+        /// Tests that the sums have the same bits, however the samples are divided, interrupted and kept.
         #[test]
         fn divided_sums_are_the_undivided_ones(
             leaves in proptest::collection::vec(0_u32..9, 1..6),

@@ -1,10 +1,10 @@
-//! Light as it passes from area lights to diffuse surfaces, and from one surface to the next: what the thesis's figure 2.4
-//! shows beside direct light alone. Surfaces cast shadows here, and light that they pass on takes the place of the even
-//! ambient part. No method has this light, and no other reference (docs/definitions.md, "Surfaces").
+//! Light on its way from area lights to diffuse surfaces, and from one surface to the next, as in the thesis's figure 2.4
+//! beside direct light alone. Surfaces cast shadows here, and light from other surfaces replaces the constant ambient part. No
+//! method and no other reference has this light (docs/definitions.md, "Surfaces").
 //!
-//! A path begins in a pixel. From each surface that it meets, a point of the lights is chosen, evenly over their areas,
-//! which brings light if nothing stands between; then the path goes on in a direction of the cosine's distribution. Every
-//! surface is taken for a diffuse one, whatever it reflects.
+//! A path begins in a pixel. At each surface, a point of the lights is chosen, evenly over their areas, which adds light if
+//! nothing blocks it; then the path goes on in a cosine-distributed direction. Every surface is treated as diffuse, whatever it
+//! reflects.
 
 use super::first_hits::PrimaryRays;
 use super::lobe::lobe_direction;
@@ -20,11 +20,12 @@ use std::f64::consts::PI;
 /// Random numbers of a path: a place in the pixel, and at each surface three for a light and two for a direction.
 const FIRST_NUMBERS: u64 = 2;
 const NUMBERS_OF_A_SURFACE: u64 = 5;
-/// Far more than a path takes, and the same however often light is passed on, so that direct light is the same each time.
+/// Reserved random numbers of a path: far more than it uses, and independent of the number of bounces, so that direct light is
+/// the same each time.
 const NUMBERS_OF_A_PATH: u64 = 1 << 12;
-/// The exponent of a lobe about the normal that is the cosine itself.
+/// Exponent of the Phong lobe around the normal that equals the cosine distribution.
 const COSINE: f64 = 1.0;
-/// The share of a shadow ray's length at its end that the light itself may stand in.
+/// Share of a shadow ray's length, at its end, in which the light itself may be hit.
 const LIGHT_ITSELF: f64 = 1e-6;
 
 /// A rectangle that emits light on one side.
@@ -36,25 +37,25 @@ struct Panel {
     radiance: DVec3,
 }
 
-/// The light of a world by paths.
+/// Computes the light of a world by paths.
 pub struct Paths<'a> {
     world: &'a World<'a>,
     panels: Vec<Panel>,
-    /// How often surfaces pass light on: 0 is direct light alone.
+    /// Number of times that surfaces pass light on; 0 is direct light alone.
     bounces: u32,
     seed: u64,
 }
 
 impl<'a> Paths<'a> {
-    /// The light of the scene's rectangular area lights; `None` if it has none. Light that surfaces pass on `bounces` times
-    /// is counted. A different seed gives a different, independent result.
+    /// Paths for the scene's rectangular area lights; `None` if it has none. Light that surfaces pass on up to `bounces` times
+    /// is included. Another seed gives an independent result.
     pub fn new(world: &'a World<'a>, bounces: u32, seed: u64) -> Option<Self> {
         let panels: Vec<_> = world.scene.area_lights.iter().filter_map(Panel::of).collect();
         (!panels.is_empty()).then_some(Self { world, panels, bounces, seed })
     }
 
-    /// The linear image of a camera, as the mean over so many paths a pixel; rows from the top. It depends on nothing but
-    /// the seed, whatever the threads.
+    /// The linear image of a camera, as the mean over `paths` paths a pixel; rows from the top. Apart from its arguments the
+    /// image depends on the seed alone, and not on threads.
     pub fn image(&self, camera: &Camera, extent: [u32; 2], paths: u32) -> Vec<Vec3> {
         let rays = PrimaryRays::new(camera, extent);
         let pixel = |index: usize| {
@@ -74,11 +75,11 @@ impl<'a> Paths<'a> {
         let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
         for bounce in 0..=u64::from(self.bounces) {
             let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
-            // Beyond the scene it is dark: its lights are all that shines.
+            // Beyond the scene it is dark, since the area lights are the only light.
             let Some(hit) = self.world.closest(&ray) else { return light };
             let point = self.world.point(&ray, &hit);
             if point.emission > 0.0 {
-                // A lamp shows its colour to the camera; its light on other surfaces is counted where these choose it.
+                // A lamp shows its colour to the camera; its light on other surfaces is added where they choose a point on it.
                 return if bounce == 0 { point.albedo } else { light };
             }
             share *= point.albedo;
@@ -89,7 +90,7 @@ impl<'a> Paths<'a> {
         light
     }
 
-    /// Radiance over albedo of a diffuse surface, by one point of the lights.
+    /// Radiance of a diffuse surface, divided by its albedo, from one chosen point of the lights.
     fn direct(&self, point: &SurfacePoint, [which, u, v]: [f64; 3]) -> DVec3 {
         let all: f64 = self.panels.iter().map(|p| p.area).sum();
         let mut place = which * all;
@@ -129,18 +130,18 @@ mod tests {
     use crate::reference::surface::tests::rectangle;
     use crate::scene::{FieldOfView, Lens, Material, Mesh, Scene, Vertex};
 
-    /// A light of 0.2 m × 0.2 m at a place, which shines down.
+    /// A light of 0.2 m × 0.2 m at a place, which shines downwards.
     fn lamp(centre: Vec3) -> AreaLight {
         let (half_u, half_v) = (0.1 * Vec3::X, 0.1 * Vec3::Z);
         AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(10.0, 20.0, 0.0) }
     }
 
-    /// A material of an albedo.
+    /// A grey material with an albedo.
     fn grey(albedo: f32) -> Material {
         Material { albedo: Vec3::splat(albedo), ..Material::default() }
     }
 
-    /// The mean of the image of a camera that looks down from a metre above a point, over a narrow angle.
+    /// The mean of the image of a camera that looks down, with a narrow field of view.
     fn seen_below(scene: &Scene, eye: Vec3, bounces: u32, paths: u32) -> Vec3 {
         let world = World::new(scene, &scene.materials);
         let lens = Lens { opening: FieldOfView::Angle(0.02), near_m: 0.01, ..Lens::default() };
@@ -158,19 +159,19 @@ mod tests {
             area_lights: vec![lamp(Vec3::new(0.0, 2.0, 0.0))],
             ..Scene::default()
         };
-        // Below the lamp: albedo / π · radiance · area / distance².
+        // Radiance of the floor below the lamp: albedo / π · radiance · area / distance².
         let expected = 0.5 / std::f32::consts::PI * 10.0 * 0.04 / 4.0;
         let found = seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64);
         assert!((found.x / expected - 1.0).abs() < 0.01 && (found.y / expected - 2.0).abs() < 0.02, "{found}");
         assert_eq!(found.z, 0.0);
-        // A plane floor lights nothing of itself.
+        // A plane floor does not light itself.
         assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 3, 64), found);
-        // What stands between casts a shadow.
+        // A rectangle between lamp and floor casts a shadow.
         scene.meshes.push(rectangle(Vec3::new(-1.0, 1.5, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X, 0));
         assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64), Vec3::ZERO);
     }
 
-    /// A sphere of a metre around the origin.
+    /// A sphere around the origin with a radius of one metre.
     fn sphere() -> Mesh {
         let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y, 0);
         let (columns, rows) = (96_u32, 48_u32);
@@ -201,7 +202,8 @@ mod tests {
         };
         let seen = |bounces| seen_below(&scene, Vec3::new(0.5, 0.0, 0.2), bounces, 4096).x;
         let direct = seen(0);
-        // The lamp's flux, spread evenly over the sphere, times albedo once for each surface, and over π.
+        // The lamp's flux is spread evenly over the sphere; each surface multiplies it by the albedo, and radiance is flux over
+        // π.
         let even = std::f32::consts::PI * 10.0 * 0.04 / (4.0 * std::f32::consts::PI) / std::f32::consts::PI;
         for bounces in [1, 2, 4] {
             let expected: f32 = (1..=bounces).map(|n| even * 0.6_f32.powi(n + 1)).sum();

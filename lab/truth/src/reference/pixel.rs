@@ -1,5 +1,5 @@
-//! What the world says of one pixel: what it shows, where its mirror ray ends, and what keeps the screen from showing that
-//! place (docs/definitions.md, "World agreement"); and the reflection as the references have it.
+//! Analysis of one pixel in the world: the mesh that it shows, where its mirror ray ends, why the screen does not show that
+//! place (docs/definitions.md, "World agreement"), and its reflection by the references.
 
 use super::first_hits::{FirstHits, PrimaryRays};
 use super::screen::{Sampling, ScreenReference};
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// The seed of a pixel's screen reference, which is that of the study of run time against error.
 const SCREEN_SEED: u64 = 1;
-/// The seed of a pixel's world reference, as above.
+/// The seed of a pixel's world reference, which is that of the same study.
 const WORLD_SEED: u64 = 2;
 
 /// A pixel of a G-buffer in the world that the G-buffer shows.
@@ -21,11 +21,11 @@ const WORLD_SEED: u64 = 2;
 pub struct PixelInWorld {
     /// The name of the mesh that the pixel shows; `None` for sky.
     pub mesh: Option<String>,
-    /// Where its mirror ray ends.
+    /// Where the pixel's mirror ray ends.
     pub end: WorldHit,
-    /// The name of the mesh that the ray meets there.
+    /// The name of the mesh at which the ray ends.
     pub end_mesh: Option<String>,
-    /// Why the screen does not show the place; `None` where it does, and where the ray meets nothing.
+    /// Why the screen does not show the end of the ray; `None` if it does, or if the ray meets nothing.
     pub unseen: Option<UnseenReason>,
 }
 
@@ -36,17 +36,17 @@ pub enum UnseenReason {
     BehindEye,
     /// The place lies beside the picture.
     OffScreen,
-    /// Something stands before the place.
+    /// Another surface stands before the place.
     Hidden {
-        /// The name of its mesh, if it is known.
+        /// The name of the hiding mesh, if known.
         by: Option<String>,
-        /// Its view-space z in metres.
+        /// View-space z of the hiding surface, in metres.
         view_z_m: f64,
     },
-    /// The picture shows something farther away there, in metres of view-space z: it does not draw the place, which may lie
-    /// before the near plane or on the back of a surface with one side.
+    /// The picture shows a surface farther away than the place, because it does not draw the place. The place may lie before
+    /// the near plane, or on the back of a one-sided surface.
     NotDrawn {
-        /// View-space z of what it shows, in metres; infinite for sky.
+        /// View-space z of the surface shown, in metres; infinite for sky.
         view_z_m: f64,
     },
 }
@@ -65,14 +65,14 @@ pub struct EstimatedColor {
 pub struct PixelSampling {
     /// Rays of each reference.
     pub rays: u32,
-    /// How often light is reflected, ≥ 1.
+    /// Number of times that light is reflected, ≥ 1.
     pub bounces: u32,
     /// The version of the oracle for the screen.
     pub oracle: OracleVersion,
 }
 
 impl PixelInWorld {
-    /// Looks up a pixel of a G-buffer, given by its index and what is seen there first ([`FirstHits::shown_at`]).
+    /// Looks up a pixel of a G-buffer, given by its index and its first hit ([`FirstHits::shown_at`]).
     pub fn new(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits, index: usize) -> Self {
         let names = Names { world, rays: PrimaryRays::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]) };
         let screen = ShownPlaces::new(gbuffer, first_hits);
@@ -94,7 +94,7 @@ impl PixelInWorld {
     }
 }
 
-/// What finds the names of meshes.
+/// Finds the names of meshes.
 struct Names<'a> {
     world: &'a World<'a>,
     rays: PrimaryRays,
@@ -110,7 +110,7 @@ impl Names<'_> {
         self.world.closest(&self.rays.ray(index).0).map(|hit| self.hit(&hit))
     }
 
-    /// Why a place is not seen in a pixel that shows something else, given both distances.
+    /// Why a pixel that shows something else does not show a place, from the view-space z of both.
     fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> UnseenReason {
         if shown_z_m < place_z_m {
             UnseenReason::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
@@ -120,7 +120,7 @@ impl Names<'_> {
     }
 }
 
-/// The reflection of one pixel as the screen has it, and as the world has it; black if it does not reflect.
+/// The reflection of one pixel by the screen reference and by the world reference; black if the pixel does not reflect.
 pub fn references(
     world: &World,
     gbuffer: &GBufferData,
@@ -134,7 +134,7 @@ pub fn references(
     (screen[index], world[index])
 }
 
-/// The reflections of all pixels as the screen has them, and as the world has them; black where nothing reflects.
+/// The reflections of all pixels by the screen reference and by the world reference; black in pixels that do not reflect.
 pub fn all_references(
     world: &World,
     gbuffer: &GBufferData,
@@ -175,7 +175,7 @@ mod tests {
         Mesh { name: name.to_owned(), ..mesh }
     }
 
-    /// A camera 1 m above a mirror floor, before a wall at z = 4 that does not reflect, and what else stands there.
+    /// A camera 1 m above a mirror floor, before a wall at z = 4 that does not reflect, and other meshes.
     fn room(more: Vec<Mesh>) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -204,7 +204,7 @@ mod tests {
         let open = seen(Vec::new(), [20, 38]);
         assert_eq!((open.mesh.as_deref(), open.end_mesh.as_deref()), (Some("floor"), Some("wall")));
         assert!(open.unseen.is_none() && open.end.visible_at().is_some(), "{open:?}");
-        // A plate at z = 2 that hangs above the ray and before the place where it ends.
+        // A plate at z = 2 hangs above the ray, and hides the place where the ray ends.
         let WorldHit::Hit { position, .. } = open.end else { panic!("{open:?}") };
         let middle = (0.5 * position).as_vec3();
         let plate = rectangle(middle - Vec3::new(0.3, 0.05, 0.0), 0.1 * Vec3::Y, 0.6 * Vec3::X, 1);
@@ -219,7 +219,7 @@ mod tests {
         // The wall itself does not reflect.
         let wall = seen(Vec::new(), [20, 5]);
         assert_eq!((wall.mesh.as_deref(), wall.end), (Some("wall"), WorldHit::NotReflecting));
-        // The camera looks down, so that the horizon is the picture's upper side. A ceiling that hangs low meets rays before the wall.
+        // The camera looks down, so that the horizon is at the picture's upper side. Rays meet the low ceiling before the wall.
         let ceiling = rectangle(Vec3::new(-9.0, 0.9, 0.0), 18.0 * Vec3::X, 4.0 * Vec3::Z, 1);
         let (scene, _) = room(vec![named("ceiling", ceiling)]);
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), lens(), 1.0);

@@ -1,9 +1,8 @@
 //! Reflection rays in the image: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
 //! docs/numerics.md, "What a robust method does", item 1), in f64, and how they can end.
 //!
-//! The oracle and the hierarchical traversal start from the same [`Segment`] and use it to find where a pixel
-//! boundary is crossed. Because both evaluate the same expression, they see the same depths at the same places
-//! and can be compared exactly.
+//! The oracle and the hierarchical traversal start from the same [`Segment`] and use its expressions to find where a pixel
+//! boundary is crossed. Both therefore see the same depths at the same places and can be compared exactly.
 
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
@@ -11,11 +10,11 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 /// Why a ray hit nothing (docs/definitions.md, "Oracle", item 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MissReason {
-    /// It left the screen by one of its four sides.
+    /// The ray left the screen by one of its four sides.
     LeftScreen,
-    /// It went behind the camera's near plane.
+    /// The ray went behind the camera's near plane.
     Near,
-    /// It went beyond the far plane.
+    /// The ray went beyond the far plane.
     Far,
     /// There is no ray: the pixel is sky, or its normal or the direction has no length.
     NoRay,
@@ -24,18 +23,18 @@ pub enum MissReason {
 /// How a ray ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// It hit the block of a pixel.
+    /// The ray hit the block of a pixel.
     Hit {
         /// The index (i, j) of the pixel.
         pixel: [u32; 2],
         /// Pixel x, pixel y (continuous) and reversed depth.
         position: DVec3,
     },
-    /// It hit nothing.
+    /// The ray hit nothing.
     Miss {
-        /// What ended it.
+        /// Why the ray hit nothing.
         reason: MissReason,
-        /// Whether it ended behind the back of the last pixel's block.
+        /// Whether the ray ended behind the back of the last pixel's block.
         behind: bool,
     },
 }
@@ -43,7 +42,7 @@ pub enum Outcome {
 /// The result of tracing a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trace {
-    /// How it ended.
+    /// How the ray ended.
     pub outcome: Outcome,
     /// The number of pixels (oracle) or cells (hierarchy) that were examined.
     pub steps: u32,
@@ -77,7 +76,7 @@ pub struct Segment {
     pub delta: DVec3,
     /// The ray's unit direction in view space.
     pub direction: DVec3,
-    /// The side of the frustum that ends it.
+    /// The side of the frustum at which the segment ends.
     pub end: MissReason,
 }
 
@@ -103,7 +102,7 @@ impl Segment {
     }
 }
 
-/// Makes the rays of a G-buffer.
+/// Computes the rays of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct RaySetup<'a> {
     /// The G-buffer.
@@ -152,13 +151,13 @@ impl<'a> RaySetup<'a> {
         self.cut(start, self.position(x, y)?, direction)
     }
 
-    /// The visible part of the ray from any point in view space; `None` if the point is not ahead of the eye of a perspective,
-    /// or for a direction of length zero.
+    /// The visible part of the ray from any point in view space; `None` for a direction of length zero, or if the point is not
+    /// ahead of the eye of a perspective camera.
     pub fn segment_from(&self, point: DVec3, direction: DVec3) -> Option<Segment> {
         self.cut(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
     }
 
-    /// The point in view space of continuous pixel coordinates and a reversed depth.
+    /// The view-space point at continuous pixel coordinates and a reversed depth.
     pub fn unproject(&self, position: DVec3) -> DVec3 {
         self.gbuffer.unproject(position.x, position.y, position.z, &self.clip_to_view)
     }
@@ -185,9 +184,9 @@ impl<'a> RaySetup<'a> {
     }
 }
 
-/// How far P + tD stays in the frustum, and which side ends it. `None` if none does, because of NaN.
+/// The t at which P + tD leaves the frustum, and the side where it does. `None` if it leaves by no side, because of NaN.
 fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
-    // Each plane as its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
+    // Each plane is given by its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
     let planes = [
         (p.w + p.x, d.w + d.x, MissReason::LeftScreen),
         (p.w - p.x, d.w - d.x, MissReason::LeftScreen),
@@ -220,7 +219,7 @@ mod tests {
             prop_assume!(direction.length() > 1e-2);
             let segment = setup.segment(x, y, direction).expect("a ray");
             let size = DVec3::new(16.0, 9.0, 1.0);
-            // The end must be on the named side of the frustum and within the other sides.
+            // The end must be on the named side of the frustum and not outside the other sides.
             let end = segment.at(1.0) / size;
             prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
             let off = |v: f64| v.abs().min((v - 1.0).abs());
@@ -230,7 +229,7 @@ mod tests {
                 _ => end.z.abs(),
             };
             prop_assert!(named < 1e-9, "{segment:?}");
-            // A view-space point of the ray must be on the segment if it is in the frustum.
+            // A view-space point of the ray that is in the frustum must be on the segment.
             let position = setup.position(x, y).expect("no sky");
             let point = position + direction.normalize() * t * z;
             let projected = g.project(point, &g.view_to_clip());

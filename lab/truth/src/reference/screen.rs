@@ -1,16 +1,16 @@
-//! The screen reference (docs/definitions.md, "Image error"): the reflection colour by Monte Carlo integration over
-//! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays
-//! are traced as the oracle traces them.
+//! The screen reference (docs/definitions.md, "Image error"): the reflection colour, computed by Monte Carlo integration over
+//! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays are
+//! traced as the oracle traces them.
 //!
-//! Each sample reflects the camera ray through a random place within the pixel. A
-//! G-buffer knows one position and one normal for the whole pixel, so the reflected ray leaves from that position,
-//! which belongs to the pixel's centre, and turns about that normal.
+//! Each sample reflects the camera ray through a random place within the pixel. A G-buffer has one position and one normal for
+//! the whole pixel. The reflected ray therefore leaves from the position of the pixel's centre, and the normal of the centre is
+//! used.
 //!
-//! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits, in the same way: from
-//! its centre, along one direction of its lobe around the mirror direction of the ray that came.
+//! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits: from the pixel's centre,
+//! along one direction of the lobe around the mirror direction of the incoming ray.
 //!
-//! Samples are independent. Stratified samples would lower the error, but its estimate, which makes the
-//! reference trustworthy, would become too large by an unknown factor.
+//! Samples are independent. Stratified samples would lower the error, but the estimate of the error, which makes the reference
+//! trustworthy, would be too large by an unknown factor.
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
@@ -22,7 +22,7 @@ use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The least rays of a mirror's pixel.
+/// Least number of rays for a pixel of a mirror.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;
 
 /// Parameters of the sampling.
@@ -30,35 +30,34 @@ pub const MIRROR_SAMPLES_MIN: u32 = 16;
 pub struct Sampling {
     /// Rays per pixel; if there are fewer than two, the error is unknown. A mirror takes at least [`MIRROR_SAMPLES_MIN`].
     pub samples: u32,
-    /// Another seed gives an independent image.
+    /// Seed of the random numbers; another seed gives an independent image.
     pub seed: u64,
     /// The version of the oracle that decides what rays hit.
     pub oracle: OracleVersion,
-    /// How often light is reflected, ≥ 1: what the last bounce meets does not reflect.
+    /// Number of times that light is reflected, ≥ 1; the surface that the last bounce meets does not reflect.
     pub bounces: u32,
 }
 
-/// The reflection colour, before fade, reflectivity and composite, and its error.
+/// The reflection colour, before fade, reflectivity and composite, with its standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScreenReference {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Mean colour, linear, rows from the top; black outside the mask and where nothing was hit.
+    /// Mean colour, linear, rows from the top; black outside the mask, and where no ray hit anything.
     pub color: Vec<Vec3>,
     /// Standard error of the mean, per channel; 0 outside the mask, infinite if a lobe
     /// has a single sample.
     pub standard_error: Vec<Vec3>,
-    /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the RMSE that
-    /// the reference itself is expected to have. 0 if the mask is empty.
+    /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the expected RMSE of the
+    /// reference itself. 0 if the mask is empty.
     pub overall_standard_error: f64,
 }
 
 impl ScreenReference {
-    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); the others stay black. `progress` is
-    /// called after each row, from any thread. The image depends only on the G-buffer, the mask and the
-    /// sampling, not on threads.
+    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); other pixels stay black. `progress` is called after
+    /// each row, from any thread. The image depends only on the G-buffer, the mask and the sampling, not on threads.
     ///
     /// # Panics
     /// If the mask differs in size from the G-buffer.
@@ -96,7 +95,7 @@ struct Estimate {
     standard_error: DVec3,
 }
 
-/// What the pixels of an image have in common.
+/// Data that all pixels of an image share.
 struct Pixels<'a> {
     hierarchy: &'a Hierarchy<'a>,
     colors: SurfaceColors<'a>,
@@ -113,7 +112,7 @@ impl Pixels<'_> {
         let exponent = phong::exponent(roughness);
         let stream = Stream::new(seed, index as u64);
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
-        // Far from the numbers of first bounces, of which there are fewer than 2³⁴.
+        // Further bounces use numbers far from those of first bounces, of which there are fewer than 2³⁴.
         let seen = |i: u64, direction| self.seen([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
         let sample = |i| {
             let [u, v] = numbers(4 * i + 2);
@@ -124,8 +123,9 @@ impl Pixels<'_> {
         mean_and_error((0..u64::from(samples)).map(sample))
     }
 
-    /// The colour that a ray from a pixel brings, with what further bounces add; `numbers` has two random ones for each of
-    /// these. Black where it hits nothing. A direction below the surface carries no light, but counts as a sample.
+    /// The colour that a ray from a pixel brings, including further bounces; `numbers` gives two random numbers for each
+    /// further bounce. The colour is black if the ray hits nothing. A direction below the surface carries no light, but counts
+    /// as a sample.
     fn seen(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
         let rays = self.hierarchy.rays();
         let (mut from, mut direction, mut share, mut sum) = (from, direction, 1.0, DVec3::ZERO);
@@ -143,8 +143,8 @@ impl Pixels<'_> {
         sum
     }
 
-    /// The pixel in which a ray from a pixel ends, and the colour there; `None` where the screen shows neither what it hits nor the
-    /// sky behind all that stands, or where it leads below the surface.
+    /// The pixel in which a ray from a pixel ends, and the colour there; `None` if the screen shows neither the hit nor the sky
+    /// behind everything, or if the ray leads below the surface.
     fn hit(&self, [x, y]: [u32; 2], direction: DVec3) -> Option<([u32; 2], DVec3)> {
         let rays = self.hierarchy.rays();
         let normal = rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
@@ -166,7 +166,7 @@ impl Pixels<'_> {
     }
 }
 
-/// Welford's running mean and variance (Welford 1962), which avoid cancellation.
+/// Mean and error by Welford's running mean and variance (Welford 1962), which avoid cancellation.
 fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
     let (mut n, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for color in colors {

@@ -1,9 +1,8 @@
-//! What a ray sees where it hits a triangle: the CPU version of `shaders-glsl/scene/gbuffer.frag` and
+//! The surface that a ray sees where it hits a triangle: the CPU version of `shaders-glsl/scene/gbuffer.frag` and
 //! `lighting.frag`, in f64 and in world space.
 //!
-//! Images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The
-//! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16. There is no other
-//! difference.
+//! Images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The G-buffer filters
+//! images over the pixel, and stores albedo in 8 bits and normals in 16. There is no other difference.
 
 use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::texture::bilinear;
@@ -37,7 +36,7 @@ pub struct SurfacePoint {
     pub reflectivity: f64,
     /// Roughness ϱ.
     pub roughness: f64,
-    /// How the surface takes part in reflections.
+    /// Kind of the surface in reflections: lit, or showing the sky.
     pub surface: Surface,
 }
 
@@ -52,7 +51,7 @@ impl<'a> World<'a> {
         self.triangles.closest(ray)
     }
 
-    /// The origin of the triangle that was hit.
+    /// Mesh and triangle of a hit.
     pub fn triangle(&self, hit: &TriangleHit) -> TriangleRef {
         self.triangles.origin(hit)
     }
@@ -62,7 +61,7 @@ impl<'a> World<'a> {
         let (material, vertices) = self.triangles.surface(hit);
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
         let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
-        // A surface that is seen from behind shows its other side.
+        // The normals of a surface that is seen from behind are flipped.
         let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
         let uv = interpolate_uv(&vertices, hit);
         let lit = material.surface == Surface::Lit;
@@ -193,7 +192,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_ray_passes_through_the_holes_of_a_mask() {
-        // u runs along +y, so there is a hole below y = ½.
+        // u runs along +y, so that the mask has a hole below y = ½.
         let mask = texture(2, [vec![0; 4], vec![255; 4]].concat(), Encoding::Linear);
         let scene = two_walls(Material { alpha_mask: Some(0), ..Material::default() }, vec![mask]);
         let world = World::new(&scene, &scene.materials);
@@ -229,7 +228,7 @@ pub(super) mod tests {
         let scene = two_walls(Material::default(), vec![srgb, texture(2, bytes, Encoding::Linear)]);
         let world = World::new(&scene, &scene.materials);
         let half = f64::from(srgb_to_linear(188.0 / 255.0));
-        // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 is halfway across the border.
+        // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 is halfway between the last and the first texel.
         for (u, share) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.25, 1.0)] {
             let uv = DVec2::new(u, 0.7);
             let expected = DVec4::new(share, share * half, 0.0, 1.0);
@@ -288,7 +287,7 @@ pub(super) mod tests {
         let sun = Light::Directional { direction: Vec3::new(1.0, -1.0, 0.0), energy: 0.5 };
         assert!((lit(&[sun]) - (0.2 + 0.8 * 0.5 * 0.5_f64.sqrt())).abs() < 1e-7);
         assert_eq!(lit(&[sun, sun, sun, point(0.1, 100.0)]), 1.0);
-        // What is emitted needs no light.
+        // Emitted light needs no lamp.
         assert!((lit_with(0.5, &[]) - 0.6).abs() < 1e-12 && lit_with(1.0, &[]) == 1.0);
     }
 

@@ -1,31 +1,31 @@
-//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64: of the four pixels
-//! around the hit, those count that the ray can have seen.
+//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64. Among the four
+//! pixels around the hit, only those count that the ray can have seen.
 
 use super::surface::sky_color;
 use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
 use crate::scene::{GBufferData, Surface};
 use glam::{DVec2, DVec3};
 
-/// The colours that a G-buffer's pixels show to rays.
+/// Computes the colours that a G-buffer's pixels show to rays.
 #[derive(Debug, Clone)]
 pub struct SurfaceColors<'a> {
     gbuffer: &'a GBufferData,
     is_orthographic: bool,
-    /// What makes the depth of a perspective, plus this, proportional to 1 / z; without perspective, the change of depth with each
-    /// metre of z.
+    /// In a perspective, depth plus this offset is proportional to 1 / z; in an orthographic projection, the change of depth
+    /// with each metre of z.
     depth_offset: f64,
-    /// The other number of the projection that depth depends on: z (depth + offset) of a perspective; without it the depth at z = 0.
+    /// In a perspective, z · (depth + offset) for any pixel; in an orthographic projection, the depth at z = 0.
     depth_unit: f64,
     /// Half a pixel's width and height, at z = 1 in a perspective.
     pixel_to_view: DVec2,
-    /// How far the image is shifted against the axis of the view, in half pixels.
+    /// Shift of the image against the axis of the view, in half pixels.
     shift: DVec2,
 }
 
 /// A ray that a surface reflects, in view space.
 #[derive(Debug, Clone, Copy)]
 pub struct ReflectedRay {
-    /// Where it begins on the surface, in metres.
+    /// Where the ray begins on the surface, in metres.
     pub point: DVec3,
     /// The surface's unit normal.
     pub normal: DVec3,
@@ -49,10 +49,10 @@ impl<'a> SurfaceColors<'a> {
         }
     }
 
-    /// What the screen shows to a ray that ends at a place of a pixel, in continuous pixel coordinates: on a surface that shows the
-    /// environment, the environment along `towards`, the ray's direction in the world; elsewhere the lit colour between the pixels
-    /// around that the ray can have seen, by their bilinear weights, or that of the pixel itself if it can have seen none. Of a ray
-    /// that is not known all pixels around count.
+    /// The colour that a ray sees which ends at a place of a pixel, in continuous pixel coordinates. A sky surface shows the
+    /// environment along `towards`, the ray's direction in the world. Elsewhere the lit colour is interpolated bilinearly
+    /// between the surrounding pixels that the ray can have seen; if there are none, the pixel's own colour is used. Without a
+    /// ray all surrounding pixels count.
     pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, ray: Option<ReflectedRay>) -> DVec3 {
         let g = self.gbuffer;
         if g.surface[pixel] == Surface::Sky {
@@ -69,7 +69,7 @@ impl<'a> SurfaceColors<'a> {
         if counted > 0.0 { sum / counted } else { g.color[pixel].as_dvec3() }
     }
 
-    /// The view-space z of a depth in metres.
+    /// The view-space z of a depth, in metres.
     fn z(&self, depth: f64) -> f64 {
         if self.is_orthographic {
             (self.depth_unit - depth) / self.depth_offset
@@ -78,7 +78,7 @@ impl<'a> SurfaceColors<'a> {
         }
     }
 
-    /// The point of view space in the middle of a pixel, at a z.
+    /// The view-space point in the middle of a pixel, at a given z.
     fn point(&self, pixel: usize, z: f64) -> DVec3 {
         let (width, height) = (self.gbuffer.width as usize, self.gbuffer.height as usize);
         let place = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
@@ -87,9 +87,9 @@ impl<'a> SurfaceColors<'a> {
         (centred * self.pixel_to_view * if self.is_orthographic { 1.0 } else { z }).extend(z)
     }
 
-    /// Whether a ray that hit the pixel `hit` can have seen what another one shows. On the screen something may stand before what
-    /// was hit, and beside it, that stands elsewhere in the reflection: far beside the ray. Nothing of the surface that reflects is seen,
-    /// or of what is below it; if the pixel that was hit shows that, the ray has met what stands on it. Sky lies behind all.
+    /// Whether a ray that hit the pixel `hit` can have seen the surface of another pixel. That surface is not seen if it stands
+    /// before the hit on the screen but far beside the ray. The reflecting surface itself, and everything below it, is never
+    /// seen; if the hit pixel shows it, the ray has met an object that stands on it. Sky lies behind everything.
     fn is_seen(&self, pixel: usize, hit: usize, ray: ReflectedRay) -> bool {
         let [depth, own] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
         if own <= 0.0 {
@@ -107,12 +107,12 @@ impl<'a> SurfaceColors<'a> {
         self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_reflector && behind > apart)
     }
 
-    /// How wide a pixel is at a z.
+    /// The width of a pixel at a z, in metres.
     fn width(&self, z: f64) -> f64 {
         2.0 * self.pixel_to_view.y * if self.is_orthographic { 1.0 } else { z }
     }
 
-    /// Whether a pixel shows nothing of the surface that reflects, nor of what is below it.
+    /// Whether the point of a pixel lies above the reflecting surface, so that a reflected ray can see it.
     fn is_above(&self, pixel: usize, z: f64, ray: ReflectedRay) -> bool {
         ray.normal.dot(self.point(pixel, z) - ray.point) > STANDS_ABOVE * self.width(z)
     }
@@ -143,7 +143,8 @@ mod tests {
     use crate::reference::testing::{flat, floor_and_wall};
     use glam::Vec3;
 
-    /// The floor and the wall with a colour each, the floor's first row, and a ray of its second row towards the wall.
+    /// The floor and the wall, each with its own colour; the floor's first row; and a ray from the floor's second row towards
+    /// the wall.
     fn stage() -> (GBufferData, u32, ReflectedRay) {
         let mut g = floor_and_wall(32, 18);
         for (color, normal) in g.color.iter_mut().zip(&g.normal) {
@@ -159,7 +160,7 @@ mod tests {
         let (g, foot, ray) = stage();
         let colors = SurfaceColors::new(&g);
         for x in 0..32 {
-            // In the wall's last row, and in the floor's first, whose middle lies on the floor.
+            // Places in the wall's last row, and in the floor's first row, whose middle lies on the floor.
             for (row, y) in [(foot - 1, -0.1), (foot, 0.1)] {
                 let (pixel, place) = (g.index(x, row), [f64::from(x) + 0.8, f64::from(foot) + y]);
                 assert_eq!(colors.shown(pixel, place, DVec3::Z, Some(ray)), DVec3::Z, "{x}, {row}");
@@ -191,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Two walls side by side, the left one near, and a pixel of sky in the right one; red, green and blue.
+    /// Two walls side by side, the left one nearer, and a pixel of sky in the right one: red, green and blue.
     fn near_and_far() -> GBufferData {
         let mut g = flat(64, 36, 40.0);
         let near = flat(64, 36, 1.0).depth[0];

@@ -42,7 +42,7 @@ pub fn gbuffer(
     }
 }
 
-/// The G-buffer of a scene, traced through the pixels' centres; with normals only where it reflects.
+/// The G-buffer of a scene, traced through the pixels' centres; normals are given for reflecting surfaces alone.
 pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
     let first = FirstHits::trace(world, camera, extent);
     let (to_clip, to_view) = (camera.view_to_clip_reversed().as_dmat4(), camera.world_to_view.as_dmat4());
@@ -126,7 +126,7 @@ impl Random {
         Self(Stream::new(seed, index), Cell::new(0))
     }
 
-    /// 0 to 1.
+    /// A random number in 0…1.
     pub fn unit(&self) -> f64 {
         self.1.set(self.1.get() + 1);
         self.0.uniform(self.1.get())
@@ -150,8 +150,8 @@ impl Random {
     }
 }
 
-/// Depths of one kind, for each pixel. Two of the slopes are planes in view space, which stay planes in
-/// reversed depth.
+/// Depths of one kind, for each pixel. Two of the kinds with slopes are planes in view space, which stay planes in reversed
+/// depth.
 pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
     let (a, b) = (random.depth(), random.depth());
     let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
@@ -173,12 +173,12 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
         6 => depth_of(random.depth()),
         7 if random.unit() < 0.02 => near,
         7 => 0.0,
-        // The extremes: on the near plane, and the least number above sky.
+        // The extreme depths include the near plane and the least number above sky.
         _ => [1.0, near, f32::MIN_POSITIVE, 0.0][random.below(4) as usize],
     };
     pixels.map(depth).collect()
 }
-/// How many kinds there are.
+/// Number of kinds of depths.
 pub const KINDS: u32 = 9;
 
 /// A direction of one kind from a pixel at `from`.
@@ -190,24 +190,24 @@ pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DV
     };
     match kind {
         0 => random.direction(),
-        // Along the axes.
+        // Directions along the axes of view space.
         1 => [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * [1.0, -1.0][random.below(2) as usize],
-        // Directly towards the camera and directly away from it, exactly and approximately.
+        // Directions to the camera and away from it, exactly and approximately.
         2 => from * [1.0, -1.0][random.below(2) as usize],
         3 => (from.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
-        // At the very depth of another pixel's centre.
+        // Directions to the centre of another pixel, exactly at its depth.
         4 => target() - from,
-        // Along its depth.
+        // Directions to another pixel at the starting pixel's own z.
         5 => (target() - from) * DVec3::new(1.0, 1.0, 0.0),
-        // Nearly along an axis of the screen.
+        // Directions almost along the screen's x axis.
         _ => DVec3::new(random.range(-1.0, 1.0), 1e-9 * random.range(-1.0, 1.0), 1e-3 * random.range(-1.0, 1.0)),
     }
 }
-/// How many kinds there are.
+/// Number of kinds of directions.
 pub const DIRECTIONS: u32 = 7;
 
-/// The kind of depths of a case, and its G-buffer: of every size with every kind, with normals of any
-/// direction.
+/// The kind of depths of a case, and its G-buffer, whose normals have random directions. The cases go through all sizes and
+/// kinds.
 pub fn awkward(case: u64, random: &Random) -> (u32, GBufferData) {
     let size = SIZES[(case % SIZES.len() as u64) as usize];
     let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;

@@ -1,5 +1,5 @@
-//! The block that a pixel is for a ray: it extends from the pixel's own depth to a back that is T behind it
-//! (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
+//! The block of depth that a pixel stands for when rays are traced. It extends from the pixel's own depth to a back that is T
+//! behind it (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
 pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH, THIN};
@@ -11,7 +11,7 @@ use glam::DVec3;
 pub struct DepthBlock {
     /// Farthest depth, at view depth z + T.
     pub back: f64,
-    /// Nearest depth: the pixel's own.
+    /// Nearest depth, which is the pixel's own.
     pub front: f64,
 }
 
@@ -24,19 +24,19 @@ impl DepthBlock {
         (self.front - self.back).max(0.0)
     }
 
-    /// The smallest interval that contains both.
+    /// The smallest interval that contains both intervals.
     pub fn union(self, other: Self) -> Self {
         Self { back: self.back.min(other.back), front: self.front.max(other.front) }
     }
 }
 
-/// T in metres of a pixel at view depth `z`, from the view depths of its neighbours left, right, up and down;
-/// `None` for a neighbour that is sky or off screen. `reach` is that of the camera at z
+/// T in metres of a pixel at view depth `z`, from the view depths of its left, right, upper and lower neighbour; `None` for a
+/// neighbour that is sky or off screen. `reach` is the camera's reach at z
 /// ([`Camera::reach_m`](crate::scene::Camera::reach_m)).
 pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
-        // What stands far before both neighbours is thinner than two pixels, and they say nothing of it.
+        // A surface far before both neighbours is thinner than two pixels, and the neighbours say nothing about its thickness.
         let is_thin = [a, b].iter().all(|n| n.is_some_and(|n| n - z > THIN * reach));
         least.filter(|_| !is_thin).unwrap_or(0.0)
     };
@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn what_stands_far_before_both_neighbours_has_the_least_thickness() {
-        // A pole one pixel wide, 2 m before a wall, and one of two pixels. Nearer than a twentieth of z it is a slope.
+        // A pole one pixel wide, 2 m before a wall, and a pole two pixels wide. A pixel that is less than a twentieth of z
+        // before its neighbours counts as a slope.
         let beside = |left, right| thickness(10.0, 10.0, [Some(left), Some(right), Some(10.0), Some(10.0)]);
         assert!((beside(12.0, 12.0) - 0.04).abs() < 1e-12);
         assert!((beside(12.0, 10.0) - 0.04).abs() < 1e-12);

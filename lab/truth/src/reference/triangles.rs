@@ -6,21 +6,21 @@ use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Wor
 use glam::Vec3;
 use std::borrow::Cow;
 
-/// What a ray meets.
+/// The triangle that a ray meets, with the place of the hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
     /// Metres along the ray's unit direction.
     pub t: f32,
     /// Number of the triangle, with `ASKS_MATERIAL`; `NO_TRIANGLE` for none.
     pub id: u32,
-    /// Weights of its second and third corner.
+    /// Weights of the triangle's second and third corner.
     pub weight: [f32; 2],
 }
 
 impl TriangleHit {
     const NO_HIT: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
 
-    /// The triangle's number; `None` if nothing is met.
+    /// The number of the triangle; `None` if the ray meets nothing.
     pub fn triangle(&self) -> Option<u32> {
         (self.id != NO_TRIANGLE).then_some(self.id & !ASKS_MATERIAL)
     }
@@ -33,20 +33,20 @@ pub struct TreeRay {
     pub origin: Vec3,
     /// Unit direction.
     pub direction: Vec3,
-    /// The record's number of the triangle that the ray begins on, which it cannot meet; `NO_TRIANGLE` for none.
+    /// The triangle that the ray begins on, by its number in the record, which the ray cannot meet; `NO_TRIANGLE` for none.
     pub own: u32,
 }
 
-/// A scene's triangles for rays that are followed as shaders follow them.
+/// A scene's triangles, for rays that are traced as in the shaders.
 pub struct TriangleWalk<'a> {
     nodes: Cow<'a, [Words]>,
-    /// The root of the tree of what moves.
+    /// Root of the tree of moving triangles.
     moving: Option<u32>,
     corners: Cow<'a, [Words]>,
     extent: f32,
 }
 
-/// In this order (the shader's).
+/// Adds in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
@@ -64,13 +64,13 @@ fn byte(word: u32, i: u32) -> u32 {
 }
 
 impl<'a> TriangleWalk<'a> {
-    /// Walks over a tree and the records of its triangles.
+    /// Prepares walks over a tree and the records of its triangles.
     pub fn new(tree: &'a Tree, records: &'a TriangleRecords) -> Self {
         let (nodes, corners) = (Cow::from(&tree.nodes), Cow::from(&records.corners));
         Self { nodes, moving: None, corners, extent: records.extent_m() }
     }
 
-    /// Walks over a tree of what moves as well.
+    /// Makes walks also visit a tree of moving triangles.
     #[must_use]
     pub fn with_moving(mut self, moving: &MovingTriangles) -> Self {
         let (root, slots) = ((self.nodes.len() / NODE_WORDS) as u32, (self.corners.len() / 3) as u32);
@@ -81,7 +81,7 @@ impl<'a> TriangleWalk<'a> {
         self
     }
 
-    /// The nearest triangle that a ray meets, and the most groups of nodes that its walk had on its stack.
+    /// The nearest triangle that a ray meets, and the greatest number of groups of nodes on the walk's stack.
     pub fn traverse_tree(&self, ray: &TreeRay) -> (TriangleHit, usize) {
         let mut best = TriangleHit::NO_HIT;
         let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_DEPTH as usize);
@@ -122,7 +122,8 @@ impl<'a> TriangleWalk<'a> {
         }
     }
 
-    /// Which children of a node are nodes, which of them the ray meets before `nearest`, and where their lists begin.
+    /// Intersects the children of a node: a mask of the children that are nodes, a mask of the children that the ray meets
+    /// before `nearest`, and the beginnings of both lists.
     fn intersect_children(
         &self,
         node: u32,
@@ -157,7 +158,7 @@ impl<'a> TriangleWalk<'a> {
         (head[3] >> 24, hits, [kinds[0], kinds[1]])
     }
 
-    /// Finds the nearest triangle by asking every one.
+    /// Finds the nearest triangle by testing all triangles.
     pub fn nearest_of_all(&self, ray: &TreeRay) -> TriangleHit {
         let mut best = TriangleHit::NO_HIT;
         (0..self.corners.len() / 3).for_each(|slot| self.update_nearest_hit(ray, slot, &mut best));

@@ -1,9 +1,9 @@
-//! Twin of `unified`'s pyramid and traversal (`shaders-glsl/unified/`), in f32 and operation for
-//! operation the same, so that the two can be compared bit by bit. The shaders say why; see
-//! `pyramid.comp` and `traverse.glsl`, whose names are kept.
+//! CPU twin of `unified`'s pyramid and traversal (`shaders-glsl/unified/`), in f32 and operation for operation the same, so
+//! that the two can be compared bit by bit. Comments in `pyramid.comp` and `traverse.glsl` give the reasons; the twin keeps
+//! their names.
 //!
-//! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
-//! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
+//! The twin is no evidence for the method, since both share the same ideas; [`super::oracle`] is. The twin tells a wrong idea
+//! from a wrong device, and counts the cells looked at, which a shader cannot report.
 
 mod blocks;
 mod follow;
@@ -25,7 +25,7 @@ use crate::math::{OracleVersion, constants};
 use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{IVec2, Vec2, Vec3};
 
-/// Twin of the block in `parameters.glsl`.
+/// Twin of the parameter block in `parameters.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// M₀₀ and M₁₁ of the projection.
@@ -34,21 +34,21 @@ pub struct Parameters {
     pub pixel_to_clip: Vec2,
     /// `pixel_to_clip` divided by `view_to_clip`.
     pub pixel_to_view: Vec2,
-    /// Pixels.
+    /// Size of the image in pixels.
     pub size: IVec2,
-    /// Pixels of the pyramid: whole cells of its coarsest level.
+    /// Size of the pyramid in pixels: a multiple of the cells of its coarsest level.
     pub padded: IVec2,
     /// The pyramid's coarsest level.
     pub top_level: i32,
-    /// near / (far − near), or 1 / (far − near) if rays of sight are parallel.
+    /// near / (far − near), or 1 / (far − near) for an orthographic camera.
     pub depth_offset: f32,
-    /// How far the image is shifted against the axis of the view, in half pixels.
+    /// Shift of the image against the axis of the view, in half pixels.
     pub shift: Vec2,
-    /// Reversed depth at z = 0 if rays of sight are parallel.
+    /// Reversed depth at z = 0 for an orthographic camera.
     pub depth_origin: f32,
-    /// Metres from the lower to the upper side of the image if rays of sight are parallel.
+    /// Metres from the lower to the upper side of the image for an orthographic camera.
     pub reach: f32,
-    /// `ORTHOGRAPHIC`, as a kind.
+    /// Kind of the projection; `ORTHOGRAPHIC` in the shader.
     pub kind: ProjectionKind,
 }
 
@@ -80,9 +80,9 @@ impl Parameters {
 /// Front and back in reversed depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
-    /// Nearest.
+    /// Nearest depth.
     pub front: f32,
-    /// Farthest.
+    /// Farthest depth.
     pub back: f32,
 }
 
@@ -98,70 +98,70 @@ impl Block {
 /// `Ray` of `traverse.glsl`: a ray in the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Continuous pixel coordinates at which it begins: a pixel's centre on the screen, any place of a face.
+    /// Continuous pixel coordinates of the start: a pixel's centre on the screen, or any place of a face.
     pub start: Vec2,
-    /// The pixel in which it begins.
+    /// Pixel in which the ray begins.
     pub pixel: IVec2,
-    /// Reversed depth there.
+    /// Reversed depth of the start.
     pub depth: f32,
     /// Change of x, y and depth with s.
     pub rate: Vec3,
-    /// 1 / rate.xy, or 1e30.
+    /// 1 / rate.xy, or 1e30 where the rate is 0.
     pub inverse: Vec2,
-    /// s at which it leaves the frustum.
+    /// s at which the ray leaves the frustum.
     pub end: f32,
-    /// In view space, of any length.
+    /// Direction in view space, of any length.
     pub direction: Vec3,
 }
 
 /// How a ray ended; the values of `PATH_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HitCode {
-    /// It met a pixel's block.
+    /// The ray met a pixel's block.
     Surface = constants::PATH_HI_Z as isize,
-    /// It left the frustum.
+    /// The ray left the frustum.
     Miss = constants::PATH_MISS as isize,
-    /// Out of steps, which cannot be.
+    /// The ray ran out of steps, which must not happen.
     Unfinished = constants::PATH_UNFINISHED as isize,
-    /// It met a block from behind (version 2 of the oracle).
+    /// The ray met a block from behind (version 2 of the oracle).
     MissBehind = constants::PATH_MISS_BEHIND as isize,
 }
 
-/// `Hit` of `traverse.glsl`.
+/// Twin of `Hit` in `traverse.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// How it ended.
+    /// How the ray ended.
     pub code: HitCode,
     /// The pixel that was hit.
     pub pixel: IVec2,
-    /// Continuous pixel coordinates, within that pixel.
+    /// Continuous pixel coordinates of the hit, within `pixel`.
     pub position: Vec2,
-    /// Reversed depth of the ray there.
+    /// Reversed depth of the ray at the hit.
     pub depth: f32,
-    /// Cells looked at.
+    /// Number of cells looked at.
     pub steps: i32,
-    /// s of the hit, or of where a miss ends.
+    /// s of the hit, or of the end of a miss.
     pub s: f32,
 }
 
-/// `Walk` of `traverse.glsl`: where a walk is.
+/// State of a walk; twin of `Walk` in `traverse.glsl`.
 #[derive(Debug, Clone, Copy)]
 struct Walk {
     pixel: IVec2,
-    /// Level of the cell that is looked at next; below 0 the pixel's block is met.
+    /// Level of the cell that is looked at next; below 0, the ray has met the pixel's block.
     level: i32,
     entry: f32,
     entry_depth: f32,
     steps: i32,
 }
 
-/// How an image is walked over.
+/// How a walk treats blocks that hide the ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WalkMode {
-    /// A ray goes on behind what it does not meet.
+    /// The ray goes on behind blocks that it does not meet.
     Unfollowed,
-    /// A ray is followed only as long as the image sees it. `passes` lets it through the pixel that it begins in;
-    /// `border` is the last pixel of a face.
+    /// The ray is followed only while the image sees it. `passes` lets the ray through the pixel that it begins in; `border` is
+    /// the last pixel of a face.
     Followed { passes: bool, border: IVec2 },
 }
 
@@ -170,13 +170,14 @@ enum WalkMode {
 pub struct Visit {
     /// Level of the pyramid.
     pub level: u32,
-    /// The cell: pixel >> level.
+    /// Index of the cell: pixel >> level.
     pub cell: IVec2,
-    /// What it holds.
+    /// Interval of depth that the cell holds.
     pub block: Block,
-    /// Whether the ray's depth meets it: then the walk goes down, or ends; else it goes on.
+    /// Whether the ray's depth meets the block. If so, the walk goes down a level, or ends; otherwise it goes on to the next
+    /// cell.
     pub meets: bool,
-    /// s at which the ray enters and leaves.
+    /// s at which the ray enters and leaves the cell.
     pub span: [f32; 2],
 }
 
@@ -186,29 +187,29 @@ impl Ray {
         self.start.extend(self.depth) + s * self.rate
     }
 
-    /// `Ahead`.
+    /// Twin of `Ahead`.
     fn ahead(&self) -> IVec2 {
         IVec2::new(i32::from(self.inverse.x > 0.0), i32::from(self.inverse.y > 0.0))
     }
 }
 
-/// What the shader takes for infinite.
+/// Number that the shader uses for infinity.
 const NEVER: f32 = constants::NEVER as f32;
 
-/// The pyramid of one G-buffer, and its rays.
+/// The pyramid of one G-buffer, with the rays that walk over it.
 #[derive(Debug, Clone)]
 pub struct Traversal<'a> {
     gbuffer: &'a GBufferData,
-    /// The camera and the sizes.
+    /// Parameters of the camera and the sizes.
     pub parameters: Parameters,
-    /// Level n has padded >> n cells.
+    /// Levels of the pyramid; level n has padded >> n cells.
     pub levels: Vec<Level<Block>>,
     version: OracleVersion,
     is_followed: bool,
 }
 
 impl<'a> Traversal<'a> {
-    /// Builds the pyramid. Hits are of version 1 of the oracle.
+    /// Builds the pyramid. Traversals follow version 1 of the oracle.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
@@ -225,19 +226,19 @@ impl<'a> Traversal<'a> {
         Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
     }
 
-    /// Returns the traversal of rays that go on in captures where the screen loses them (`FOLLOWED`), by version 2 of the
-    /// oracle.
+    /// Returns the traversal of rays that are followed in captures after the screen loses them (`FOLLOWED`), by version 2 of
+    /// the oracle.
     pub fn followed(self) -> Self {
         Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
 
-    /// Returns the traversal by another version of the oracle.
+    /// Returns the traversal by a version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// The mirror ray of a pixel; `None` for sky or without a normal. Whether the pixel is seen from
-    /// its normal's side is the second value.
+    /// The mirror ray of a pixel; `None` for sky or without a normal. The second value says whether the pixel is seen from its
+    /// normal's side.
     pub fn mirror_ray(&self, x: u32, y: u32) -> Option<(Ray, bool)> {
         let (p, index) = (&self.parameters, self.gbuffer.index(x, y));
         let (pixel, depth) = (IVec2::new(x as i32, y as i32), self.levels[0].at_clamped(x, y).front);
@@ -298,7 +299,7 @@ impl<'a> Traversal<'a> {
         2 * (self.parameters.size.x + self.parameters.size.y)
     }
 
-    /// `MaxSteps` of a face, whose walk goes on from pixels that it passes.
+    /// `MaxSteps` of a face, whose walk can pass pixels.
     pub fn max_face_steps(&self) -> i32 {
         3 * (self.parameters.size.x + self.parameters.size.y) + constants::FACE_LEVEL
     }
@@ -309,7 +310,7 @@ impl<'a> Traversal<'a> {
         Some(self.traverse(&ray).steps.max(0) as u32)
     }
 
-    /// `Traverse`.
+    /// Twin of `Traverse`.
     pub fn traverse(&self, ray: &Ray) -> Hit {
         self.walk(ray, |_| {})
     }
@@ -333,7 +334,7 @@ impl<'a> Traversal<'a> {
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
-        // A depth beyond all meets nothing.
+        // A depth beyond all others meets no block.
         if leaves && !self.is_followed {
             entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
@@ -409,13 +410,13 @@ impl<'a> Traversal<'a> {
         self.levels[0].at_clamped(pixel.x as u32, pixel.y as u32)
     }
 
-    /// The normal of a pixel, or none beyond the image, where rounding may put the first pixel of a ray through a corner.
+    /// The normal of a pixel, or zero beyond the image, where rounding may put the first pixel of a ray through a corner.
     fn normal(&self, pixel: IVec2) -> Vec3 {
         let is_inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(self.parameters.size).all();
         if is_inside { self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { Vec3::ZERO }
     }
 
-    /// `IsBehind`.
+    /// Twin of `IsBehind`.
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
         let before = self.block(pixel_before(ray, pixel, ahead));
         let (d, n) = (ray.direction, self.normal(pixel));
@@ -428,20 +429,21 @@ impl<'a> Traversal<'a> {
     }
 }
 
-/// `PixelBefore`.
+/// Twin of `PixelBefore`.
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;
     pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
 }
 
-/// `PixelExit`: where a ray leaves the pixel that the walk is in, or ends there: s.
+/// `PixelExit`: the s at which a ray ends or leaves the walk's current pixel.
 fn pixel_exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
     let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
     crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
 }
 
-/// `FrontCrossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
+/// `FrontCrossing`: the s at which the ray crosses a front, if this lies inside the walk's current pixel; otherwise the s of
+/// entry.
 fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     let last = pixel_exit(ray, walk, ahead);
     let exit_depth = ray.depth + last * ray.rate.z;
@@ -450,7 +452,7 @@ fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     if far <= front && front <= near && far < near { crossing.max(walk.entry).min(last) } else { walk.entry }
 }
 
-/// `Dot`: in this order.
+/// `Dot`: adds in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
@@ -458,7 +460,7 @@ fn dot(a: Vec3, b: Vec3) -> f32 {
 /// The greatest 16-bit float.
 const GREATEST: f32 = constants::GREATEST_HALF as f32;
 
-/// `Sound`: what a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits.
+/// `Sound`: makes any value of a G-buffer's colour fit to be summed and stored in 16 bits.
 fn sound(v: f32) -> f32 {
     if v > 0.0 { v.min(GREATEST) } else { 0.0 }
 }

@@ -20,13 +20,13 @@ pub fn linearize(z: f32, range: Range) -> f32 {
     (2.0 * near) / (far + near - z * (far - near))
 }
 
-/// A share after storage in the 8-bit target (Vulkan rounds to nearest; rounding at a tie depends on the
+/// A share after rounding to 8 bits by storage in the target (Vulkan rounds to nearest; rounding at a tie depends on the
 /// device).
 pub fn quantize(share: f32) -> f32 {
     (share.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
-/// The listing over a whole level, from the depth and visibility of the level below, which must have a coarser
+/// The thesis's listing, applied to a whole level, from the depth and visibility of the level below, which must have a coarser
 /// one. The result is not quantised. Fetches beyond the edge return the texel at the edge, as in the shader.
 pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -> Option<Level<f32>> {
     let (width, height) = depth.coarser()?;

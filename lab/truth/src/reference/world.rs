@@ -1,14 +1,15 @@
-//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays
-//! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
-//! what is off screen or hidden, which no screen-space method can see.
+//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays of its
+//! Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes surfaces that are off
+//! screen or hidden, which no screen-space method can see.
 //!
-//! Each sample reflects the camera ray through a random place within the pixel, at the
-//! pixel's own point and about its own normal, as the screen reference does.
+//! Each sample reflects the camera ray through a random place within the pixel, at the pixel's own point with the pixel's own
+//! normal, as the screen reference does.
 //!
-//! What a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") it reflects,
-//! too: the sample goes on along one direction of the lobe there. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
-//! the order of their numbers, in groups that are always the same ([`super::partial_sums`]). A result therefore does not
-//! depend on threads, on interruptions, or on how samples were divided among machines.
+//! A surface that a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") the
+//! surface reflects, too: the sample goes on along one direction of its lobe. Each sample depends only on the seed, its pixel
+//! and its number, and a pixel's samples are summed in the order of their numbers, in groups that are always the same
+//! ([`super::partial_sums`]). A result therefore does not depend on threads, on interruptions, or on how samples were divided
+//! among machines.
 
 pub mod state;
 
@@ -25,7 +26,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use state::{Kind, WorldState};
 
-/// The distance, in metres, from which hits of a reflected ray count (docs/definitions.md, "World agreement").
+/// The least distance of a hit from the start of a reflected ray that counts, in metres (docs/definitions.md, "World
+/// agreement").
 pub const RAY_START_M: f64 = 1e-4;
 
 /// The radiance of a ray that hits no triangle.
@@ -46,22 +48,23 @@ pub struct WorldReference<'a> {
     pub first_hits: &'a FirstHits,
     /// The radiance of rays that hit nothing.
     pub escape: EscapeRadiance,
-    /// The camera's rays, if samples reflect rays through all of the pixel; `None` if only the one through its centre.
+    /// The camera's rays, if samples reflect rays through all of the pixel; `None` if all samples reflect the ray through the
+    /// centre.
     pub footprint: Option<PrimaryRays>,
-    /// A different seed gives a different, independent result.
+    /// Seed of the random numbers; another seed gives an independent result.
     pub seed: u64,
-    /// How often light is reflected, ≥ 1: what the last bounce meets does not reflect.
+    /// Number of times that light is reflected, ≥ 1; the surface that the last bounce meets does not reflect.
     pub bounces: u32,
 }
 
 /// The condition under which [`WorldReference::run`] stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SamplingTarget {
-    /// The run stops if [`WorldState::overall_standard_error`] is at most this, in linear colour.
+    /// Greatest [`WorldState::overall_standard_error`] at which the run stops, in linear colour.
     pub standard_error: f64,
-    /// The least samples per pixel, so that the estimate of the error is reliable.
+    /// Least number of samples per pixel, so that the estimate of the error is reliable.
     pub samples_min: u32,
-    /// The most samples per pixel.
+    /// Greatest number of samples per pixel.
     pub samples_max: u32,
     /// Samples per pixel between two checks of the error, ≥ 1.
     pub samples_per_pass: u32,
@@ -83,8 +86,8 @@ pub struct WorldImage {
     pub height: u32,
     /// Reflection colour, linear, before reflectivity; black where nothing reflects.
     pub reflection: Vec<Vec3>,
-    /// Standard error of the reflection colour, per channel; 0 for mirrors of one sample, else infinite with fewer
-    /// than two.
+    /// Standard error of the reflection colour, per channel; 0 for mirrors that take one sample, otherwise infinite with fewer
+    /// than two samples.
     pub standard_error: Vec<Vec3>,
     /// Number of samples; 0 where nothing reflects.
     pub samples: Vec<u32>,
@@ -94,16 +97,16 @@ pub struct WorldImage {
     pub composite: Vec<Vec3>,
 }
 
-/// One ray of a world reference, and what it brings.
+/// One ray of a world reference, with its radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldSample {
-    /// Its radiance, linear.
+    /// Linear radiance of the ray.
     pub radiance: DVec3,
-    /// The part of the radiance that further bounces bring; the rest is lit colour at the ray's end, or the environment.
+    /// Part of the radiance that further bounces bring; the other part is the lit colour at the ray's end, or the environment.
     pub bounced: DVec3,
-    /// Its unit direction in the world.
+    /// Unit direction of the ray in the world.
     pub direction: DVec3,
-    /// Where it ends, in metres; `None` if it escapes, or if it leads below the surface and brings nothing.
+    /// Where the ray ends, in metres; `None` if it escapes, or if it leads below the surface and brings no light.
     pub end: Option<DVec3>,
 }
 
@@ -114,8 +117,8 @@ impl<'a> WorldReference<'a> {
         Self { world, first_hits, escape: EscapeRadiance::Environment, footprint, seed, bounces: 1 }
     }
 
-    /// The reference of rays that all leave a pixel's centre, and of which those that escape are black: one that another
-    /// renderer can follow ray by ray.
+    /// The reference whose rays all leave a pixel's centre, and whose escaping rays are black, so that another renderer can
+    /// follow it ray by ray.
     pub fn of_centres(world: &'a World<'a>, first_hits: &'a FirstHits, seed: u64) -> Self {
         Self { world, first_hits, escape: EscapeRadiance::Black, footprint: None, seed, bounces: 1 }
     }
@@ -130,13 +133,13 @@ impl<'a> WorldReference<'a> {
         self.start_at(0)
     }
 
-    /// A state without samples, of which the first will be number `first`, a multiple of
-    /// [`LEAF`](super::partial_sums::LEAF). It becomes a part of the samples, which is merged with the others
-    /// ([`super::world_part`]).
+    /// A state without samples, whose first sample will have the number `first`, a multiple of
+    /// [`LEAF`](super::partial_sums::LEAF). It becomes a part of the samples, which [`super::world_part`] merges with the other
+    /// parts.
     pub fn start_at(&self, first: u32) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
-            // With several bounces, a later one may meet a lobe.
+            // With several bounces, a later bounce may meet a lobe, which needs many samples.
             (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
             (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },
@@ -145,8 +148,8 @@ impl<'a> WorldReference<'a> {
         WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], first, kinds)
     }
 
-    /// Adds samples to every pixel that takes more than one, and traces what is still missing of the others: a
-    /// mirror's single ray, or the least rays of a mirror.
+    /// Adds samples to every pixel that takes more than one, and traces the missing samples of the other pixels: a mirror's
+    /// single ray, or a mirror's least number of rays.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
         let last = state.samples().saturating_add(samples);
         let mut nothing = vec![(); state.sums.pixels()];
@@ -155,8 +158,8 @@ impl<'a> WorldReference<'a> {
         }
     }
 
-    /// Adds the samples up to the next stop of the state's sums. `look` sees each sample, in the order of their
-    /// numbers, with the value that is kept for its pixel in `beside`.
+    /// Adds the samples up to the next stop of the state's sums. `look` is called for each sample, in the order of their
+    /// numbers, with the value in `beside` for the sample's pixel.
     pub(super) fn add_beside<T: Send>(
         &self,
         state: &mut WorldState,
@@ -218,7 +221,7 @@ impl<'a> WorldReference<'a> {
         }
     }
 
-    /// One ray of the lobe.
+    /// Traces one ray of the lobe.
     fn sample(&self, index: usize, receiver: &Receiver, number: u64, stream: &Stream) -> WorldSample {
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
         let (receiver, lobe) = match &self.footprint {
@@ -235,7 +238,7 @@ impl<'a> WorldReference<'a> {
         let (mut bounced, mut share, mut last) = (DVec3::ZERO, 1.0, first);
         for bounce in 1..u64::from(self.bounces) {
             let Some(receiver) = last.point.and_then(|point| Receiver::of(&last.ray, &point)) else { break };
-            // Far from the numbers of first bounces, of which there are fewer than 2³².
+            // Further bounces use numbers far from those of first bounces, of which there are fewer than 2³².
             let place = (bounce << 40) + 2 * number;
             share *= receiver.reflectivity;
             let Some((next, lit)) = self.traced(&receiver, numbers(place)) else { break };
@@ -245,8 +248,8 @@ impl<'a> WorldReference<'a> {
         WorldSample { radiance: lit + bounced, bounced, direction: first.ray.direction, end: first.end }
     }
 
-    /// A ray of a lobe, by two random numbers, and the light that comes along it from the surface where it ends or from the
-    /// environment; `None` if it leads below the surface and brings nothing.
+    /// Traces a ray of a lobe, chosen by two random numbers, with the light that arrives along it from a surface or from the
+    /// environment. `None` if the ray leads below the surface and brings no light.
     fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
         let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
         if !receiver.is_above(direction) {
@@ -264,7 +267,7 @@ impl<'a> WorldReference<'a> {
     }
 }
 
-/// A ray, and the place and the surface where it ends; none if it escapes.
+/// A ray, with the place and the surface where it ends; `None` if it escapes.
 #[derive(Clone, Copy)]
 struct TracedRay {
     ray: WorldRay,

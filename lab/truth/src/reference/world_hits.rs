@@ -1,5 +1,5 @@
-//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. docs/definitions.md,
-//! "World agreement", judges a method's hits by this.
+//! Computes where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. A method's hits are
+//! judged by the result (docs/definitions.md, "World agreement").
 
 use super::first_hits::{FirstHits, Receiver};
 use super::surface::World;
@@ -22,13 +22,13 @@ pub enum WorldHit {
     Hit {
         /// World position in metres.
         position: DVec3,
-        /// Pixel coordinates, which may be off screen; `None` behind the eye of a perspective.
+        /// Pixel coordinates of the hit point, which may be off screen; `None` behind the eye of a perspective camera.
         pixel: Option<DVec2>,
         /// View-space z in metres.
         view_z_m: f64,
         /// Length of the ray in metres.
         length_m: f64,
-        /// Whether the pixel there shows the hit point.
+        /// Whether the pixel at these coordinates shows the hit point.
         visible: bool,
     },
 }
@@ -43,8 +43,8 @@ impl WorldHit {
     }
 }
 
-/// Traces the mirror ray of each reflecting pixel of a G-buffer, from the point that it shows ([`FirstHits::shown`]) and by its own
-/// normal; rows from the top.
+/// Traces the mirror ray of each reflecting pixel of a G-buffer, from the point that the pixel shows ([`FirstHits::shown`]) and
+/// by the pixel's own normal; rows from the top.
 pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) -> Vec<WorldHit> {
     let screen = ShownPlaces::new(gbuffer, first_hits);
     let end = |receiver: &Option<Receiver>| match receiver {
@@ -54,7 +54,7 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) 
     first_hits.receivers.par_iter().map(end).collect()
 }
 
-/// Which places of the world a screen shows.
+/// Finds the places of the world that a screen shows.
 #[derive(Debug, Clone)]
 pub(super) struct ShownPlaces<'a> {
     gbuffer: &'a GBufferData,
@@ -65,14 +65,14 @@ pub(super) struct ShownPlaces<'a> {
 }
 
 impl<'a> ShownPlaces<'a> {
-    /// The places that a G-buffer shows, with its own first hits.
+    /// The places that a G-buffer shows; `first_hits` are the first hits of the same G-buffer.
     pub(super) fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
         let colors = SurfaceColors::new(gbuffer);
         Self { gbuffer, colors, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
-    /// Where a mirror ray ends, and the triangle that it meets there, if it meets any.
+    /// Where a mirror ray ends, and the triangle that it meets, if any.
     pub(super) fn end(&self, world: &World, receiver: &Receiver) -> (WorldHit, Option<TriangleHit>) {
         let direction = receiver.mirror();
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
@@ -82,8 +82,8 @@ impl<'a> ShownPlaces<'a> {
         (WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }, Some(hit))
     }
 
-    /// Where a place projects to (`None` behind the eye of a perspective), its view-space z in metres, and whether the pixel there shows
-    /// it.
+    /// The projection of a place (`None` behind the eye of a perspective camera), its view-space z in metres, and whether the
+    /// pixel there shows the place.
     pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
         let view = self.world_to_view.transform_point3(position);
         let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
@@ -92,7 +92,7 @@ impl<'a> ShownPlaces<'a> {
         (pixel, view.z, pixel.and_then(|p| self.index(p)).is_some_and(shows))
     }
 
-    /// The colour that the screen shows where a ray ends, if it shows that place.
+    /// The colour that the screen shows at the end of a ray, if the screen shows that place.
     pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
         let (pixel, _, visible) = self.judge(end);
         let p = pixel.filter(|_| visible)?;
@@ -153,14 +153,15 @@ mod tests {
                 assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
                 continue;
             }
-            // It hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall at
-            // height −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
+            // The camera ray hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall at height
+            // −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
             let WorldHit::Hit { position, pixel, view_z_m, length_m, visible } = *hit else {
                 panic!("{x} {y}: {hit:?}")
             };
             let pixel = pixel.expect("in front");
             assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
-            // From (z, 1 below) with z = 1 / down, over 4 − z, as steep in y, and aside as far as the pixel is.
+            // The mirrored ray covers 4 − z in z from z = 1 / down; its slope in y is `down`, and its slope in x is the camera
+            // ray's.
             let aside = (x as f64 + 0.5 - 20.0) / 20.0;
             let expected = (4.0 - 1.0 / down) * (1.0 + down * down + aside * aside).sqrt();
             assert!((length_m - expected).abs() < 1e-3, "{x} {y}: {length_m} {expected}");
@@ -183,7 +184,8 @@ mod tests {
             materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
             ..Scene::default()
         };
-        // Down by 45°: a ray that meets the floor at z rises as steeply, and meets the wall 4 − z above the floor.
+        // The camera looks down by 45°. A ray that meets the floor at z rises as steeply as it fell, and meets the wall 4 − z
+        // above the floor.
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), Lens::orthographic(4.0, 0.0, 20.0), 1.0);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
@@ -192,7 +194,7 @@ mod tests {
         let mut seen = 0;
         for (i, hit) in world_hits(&world, &data, &shown).into_iter().enumerate() {
             let Some(receiver) = &shown.receivers[i] else { continue };
-            // Pixels are 0.1 m wide; those of a row meet the floor at one z.
+            // Pixels are 0.1 m wide; the pixels of a row meet the floor at the same z.
             let up = 2.0 - (f64::from(i as u32 / 40) + 0.5) * 0.1;
             let z = 1.0 + 2_f64.sqrt() * up;
             let across = (f64::from(i as u32 % 40) + 0.5) * 0.1 - 2.0;
@@ -202,7 +204,7 @@ mod tests {
             let WorldHit::Hit { position, pixel, length_m, .. } = hit else { panic!("{i}: {hit:?}") };
             assert!(position.distance(DVec3::new(across, 3.0 - z, 4.0)) < 1e-4, "{i}: {position}");
             assert!((length_m - 2_f64.sqrt() * (4.0 - z)).abs() < 1e-4);
-            // Nothing moves from column to column.
+            // The mirrored ray stays in the pixel's column.
             assert!((pixel.expect("ahead").x - (f64::from(i as u32 % 40) + 0.5)).abs() < 1e-3, "{pixel:?}");
             seen += 1;
         }

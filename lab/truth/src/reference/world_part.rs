@@ -1,4 +1,4 @@
-//! Merges parts of a world reference's samples, each taken by another machine, into the reference that one machine
+//! Merges parts of a world reference's samples, which were taken by different machines, into the reference that one machine
 //! would have sampled, to the bit. Merging needs neither the scene nor the camera.
 
 use super::partial_sums::LEAF;
@@ -15,8 +15,8 @@ pub struct WorldPart {
     kept: KeptState,
 }
 
-/// The share that shard `index`, from 1 to `shards`, has of `samples`: whole leaves of [`super::partial_sums`], as even as
-/// these allow. Some shares are empty where there are more shards than leaves.
+/// The share of `samples` that shard `index`, from 1 to `shards`, takes. Shares are whole leaves of [`super::partial_sums`], as
+/// evenly divided as possible; some are empty if there are more shards than leaves.
 pub fn samples_of(index: u32, shards: u32, samples: u32) -> Range<u32> {
     let leaves = u64::from(samples.div_ceil(LEAF));
     let begin = |shard: u32| {
@@ -30,7 +30,7 @@ impl WorldPart {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::Malformed`] if it is no state of a reference, or damaged.
+    /// [`Error::Io`] if the file cannot be read, [`Error::Malformed`] if it is no state of a reference, or damaged.
     pub fn read(path: &Path) -> Result<Self> {
         Ok(Self { path: path.to_owned(), kept: read_state(path)? })
     }
@@ -40,16 +40,16 @@ impl WorldPart {
         self.kept.sums.first()..self.kept.sums.end()
     }
 
-    /// Writes a state from which sampling goes on.
+    /// Writes a state from which sampling can be continued.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written.
+    /// [`Error::Io`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
         write_state(path, &self.kept.fingerprint, self.kept.extent, &self.kept.sums)
     }
 }
 
-/// Parts that were merged.
+/// The result of merging parts.
 #[derive(Debug)]
 pub struct MergedParts {
     /// The samples from number 0 to before the first missing one, as one part; `None` if number 0 is missing.
@@ -58,11 +58,11 @@ pub struct MergedParts {
     pub missing: Vec<Range<u32>>,
 }
 
-/// Merges parts of one reference, of `samples` in all.
+/// Merges parts of one reference, which has `samples` samples in all.
 ///
 /// # Errors
-/// [`Error::Malformed`] for parts of different references, for parts that have only some samples in common, and for two
-/// parts that have different sums of the same samples.
+/// [`Error::Malformed`] for parts of different references, for parts that overlap only partly, and for parts with different
+/// sums of the same samples.
 pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     parts.retain(|part| !part.samples().is_empty());
     // If two parts begin with the same sample, the longer part comes first.
@@ -150,7 +150,7 @@ mod tests {
     fn part(reference: &WorldReference, folder: &Path, samples: Range<u32>) -> WorldPart {
         let path = folder.join(format!("{}-{}-{}", reference.seed, samples.start, samples.end));
         let mut state = reference.start_at(samples.start);
-        // In steps that fit nothing.
+        // The steps do not divide the number of samples or the size of a leaf.
         while state.samples() < samples.end {
             let more = 37.min(samples.end - state.samples());
             reference.add(&mut state, more);
@@ -177,7 +177,7 @@ mod tests {
                 assert_eq!(a, b);
             }
             assert!(whole.overall_standard_error() > 0.0);
-            // A part alone is an estimate of its own.
+            // A part alone is an estimate, with a standard error of its own.
             let (last, why) = reference.resume_at(&folder.join("1-128-300"), 128);
             assert!(why.is_none() && last.sample_counts().max() == Some(172) && last.samples() == 300);
             assert!(last.overall_standard_error() > whole.overall_standard_error());

@@ -24,14 +24,14 @@ pub(super) struct MeshPart {
     pub has_tangents: bool,
 }
 
-/// Whether the normals of a triangle, on the whole, point to its back: by more than 120 degrees from the unit normal of
-/// its face. Normals that lean a little behind the face are what an author gives to rounded things.
+/// Whether the sum of a triangle's normals points behind the triangle, by more than 120 degrees from the normal of its face.
+/// Normals that lean only a little behind the face are common on rounded surfaces.
 pub(super) fn point_behind(triangle: &Triangle, face: DVec3) -> bool {
     let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
     stated.dot(face) < -0.5 * stated.length()
 }
 
-/// The most triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.
+/// Greatest number of triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.
 const MAX_TRIANGLES: usize = 8192;
 
 /// If a file has more groups than this (some exporters write one per face), its groups are useless as units of

@@ -1,19 +1,18 @@
-//! Limits on what a file may cost: how many bytes of it are read, and how much it may claim to unpack to.
+//! Limits on the cost of a file: the number of bytes that are read, and the size that it may claim to unpack to.
 
 use crate::error::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Read;
 use std::path::Path;
 
-/// The most bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1,
-/// and a PNG with one bit per texel unpacks to eight times that. A file that claims more is a decompression
-/// bomb.
+/// Greatest number of bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1, and a
+/// PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
 pub(super) const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
 
 /// Reads a file of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
 pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
-    // A device may never end, and opening a named pipe waits for whoever writes into it.
+    // Reading a device may never end, and opening a named pipe waits for a writer.
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {
         return Err(Error::malformed(path, None, format!("is no file; {what} is read from a regular file alone")));
@@ -33,7 +32,7 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A name that a file gives, as messages show it: without control characters, which a terminal might obey, and short.
+/// A name from a file in the form for messages: short, and without control characters, which a terminal might obey.
 pub fn printable_name(name: &str) -> String {
     const MOST: usize = 80;
     let safe = |c: char| if c.is_control() { '\u{fffd}' } else { c };
@@ -50,9 +49,9 @@ pub(super) fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
     unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
 }
 
-/// A bar over the images of a scene, for scenes that have many; silent where standard error is no terminal.
+/// A progress bar over the images of a scene with many images; hidden if standard error is no terminal.
 pub(super) fn image_bar(images: usize) -> ProgressBar {
-    /// Fewer images are decoded before anybody wonders.
+    /// Fewer images are decoded before a user wonders what takes so long.
     const FEW: usize = 16;
     if images < FEW {
         return ProgressBar::hidden();

@@ -2,10 +2,9 @@
 //! triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection",
 //! JCGT 2013) decides in f64.
 //!
-//! The edge functions of that test depend only on an edge's two vertices, and swapping these only changes the
-//! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The
-//! boxes are enlarged by more than the rounding error of f32 ([`PaddedTriangles`]), so that no box hides a triangle that
-//! the test in f64 would accept.
+//! The edge functions of the test in f64 depend only on an edge's two vertices, and swapping both only changes the sign. A ray
+//! that passes between two triangles with a shared edge therefore hits at least one of them. The boxes are enlarged by more
+//! than the rounding error of f32 ([`PaddedTriangles`]), so that no box hides a triangle that the test in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -16,9 +15,9 @@ use ssct::scene::tree::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldRay {
-    /// Start, world.
+    /// Start in world space, in metres.
     pub origin: DVec3,
-    /// Unit direction, world.
+    /// Unit direction in world space.
     pub direction: DVec3,
     /// Hits closer than this do not count.
     pub t_min: f64,
@@ -50,7 +49,8 @@ pub trait Intersector: Send + Sync {
     /// through the holes of an alpha mask.
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit>;
 
-    /// True if [`Intersector::closest`] would find a hit with t_min ≤ t ≤ t_max that `accept` accepts; takes less time.
+    /// True if [`Intersector::closest`] would find a hit with t_min ≤ t ≤ t_max that `accept` accepts; the call takes less
+    /// time.
     fn any(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> bool {
         self.closest(ray, accept).is_some()
     }
@@ -59,22 +59,22 @@ pub trait Intersector: Send + Sync {
 /// Triangles in a bounding volume hierarchy.
 pub struct TriangleBvh {
     triangles: Vec<[Vec3; 3]>,
-    /// The middle of their bounds, from which boxes are measured: a scene far from the origin is not coarser for it.
+    /// The middle of the bounds, from which boxes are measured, so that a scene far from the origin loses no precision.
     middle: DVec3,
     /// `None` if no triangle has an area.
     boxes: Option<Boxes>,
 }
 
-/// A hierarchy of boxes, whose `primitive_indices` are those of triangles.
+/// A hierarchy of boxes, whose `primitive_indices` are indices of triangles.
 enum Boxes {
-    /// Eight boxes a node, which is fast. Its traversal has room for [`WIDE_LEVELS`] levels.
+    /// Eight boxes a node, which is fast. The traversal has room for [`WIDE_LEVELS`] levels.
     Wide(CwBvh),
     /// Two boxes a node, with room for any number of levels.
     Binary(Bvh2),
 }
 
-/// How many levels of a [`CwBvh`] its traversal holds; beyond them obvhs 0.4 forgets boxes without a word. Boxes that are
-/// alike, as those of a scene far from the origin whose corners round to few places, make deeper hierarchies.
+/// Greatest number of levels of a [`CwBvh`] that its traversal can handle; beyond it obvhs 0.4 silently skips boxes.
+/// Hierarchies of equal boxes are deeper, as in a scene far from the origin whose corners round to few places.
 const WIDE_LEVELS: u32 = 32;
 
 impl Boxes {
@@ -84,7 +84,7 @@ impl Boxes {
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);
         }
-        // A place more than there are levels, as obvhs demands.
+        // The depth counts a level more than there are, as obvhs requires.
         binary.max_depth = binary.max_depth.max(binary.depth(0) + 1);
         Self::Binary(binary)
     }
@@ -116,7 +116,7 @@ impl TriangleBvh {
     }
 }
 
-/// The ray as the boxes are tested against, from the middle of their bounds.
+/// The ray in f32, relative to the middle of the bounds, for tests against boxes.
 fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
     // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
     // of a box's sides from a comparison, in which −0 is not less than 0.
@@ -126,7 +126,7 @@ fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
 
 impl Intersector for TriangleBvh {
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
-        // First of all: around an empty scene rays may begin anywhere, even at infinity.
+        // An empty scene returns first, since a ray may begin anywhere around it, even at infinity.
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// A number in −1…1.
+    /// A random number in −1…1.
     fn signed(i: u64, j: u64) -> f64 {
         2.0 * Stream::new(7, i).uniform(j) - 1.0
     }
@@ -247,7 +247,7 @@ mod tests {
         WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// Triangles that all fill one box: their hierarchy is one long chain.
+    /// Tests triangles that all fill one box, whose hierarchy is one long chain.
     #[test]
     fn triangles_in_one_box_are_all_found() {
         let corner = |i: u32, j: u32| Vec3::new((i >> (2 * j) & 1) as f32, (i >> (2 * j + 1) & 1) as f32, j as f32);
@@ -266,8 +266,8 @@ mod tests {
         assert!(hits > 5, "only {hits} of 200 rays hit");
     }
 
-    /// A scene whose corners have rounded to a few points: triangles without area are no reason for a deep hierarchy,
-    /// and one with an area among them is found.
+    /// Tests a scene whose corners have rounded to a few points: triangles without area must not make the hierarchy deep, and a
+    /// triangle with an area among them must be found.
     #[test]
     fn points_are_never_hit_and_hide_nothing() {
         let point = |i: u32| [Vec3::splat((i % 3) as f32); 3];

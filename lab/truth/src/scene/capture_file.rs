@@ -8,27 +8,27 @@
 //! sky/px.exr …                  what is seen at infinity; the folder may be absent
 //! ```
 //!
-//! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world
-//! space, in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane
-//! in metres. All captures of a folder have one resolution and one near plane. Before the tables there may be
-//! `bounds = [[x, y, z], [x, y, z]]`: the least and the greatest corner of a box in world space, in metres, outside of which
-//! nothing stands, so that rays that are lost there end in the sky.
+//! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world space,
+//! in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane in metres. All
+//! captures of a folder have one resolution and one near plane. Before the tables there may be `bounds = [[x, y, z], [x, y,
+//! z]]`: the least and the greatest corner of a box in world space, in metres. There is no surface outside of the box, so that
+//! rays that are lost there end in the sky.
 //!
-//! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. Their texels lie as in a cube map of Vulkan: in world
+//! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. The texels are ordered as in a cube map of Vulkan: in world
 //! axes, which are left-handed with y up, the texel at (u, v) from the top left looks along
-//! [`sky::face_direction`](super::sky::face_direction). Each is an OpenEXR image, square, with these channels of 32-bit
-//! or 16-bit floats, compressed without loss:
+//! [`sky::face_direction`](super::sky::face_direction). Each face is a square OpenEXR image, compressed without loss, with
+//! these channels of 32-bit or 16-bit floats:
 //!
 //! - `R`, `G`, `B`: the lit colour, linear;
 //! - `depth`: the depth after projection, reversed, 0…1, for the near plane and a far plane at
-//!   [`FAR_M`](super::capture::FAR_M): near (far − z) / (z (far − near)), 0 where nothing stands. In its place there may be
-//!   `Z`, the view-space z in metres, 0 or infinite where nothing stands;
-//! - `N.X`, `N.Y`, `N.Z`: the normal in the view space of the face (x right, y up, z into the image), 0 where nothing
-//!   stands;
-//! - `sky`, which may be absent: 1 where a surface shows what is at infinity, else 0.
+//!   [`FAR_M`](super::capture::FAR_M): near (far − z) / (z (far − near)), 0 where there is no surface. A file may have `Z`
+//!   instead, the view-space z in metres, 0 or infinite where there is no surface;
+//! - `N.X`, `N.Y`, `N.Z`: the normal in the view space of the face (x right, y up, z into the image), 0 where there is no
+//!   surface;
+//! - `sky`, which may be missing: 1 where a surface shows the sky, else 0.
 //!
-//! The colour is not read where nothing stands or a surface shows the sky: what is seen there is the cube `sky`, whose
-//! faces have any one size, and `R`, `G`, `B` alone. Without it, it is black.
+//! The colour is not read where there is no surface, or where a surface shows the sky. The sky's colour comes from the cube
+//! `sky`, whose faces have any one size, and `R`, `G`, `B` alone; without this cube it is black.
 
 use super::capture::face_camera;
 use super::exr_channels::{self, ExrChannels, axis, check};
@@ -42,7 +42,7 @@ use std::path::{Path, PathBuf};
 
 pub use super::sky::SkyCube;
 
-/// The file that says where the captures stand.
+/// The file that lists the captures and their places.
 pub const LIST: &str = "captures.toml";
 
 /// The names of the faces, in Vulkan's order.
@@ -51,7 +51,7 @@ pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 /// The folder of the sky.
 const SKY: &str = "sky";
 
-/// A folder of captures, whose list was read.
+/// A folder of captures whose list was read.
 #[derive(Debug, Clone)]
 pub struct CaptureFolder {
     path: PathBuf,
@@ -63,30 +63,30 @@ impl CaptureFolder {
     /// Reads the list of a folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read; [`Error::Malformed`], with the line where it is known, for a list without
-    /// captures, an unknown key, a number out of range, or captures of several resolutions or near planes.
+    /// [`Error::Io`] if the list cannot be read; [`Error::Malformed`], with the line if known, for a list without captures, an
+    /// unknown key, a number out of range, or captures of several resolutions or near planes.
     pub fn open(path: &Path) -> Result<Self> {
         let (captures, bounds) = scene_file::captures::load_list(&path.join(LIST))?;
         Ok(Self { path: path.to_owned(), captures, bounds })
     }
 
-    /// A box in the world, in metres, outside of which nothing stands; [`Aabb::ALL`] if the list does not say.
+    /// A box in the world, in metres, outside of which there is no surface; [`Aabb::ALL`] if the list gives none.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Where the captures stand; at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
+    /// The captures with their places; at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
     pub fn captures(&self) -> &[Capture] {
         &self.captures
     }
 
-    /// Reads a face (0…5) of a capture, both counted from 0. Reflectivity and roughness are 0; what is sky has depth 0 or
-    /// [`Surface::Sky`], and black for its colour.
+    /// Reads a face (0…5) of a capture, both counted from 0. Reflectivity and roughness are 0; a texel of sky has depth 0 or
+    /// [`Surface::Sky`], and the colour black.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is absent, is no OpenEXR image that can be
-    /// read, is not square, has another size than the list says, lacks a channel, or has a value that is not finite or a
-    /// depth outside 0 to 1.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is missing, is no readable OpenEXR image, is not
+    /// square, or has another size than the list says. [`Error::Malformed`] also if a channel is missing, a value is not
+    /// finite, or a depth lies outside 0 to 1.
     pub fn face(&self, capture: usize, face: usize) -> Result<GBufferData> {
         let path = face_path(&self.path, capture, face);
         let whose = format!("capture {}", capture + 1);
@@ -138,7 +138,7 @@ impl CaptureFolder {
     /// Reads the sky; `None` if the folder has none.
     ///
     /// # Errors
-    /// Errors of [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
+    /// The errors of [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
     pub fn sky(&self) -> Result<Option<SkyCube>> {
         if !self.path.join(SKY).is_dir() {
             return Ok(None);
@@ -182,10 +182,10 @@ pub fn encode_tables(captures: &[Capture]) -> String {
     captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n")
 }
 
-/// Encodes a face, of which only depth, normal, colour and surface are written, as the bytes of a file.
+/// Encodes depth, normal, colour and surface of a face as the bytes of a file.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the format cannot hold it. `path` is only used to name the file in the error.
+/// [`Error::Malformed`] if the format cannot hold the face. `path` is only used to name the file in the error.
 pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let sky: Vec<f32> = face.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
     let mut channels = vec![
@@ -203,16 +203,16 @@ pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     exr_channels::encode([face.width, face.height], LayerAttributes::default(), channels, path)
 }
 
-/// Encodes the colours of a face of the sky, `side` texels a side, as the bytes of a file.
+/// Encodes the colours of a face of the sky, with `side` texels along a side, as the bytes of a file.
 ///
 /// # Errors
-/// Errors of [`encode_face`].
+/// The errors of [`encode_face`].
 pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
     let channels = vec![("R", axis(colors, 0)), ("G", axis(colors, 1)), ("B", axis(colors, 2))];
     exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
 }
 
-/// The bytes of a file of a cube, which must have six.
+/// Reads the bytes of a file of a cube, which must have six files.
 fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
     bounded::read(path, "a face of a cube", MAX_BYTES).map_err(|e| match e {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
@@ -222,7 +222,7 @@ fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
     })
 }
 
-/// Width and height of a face.
+/// Checks that a face is square, and returns its width and height.
 fn square(file: &ExrChannels, path: &Path) -> Result<(u32, u32)> {
     let (width, height) = (file.width, file.height);
     if width != height {
@@ -245,7 +245,7 @@ fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<V
 mod tests {
     use super::*;
 
-    /// A capture of 2 × 2 texels a face, with a surface that shows the sky and a texel where nothing stands.
+    /// A capture of 2 × 2 texels a face, with a surface that shows the sky and a texel without a surface.
     fn face(capture: &Capture, face: usize) -> GBufferData {
         GBufferData {
             width: 2,
@@ -283,7 +283,7 @@ mod tests {
         (folder, captures)
     }
 
-    /// Reads all of a folder.
+    /// Reads all faces and the sky of a folder.
     fn all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
         let read = CaptureFolder::open(folder)?;
         let faces = (0..read.captures().len()).flat_map(|k| (0..6).map(move |f| (k, f)));
@@ -326,14 +326,14 @@ mod tests {
         assert_eq!(read.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
     }
 
-    /// What the command would say of a folder after a change.
+    /// The error message for a folder after a change.
     fn said(change: impl FnOnce(&Path, &[Capture])) -> String {
         let (folder, captures) = written();
         change(folder.path(), &captures);
         all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
     }
 
-    /// Returns the sentence that reading gives after a change of a face.
+    /// The error message for a folder after a change of a face.
     fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
         said(|folder, captures| {
             let mut changed = face(&captures[1], 5);

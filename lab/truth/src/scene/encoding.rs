@@ -1,4 +1,4 @@
-//! Encodings of texts that people's programs write: byte-order marks, and text of 16 or 32 bits a character.
+//! Encodings of texts in the files of other programs: byte-order marks, and text of 16 or 32 bits a character.
 
 /// The byte-order mark of UTF-8, which some editors write before a text.
 const MARK: &[u8] = b"\xEF\xBB\xBF";
@@ -8,10 +8,10 @@ pub(super) fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// The name of the encoding if a text has more than a byte for each character; `None` for all others.
+/// The name of the encoding if a text has more than a byte for each character; `None` for any other text.
 ///
-/// Such a text begins with a mark of its own, or its first characters, which are ASCII in every format that is read here,
-/// have zeros between them.
+/// A text with wide characters begins with a byte-order mark of its encoding, or has zeros between its first characters, which
+/// are ASCII in every format that is read here.
 pub(super) fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     match *text {
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => Some("UTF-32"),

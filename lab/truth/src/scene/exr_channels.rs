@@ -1,5 +1,4 @@
-//! Channels of 32-bit floats in OpenEXR files that rounds nothing: what files of G-buffers and of captures have in
-//! common.
+//! Channels of 32-bit floats in OpenEXR files that round nothing, which are used for G-buffers and for captures.
 
 use super::bounded;
 use super::exr_window::ImageWindow;
@@ -24,13 +23,13 @@ pub const MAX_BYTES: u64 = 1 << 32;
 /// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
 const FREE_BYTES: u64 = 1 << 24;
 
-/// The compressions that keep every value, for the sentences that refuse one. All others round some channels, and a depth
-/// rounded to 24 bits is a different depth.
+/// The names of the compressions that keep every value, for messages about refused ones. All other compressions round some
+/// channels, and a depth rounded to 24 bits is a wrong depth.
 const EXACT: &str = "ZIP, ZIPS, PIZ, RLE or none";
 
 /// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. B44 and B44A round 16-bit floats. DWAA and
-/// DWAB round floats of colours, for which they take the channels with these names behind the last point. All other channels
-/// are kept to the bit.
+/// DWAB round floats of colours, which are the channels with these names after the last point. All other channels are kept to
+/// the bit.
 pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) -> bool {
     const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
     match compression {
@@ -44,9 +43,9 @@ pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) 
     }
 }
 
-/// Checks what the headers of a file of `length` bytes claim, before any memory for pixels is allocated. Errors call
-/// the file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads
-/// cost more time than they save.
+/// Checks the claims of the headers of a file of `length` bytes, before any memory for pixels is allocated. Errors call the
+/// file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads cost more
+/// time than they save.
 ///
 /// # Errors
 /// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] on a side, or if the channels would unpack to more than
@@ -67,8 +66,8 @@ pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> 
     Ok(unpacked < FREE_BYTES)
 }
 
-/// Why bytes cannot be read as an OpenEXR image. The crate knows no compression that is younger than it, and does not name
-/// the compression then.
+/// Why bytes cannot be read as an OpenEXR image. The crate does not know compressions that are newer than itself, and does not
+/// name them in its error.
 pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
     let message = match compression_number(bytes) {
         Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
@@ -80,15 +79,15 @@ pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -
     Error::malformed(path, None, message)
 }
 
-/// The sentence about a compression that cannot be decoded. Blender lets its users choose one.
+/// The message about a compression that cannot be decoded. Blender lets its users choose one.
 fn not_supported(compression: &str) -> String {
     format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
 }
 
-/// The number of a file's compression, if it is one that the crate does not know.
+/// The number of a file's compression, if the crate does not know it.
 fn compression_number(bytes: &[u8]) -> Option<u8> {
     const KNOWN: u8 = 9;
-    // An attribute is its name, its type, the length of its value, and the value.
+    // An attribute consists of its name, its type, the length of its value, and the value.
     const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
     let header = &bytes[..bytes.len().min(1 << 16)];
     let offset = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
@@ -96,7 +95,7 @@ fn compression_number(bytes: &[u8]) -> Option<u8> {
 }
 
 /// # Errors
-/// A sentence about a part whose compression the crate names and cannot read.
+/// A message about a part whose compression the crate can name and cannot read.
 pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
     match header.compression {
         Compression::HTJ2K32 => Err(not_supported("HTJ2K32")),
@@ -106,7 +105,7 @@ pub(super) fn check_compression(header: &Header) -> std::result::Result<(), Stri
 }
 
 /// # Errors
-/// A sentence about a part of which a channel was rounded.
+/// A message about a part that has a rounded channel.
 fn check_exact(header: &Header) -> std::result::Result<(), String> {
     let is_rounded = |c: &&ChannelDescription| rounds(header.compression, &c.name.to_string(), c.sample_type);
     match header.channels.list.iter().find(is_rounded) {
@@ -119,7 +118,7 @@ fn check_exact(header: &Header) -> std::result::Result<(), String> {
 }
 
 /// # Errors
-/// [`Error::Malformed`] with the first pixel of a channel that is not as it should be. `pixel` is what messages call one.
+/// [`Error::Malformed`] with the first pixel of a channel that is wrong. `pixel` is the word for a pixel in the message.
 pub(super) fn check(
     path: &Path,
     (width, pixel): (u32, &str),
@@ -140,18 +139,18 @@ pub(super) struct ExrChannels<'a> {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// What the file says beside its channels.
+    /// Attributes of the file, beside its channels.
     pub attributes: LayerAttributes,
     channels: HashMap<String, Vec<f32>>,
 }
 
 impl<'a> ExrChannels<'a> {
-    /// Decodes the bytes of a file. Errors call the file `path` and what it should be `what`, as in "the G-buffer".
+    /// Decodes the bytes of a file. Errors call the file `path` and its expected content `what`, as in "the G-buffer".
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image is larger than [`MAX_SIDE`] or
-    /// [`MAX_BYTES`], claims more pixels than that many bytes can hold, is only a piece of an image, or uses a lossy
-    /// compression.
+    /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
+    /// [`MAX_BYTES`]. [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image,
+    /// or uses a lossy compression.
     pub fn decode(bytes: &[u8], path: &'a Path, what: &str) -> Result<Self> {
         let wrong = |message: String| Error::malformed(path, None, message);
         let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
@@ -178,18 +177,18 @@ impl<'a> ExrChannels<'a> {
         })
     }
 
-    /// Takes a channel, rows from the top; `None` if the file has none of this name and of the image's size.
+    /// Takes a channel, rows from the top; `None` if the file has no channel of this name with the image's size.
     pub fn take(&mut self, name: &str) -> Option<Vec<f32>> {
         let count = self.width as usize * self.height as usize;
         self.channels.remove(name).filter(|v| v.len() == count)
     }
 
-    /// Takes a channel that must be there.
+    /// Takes a channel that must be present.
     pub fn required(&mut self, name: &str) -> Result<Vec<f32>> {
         self.take(name).ok_or_else(|| Error::malformed(self.path, None, format!("channel {name} is missing")))
     }
 
-    /// Takes three channels that must be there.
+    /// Takes three channels that must be present.
     pub fn vectors(&mut self, names: [&str; 3]) -> Result<Vec<Vec3>> {
         let [x, y, z] = names.map(|n| self.required(n));
         Ok(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
@@ -219,7 +218,7 @@ pub(super) fn encode(
     Ok(bytes.into_inner())
 }
 
-/// A component of vectors as a channel.
+/// One component of vectors, as a channel.
 pub(super) fn axis(vectors: &[Vec3], component: usize) -> Vec<f32> {
     vectors.iter().map(|v| v[component]).collect()
 }

@@ -1,5 +1,5 @@
-//! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or
-//! tiles of 16-bit or 32-bit floats or of unsigned integers; of several resolutions the largest is read.
+//! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or tiles of
+//! 16-bit or 32-bit floats or of unsigned integers; of a part with several resolutions the largest is read.
 
 use super::exr_channels::{check_claims, check_compression, rounds, unreadable};
 use super::exr_window::ImageWindow;
@@ -16,15 +16,15 @@ use std::path::Path;
 
 /// A part of a file.
 pub(super) struct ExrPart {
-    /// Its name; files of one part may have none.
+    /// Name of the part; a file of one part may have none.
     pub name: Option<String>,
-    /// The view that it shows, such as that of the left eye; files without views have none.
+    /// View that the part shows, such as the left eye's; files without views have none.
     pub view: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Sorted by name.
+    /// Channels by name.
     pub channels: BTreeMap<String, ExrChannel>,
-    /// What the part says beside its channels, by the names that the file has.
+    /// Attributes of the part, by their names in the file.
     pub attributes: BTreeMap<String, AttributeValue>,
 }
 
@@ -39,8 +39,8 @@ pub(super) struct ExrChannel {
 /// Decodes the bytes of a file. Errors call the file `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image claims more than [`check_claims`] allows,
-/// or if a part has a compression that is not supported, deep data, or only a piece of the image.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image claims more than [`check_claims`] allows.
+/// [`Error::Malformed`] also if a part has a compression that is not supported, deep data, or only a piece of the image.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
@@ -56,7 +56,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
 }
 
 /// # Errors
-/// A sentence about a part that cannot be used.
+/// A message about a part that cannot be used.
 fn check_part(header: &Header) -> std::result::Result<(), String> {
     check_compression(header)?;
     ImageWindow::of_header(header).map(drop)
@@ -91,8 +91,8 @@ fn part(
     })
 }
 
-/// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these,
-/// only those that say something of a camera are here.
+/// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these, only those
+/// about a camera are included.
 fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
     use AttributeValue::{F32, Matrix4x4};
     let known = [

@@ -1,4 +1,4 @@
-//! The part of an OpenEXR image that its display window shows: a data window may be larger, as with overscan.
+//! The part of an OpenEXR image that its display window shows: the data window may be larger, as with overscan.
 
 use exr::math::Vec2;
 use exr::meta::attribute::IntegerBounds;
@@ -16,10 +16,10 @@ pub(super) struct ImageWindow {
 }
 
 impl ImageWindow {
-    /// The image within a part.
+    /// The image's window within a part.
     ///
     /// # Errors
-    /// A sentence about a part that does not cover its image.
+    /// A message about a part that does not cover its image.
     pub(super) fn new(
         position: Vec2<i32>,
         stored: Vec2<usize>,
@@ -49,16 +49,17 @@ impl ImageWindow {
         }
     }
 
-    /// The image within the part of a header.
+    /// The image's window within the part of a header.
     ///
     /// # Errors
-    /// Errors of [`Self::new`].
+    /// The errors of [`Self::new`].
     pub(super) fn of_header(header: &Header) -> std::result::Result<Self, String> {
         let position = header.own_attributes.layer_position;
         Self::new(position, header.layer_size, header.shared_attributes.display_window)
     }
 
-    /// The values that are shown, of all that are stored in rows; as they are if they are not one for each pixel.
+    /// Crops values that are stored in rows to those of the image. Values are unchanged if their number is not that of the
+    /// pixels.
     pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
         let Self { stored_width, first: [x, y], size: [width, height] } = *self;
         let is_all = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;

@@ -1,19 +1,19 @@
-//! Scenes that lie far from their origin, where floats are coarser than what they show.
+//! Scenes far from their origin, where 32-bit floats are coarser than the scene's details.
 
 use glam::DVec3;
 
-/// The greatest distance from the origin over the scene's size at which floats still keep the details: they are then
-/// finer than 1 / 16,000 of it.
+/// Greatest ratio of the distance from the origin to the scene's size at which floats still keep the details: their steps are
+/// then finer than 1 / 16,000 of the size.
 const MOST_SIZES: f64 = 1024.0;
 
 /// A scene that must be moved to its own centre.
 pub(super) struct FarScene {
-    /// What to subtract from every place, in metres: whole metres, so that places can still be named.
+    /// Offset that is subtracted from every place, in metres: whole metres, so that places can still be named.
     pub(super) centre: DVec3,
     size: f64,
 }
 
-/// The scene of these bounds if it lies too far from the origin for its size.
+/// The scene with these bounds, if it lies too far from the origin for its size.
 pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
     let (centre, size) = (0.5 * (min + max), (max - min).length());
     let is_far = centre.is_finite() && centre.length() > MOST_SIZES * size && size > 0.0;
@@ -21,7 +21,7 @@ pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
 }
 
 impl FarScene {
-    /// What the user is told where the scene is not moved, since other things are placed beside it.
+    /// The warning for a scene that is not moved, since other things are placed beside it.
     pub(super) fn warning(&self) -> String {
         format!(
             "it lies {:.4e} m from the origin, too far for its size of {:.4e} m: floats lose its details; move it to the \
@@ -31,7 +31,7 @@ impl FarScene {
         )
     }
 
-    /// What the user is told where it is.
+    /// The note for a scene that is moved.
     pub(super) fn sentence(&self) -> String {
         let [x, y, z] = self.centre.to_array().map(|v| 0.0 - v);
         format!(

@@ -1,12 +1,12 @@
 //! G-buffers as multi-channel OpenEXR files, so that any renderer can provide one.
 //!
-//! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after
-//! projection; `Z` for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal;
-//! `roughness`; `reflectivity`; and, where a surface shows the environment of [`sky`](super::sky), `sky`: 1 there and 0
-//! elsewhere (a file without the channel has no such surface, and one of another renderer needs none). Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
-//! `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward.
-//! `fovYRadians` or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane`
-//! (metres) repeat the projection exactly; if a file lacks them, the projection is taken from its matrix.
+//! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after projection; `Z`
+//! for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal; `roughness`; `reflectivity`; and
+//! `sky`: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere. A file without the channel `sky` has
+//! no such surface; other renderers need not write it. Attributes: `viewToClip`, the projection with reversed depth, and
+//! OpenEXR's own `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward. `fovYRadians`
+//! or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat
+//! the projection exactly; if a file lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
@@ -22,7 +22,7 @@ use std::path::Path;
 /// Encodes a G-buffer as the bytes of a file.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the format cannot hold it. `path` is only used to name the file in the error.
+/// [`Error::Malformed`] if the format cannot hold the G-buffer. `path` is only used to name the file in the error.
 pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let mut channels = vec![
         ("R", axis(&gbuffer.color, 0)),
@@ -54,7 +54,7 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
     ];
-    // A projection that is known by its matrix alone is written so, and is then read as it was.
+    // A projection that is known by its matrix alone is written as the matrix, so that it is read back unchanged.
     let kept = if camera.projection.is_some() { 1 } else { numbers.len() };
     attributes.other.extend(numbers.into_iter().take(kept).map(|(name, value)| (name.into(), value)));
     exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
@@ -72,9 +72,10 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 /// Decodes the bytes of a G-buffer file. Errors call the file `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image is larger than [`MAX_SIDE`] or
-/// [`MAX_BYTES`], claims more pixels than that many bytes can hold, is only a piece of an image, uses a lossy compression,
-/// or lacks a channel or the projection; and with the first pixel of a channel whose value is not finite or out of range.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or [`MAX_BYTES`].
+/// [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image, uses a lossy
+/// compression, or lacks a channel or the projection. For a value that is not finite or out of range, the error names the first
+/// such pixel of a channel.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
@@ -92,7 +93,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         (None, Some(z)) => {
             check("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
             let reversed = |z: &f32| match reversed_depth(*z, &camera.lens) {
-                // Planes at the limits of floats may leave no number.
+                // The depth may be NaN for planes at the limits of floats.
                 depth if depth > 0.0 => depth.min(1.0),
                 _ => 0.0,
             };
@@ -187,8 +188,8 @@ fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>),
     Ok((lens, y / x, Some(read.projection)))
 }
 
-/// The far plane of an infinite projection for formulas that have one, over the near plane: as through the door for other
-/// renderers (`CameraInput`).
+/// Far plane that replaces infinity in formulas, divided by the near plane; it is the one of the door for other renderers
+/// (`CameraInput`).
 const INFINITE_FAR: f32 = 1e7;
 
 #[cfg(test)]

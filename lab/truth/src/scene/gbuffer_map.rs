@@ -1,10 +1,10 @@
-//! Maps of G-buffers: a TOML file says which channel of which file is what, and in which conventions, so that the
-//! G-buffer of any renderer can be read as it is. docs/gbuffer-maps.md has the format, with all keys.
+//! Maps of G-buffers: a TOML file assigns the channels of files to the parts of a G-buffer, with their conventions. The
+//! G-buffer of any renderer can therefore be read unchanged. docs/gbuffer-maps.md has the format, with all keys.
 //!
-//! [`GBufferMap::parse`] checks a map without any file of a frame; an error has the line of the mistake.
-//! [`GBufferMap::read`] then reads frames. The submodules find files and channels (`files`, `source`), make the camera
-//! (`camera`, `axes`, `numbers`), and turn what the channels hold into ours (`depth`, `normals`, `surface`); `keys`
-//! takes the keys of a section. [`GBufferMap::check`] holds what was read against itself (`check`, `agreement`, `readings`).
+//! [`GBufferMap::parse`] checks a map without reading any frame; an error has the line of the mistake. [`GBufferMap::read`]
+//! then reads frames. The submodules find files and channels (`files`, `source`), make the camera (`camera`, `axes`,
+//! `numbers`), and convert the channels to this program's conventions (`depth`, `normals`, `surface`); `keys` takes the keys of
+//! a section. [`GBufferMap::check`] checks a G-buffer that was read for consistency (`check`, `agreement`, `readings`).
 
 mod agreement;
 mod axes;
@@ -76,7 +76,7 @@ struct Sections {
     position: Option<MapSection>,
 }
 
-/// Where the first row of the files is.
+/// The place of the files' first row: top or bottom.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum MapOrigin {
@@ -89,8 +89,8 @@ impl GBufferMap {
     /// Reads and checks a map.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is larger than 1 MiB or not UTF-8 text, and
-    /// as for [`Self::parse`].
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is larger than 1 MiB or not UTF-8 text, and the
+    /// errors of [`Self::parse`].
     pub fn load(path: &Path) -> Result<Self> {
         Self::parse(&source_text::read(path, "a map of a G-buffer", MAX_BYTES)?, path)
     }
@@ -98,8 +98,8 @@ impl GBufferMap {
     /// Checks the text of a map. Errors call the file `path`.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of what is wrong: syntax, a section or key that is unknown or missing, or a
-    /// value that its key cannot have.
+    /// [`Error::Malformed`] with the line of the mistake: wrong syntax, an unknown or missing section or key, or a value that
+    /// its key cannot have.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let text = SourceText { path, text };
         let mut sections: Sections = toml::from_str(text.text).map_err(|e| match text.syntax_error(&e) {
@@ -151,8 +151,8 @@ impl GBufferMap {
     ///
     /// # Errors
     /// [`Error::Io`] if a file cannot be read, and [`Error::Malformed`] if it is no image that can be read.
-    /// [`Error::Malformed`] with the line of the map for a file, part, channel or attribute that is not there, for
-    /// files of several sizes, for a camera that cannot be used, and for the first pixel whose value is out of range.
+    /// [`Error::Malformed`] with the line of the map for a missing file, part, channel or attribute, for files of several
+    /// sizes, for an unusable camera, and for the first pixel whose value is out of range.
     pub fn read(&self, main: &Path) -> Result<GBufferData> {
         let mut files = MapFiles::new(&self.path, main, self.arrangement());
         let planes = self.depth.read(&mut files)?;
@@ -162,7 +162,7 @@ impl GBufferMap {
         let normal = self.normals.read(&mut files, &self.conventions, &camera, &depth)?;
         let roughness = self.roughness.read(&mut files, &depth)?;
         let mut reflectivity = self.reflectivity.read(&mut files, &depth)?;
-        // Surfaces that their renderer does not light have no normal. They reflect nothing.
+        // Surfaces that their renderer does not light have no normal, and do not reflect.
         for (reflectivity, normal) in reflectivity.iter_mut().zip(&normal) {
             if !normals::has_direction(*normal) {
                 *reflectivity = 0.0;
@@ -184,13 +184,13 @@ fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
     DVec2::new((x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0)
 }
 
-/// The keys of a section that must be there.
+/// The keys of a required section.
 fn needed<'a>(text: &'a SourceText, name: &str, section: Option<MapSection>) -> Result<MapKeys<'a>> {
     let missing = || Error::malformed(text.path, None, format!("there is no {name}"));
     Ok(MapKeys::new(text, name, section.ok_or_else(missing)?))
 }
 
-/// Takes the sections of the reflectivity: `[reflectivity]`, or `[metallic]` with `[base-color]` and perhaps `[f0]`.
+/// Takes the sections of the reflectivity: `[reflectivity]`, or `[metallic]` with `[base-color]` and optionally `[f0]`.
 fn reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflectivity> {
     let [base, f0] = [sections.base_color.take(), sections.f0.take()];
     match (sections.reflectivity.take(), sections.metallic.take()) {

@@ -1,11 +1,10 @@
 //! Loads scenes from glTF 2.0, as `.gltf` with its files or as `.glb`.
 //!
-//! [`load`] reads a file into a [`Scene`]. The submodules are the stages: `data` finds buffers and images and reads
-//! accessors, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras, lights and motions, `materials`
-//! turns metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a
-//! material.
+//! [`load`] reads a file into a [`Scene`]. The submodules do the work: `data` finds buffers and images and reads accessors,
+//! `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras, lights and motions. `materials` turns
+//! metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a material.
 //!
-//! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
+//! The crate `gltf` parses and checks the JSON; this module reads and checks the data that its accessors point to.
 
 mod compression;
 mod data;
@@ -23,11 +22,11 @@ use glam::DVec3;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// The largest file that is read, in bytes: what the header of a `.glb` can say.
+/// Greatest size of a file that is read, in bytes, which is the greatest that the header of a `.glb` can state.
 pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 
-/// The most triangles that a file may place in the world, each mesh counted as often as it stands there. While they are
-/// sorted into meshes, a triangle takes 144 bytes.
+/// Greatest number of triangles that a file may place in the world, counting each mesh as often as nodes place it. While
+/// triangles are sorted into meshes, each takes 144 bytes.
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
@@ -53,32 +52,32 @@ pub fn is_named(path: &Path) -> bool {
 
 /// Loads a glTF file as a scene, named after the file.
 ///
-/// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z
-///   is negated. A mesh that several nodes place stands there several times, and so
-///   do the copies of `EXT_mesh_gpu_instancing`. What `KHR_node_visibility` hides is not there.
+/// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z is
+///   negated. A mesh that several nodes place is in the scene several times, and so are the copies of
+///   `EXT_mesh_gpu_instancing`. Nodes that `KHR_node_visibility` hides are left out.
 /// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`, `KHR_materials_specular`
-///   and the metallic factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
-///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour,
-///   metallic-roughness, normals and emission count; those of occlusion do not.
+///   and the metallic factor; albedo is the base colour times 1 − metalness. Roughness becomes ϱ by the width of the lobe
+///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour, metallic-roughness,
+///   normals and emission are used; images of occlusion are not.
 /// - Emission, and `KHR_materials_unlit`, are lit colour that no light changes; brighter than 1 counts as 1.
 /// - `MASK` cuts holes at its cutoff; `BLEND` is cut at one half. Materials that are not double-sided are not seen
 ///   from behind.
 /// - Cameras become views, lights become lights of one exposure: the brightest gives 1 at the scene's centre. Without a
 ///   camera the scene gets the default view, without a light the default light, and always one probe.
-/// - Animations of nodes become motions ([`Scene::motions`]); the scene stands as its nodes say. Those of skins and of morph
-///   targets are not played.
+/// - Animations of nodes become motions ([`Scene::motions`]); at rest, the scene is placed by the transforms of its nodes.
+///   Animations of skins and of morph targets are not played.
 /// - Tangents come from the file or else from MikkTSpace. `KHR_texture_transform` is applied to the coordinates.
 ///
-/// What was chosen where the file has no light or no camera, and the exposure of its lights, stand in [`Scene::notes`].
+/// Lights and cameras that were chosen for a file without them, and the exposure of its lights, are noted in [`Scene::notes`].
 ///
-/// What is not supported adds one sentence to [`Scene::warnings`], however often it occurs.
+/// Each unsupported feature adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
-/// [`Error::Io`](crate::error::Error::Io) if the file cannot be read. [`Error::Malformed`](crate::error::Error::Malformed)
-/// for buffers that cannot, for what is not glTF 2.0, for extensions that the file requires and this loader lacks, for
-/// accessors that leave their buffers, positions that are not finite, files without a triangle, more than
-/// [`MAX_TRIANGLES`] and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`](crate::error::Error::Usage) for options
-/// out of range.
+/// [`Error::Io`](crate::error::Error::Io) if the file cannot be read. [`Error::Malformed`](crate::error::Error::Malformed) for
+/// buffers that cannot be read, for files that are not glTF 2.0, and for extensions that the file requires and this loader
+/// lacks. [`Error::Malformed`](crate::error::Error::Malformed) also for accessors that leave their buffers, positions that are
+/// not finite, files without a triangle, more than [`MAX_TRIANGLES`] and files larger than [`MAX_FILE_BYTES`].
+/// [`Error::Usage`](crate::error::Error::Usage) for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
     if let Some(chosen) = chosen(&scene) {
@@ -94,7 +93,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// What is chosen for a file without lights or cameras; `None` for one with both.
+/// The lights and cameras that are chosen for a file without them; `None` for a file with both.
 fn chosen(scene: &Scene) -> Option<String> {
     let light = "one directional light shines from above";
     let view = "the view shows all of the scene";
@@ -106,8 +105,8 @@ fn chosen(scene: &Scene) -> Option<String> {
     }
 }
 
-/// Loads a scene as [`load`] does, with the views and lights of the file alone, and without a probe. From every place
-/// `origin` is taken, in metres; if it is none, a scene that is too far from the origin for its size is moved to its centre.
+/// Loads a scene as [`load`] does, with the views and lights of the file alone, and without a probe. `origin` is subtracted
+/// from every place, in metres; without it, a scene that is too far from the origin for its size is moved to its centre.
 pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec3>) -> Result<Scene> {
     options.check()?;
     let bytes = bounded::read(path, "a glTF file", MAX_FILE_BYTES)?;
@@ -124,7 +123,7 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     Ok(scene)
 }
 
-/// The sentences about what is not supported, each once.
+/// The sentences about unsupported features, each once.
 #[derive(Clone)]
 struct Notes {
     file: String,
@@ -142,7 +141,7 @@ impl Notes {
         format!("{}: {sentence}", self.file)
     }
 
-    /// Adds a sentence, unless there is one of this kind.
+    /// Adds a sentence, unless one of its kind was added before.
     fn add(&mut self, kind: &str, sentence: String) {
         if self.kinds.insert(kind.to_owned()) {
             self.sentences.push(self.about(&sentence));

@@ -1,5 +1,5 @@
-//! The built-in scenes. They are generated without files and have the views, lights and proportions of the
-//! scenes in the theses, so that the program can be used without downloads.
+//! The built-in scenes. The scenes are generated without files, and have the views, lights and proportions of the scenes in the
+//! theses, so that the program can be used without downloads.
 
 mod atrium;
 pub mod builder;
@@ -23,30 +23,30 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// The names of the scenes that studies are made in.
+/// The names of the scenes that studies use.
 pub fn names() -> &'static [&'static str] {
     &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
 }
 
-/// All names that [`scene`] knows: those of studies, and of a box that is for a figure alone, as nothing in it reflects.
+/// All names that [`scene`] knows: the scenes of studies, and a box without reflections that is made for a figure alone.
 pub fn every_name() -> impl Iterator<Item = &'static str> {
     names().iter().copied().chain(["cornell-box"])
 }
 
-/// A built-in scene, or else that of a scene file of this path.
+/// A built-in scene, or the scene of a scene file with this path.
 ///
 /// # Errors
-/// Errors of [`scene_file::load`].
+/// The errors of [`scene_file::load`].
 pub fn scene_or_file(name: &str) -> Result<Scene> {
     scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
 }
 
 /// A built-in scene; `None` if the name is not in [`every_name`].
 ///
-/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza
-/// (figures 5.6–5.8). `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013,
-/// section 5.1). `corridor` is a narrow room of the kind that its section 5.2 recommends for parallax-corrected
-/// cube maps. `cornell-box` is the scene of the thesis's figure 2.4.
+/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza (figures 5.6–5.8).
+/// `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013, section 5.1). `corridor` is a narrow
+/// room, as section 5.2 of Schmidt's thesis recommends for parallax-corrected cube maps. `cornell-box` is the scene of the
+/// thesis's figure 2.4.
 pub fn scene(name: &str) -> Option<Scene> {
     match name {
         "rooms" => Some(rooms::scene()),
@@ -115,12 +115,12 @@ impl Finish {
         Self { reflectivity, roughness, ..self }
     }
 
-    /// Polished: the relief counts only with this weight.
+    /// Weakens the relief by a weight, for a polished surface.
     const fn smoothed(self, normal_deviation: f32) -> Self {
         Self { normal_deviation, ..self }
     }
 
-    /// An empty mesh with the texture scale of this material.
+    /// An empty mesh with this material's texture scale.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
         let image_m = if let SurfaceLook::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
         MeshBuilder::new(name, material, image_m)
@@ -152,7 +152,7 @@ impl SurfaceLook {
     }
 }
 
-/// The materials in the order of the table, and their images; equal looks share images.
+/// The materials in the order of the table, with their images; equal looks share images.
 fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     let mut looks: Vec<SurfaceLook> = Vec::new();
     for finish in finishes {

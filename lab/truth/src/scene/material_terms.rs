@@ -1,11 +1,11 @@
-//! From the terms of other renderers' materials to ours: roughness by the width of the lobe, reflectivity from metallic
-//! and base colour.
+//! Converts the material terms of other renderers to this program's: roughness by the width of the lobe, reflectivity from
+//! metalness and base colour.
 //!
-//! Most renderers have the lobe of GGX with α = r², r being the roughness of glTF. Seen along the normal, half vectors
-//! within an angle h of the normal reflect the share tan²h / (α² + tan²h) of the light (Walter et al. 2007). Half of
-//! the light is reflected by those within h = atan α, and leaves within 2 atan α of the mirror direction. The lobe of ϱ
-//! is cosⁿ around that direction (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both lobes
-//! have half of their light within the same angle if
+//! Most renderers have the lobe of GGX with α = r², where r is the roughness of glTF. Seen along the normal, half vectors
+//! within an angle h of the normal reflect the share tan²h / (α² + tan²h) of the light (Walter et al. 2007). Half vectors
+//! within h = atan α reflect half of the light, which leaves within 2 atan α of the mirror direction. The lobe of ϱ is cosⁿ
+//! around the mirror direction (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both lobes have half of
+//! their light within the same angle if
 //!
 //! ```text
 //! n + 1 = ln ½ / ln cos(2 atan r²)
@@ -21,7 +21,7 @@ use std::f64::consts::FRAC_PI_2;
 /// The reflection at normal incidence of a surface that states no index of refraction (1.5).
 pub const F0: f32 = 0.04;
 
-/// A warning about surfaces that are rougher than the widest lobe.
+/// A warning about surfaces that are rougher than the widest lobe allows.
 pub const TOO_ROUGH: &str = "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that";
 
 /// The reflection at normal incidence, 0…1, of a surface with an index of refraction above 0.
@@ -29,13 +29,13 @@ pub fn f0_of_ior(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
-/// The reflectivity, 0…1, of a surface of the linear base colour `base`, which is metal by the share `metallic` and
-/// reflects `f0` along the normal as far as it is none.
+/// The reflectivity, 0…1, of a surface with the linear base colour `base` and the metalness `metallic`; its part that is no
+/// metal reflects `f0` along the normal.
 pub fn reflectivity(base: Vec3, metallic: f32, f0: Vec3) -> f32 {
     luminance(f0.lerp(base, metallic)).clamp(0.0, 1.0)
 }
 
-/// The roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, of the exponent α of a Phong lobe; 0 for α ≤ 0.
+/// The roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, for the exponent α of a Phong lobe; 0 for α ≤ 0.
 pub fn roughness_of_exponent(exponent: f32) -> f32 {
     if exponent > 0.0 { (2.0 * XI.powf(1.0 / (f64::from(exponent) + 1.0)).acos()).clamp(0.0, 1.0) as f32 } else { 0.0 }
 }
@@ -47,8 +47,8 @@ pub fn roughness_of_perceptual(r: f32) -> f32 {
     roughness_of_alpha(r * r)
 }
 
-/// The roughness ϱ, 0…1, whose lobe has half of its light within the same angle as the GGX lobe of `alpha` ≥ 0, seen
-/// along the normal.
+/// The roughness ϱ, 0…1, whose lobe has half of its light within the same angle as the GGX lobe with parameter `alpha` ≥ 0,
+/// seen along the normal.
 pub fn roughness_of_alpha(alpha: f64) -> f32 {
     let half = 2.0 * alpha.atan();
     if half <= 0.0 {
@@ -58,7 +58,7 @@ pub fn roughness_of_alpha(alpha: f64) -> f32 {
         return 1.0;
     }
     let exponent_and_one = 0.5_f64.ln() / half.cos().ln();
-    // For tiny angles the cosine is 1 in f64: a mirror.
+    // For tiny angles the cosine is 1 in f64, which makes a mirror.
     let within = XI.powf(1.0 / exponent_and_one);
     ((2.0 * within.min(1.0).acos()) as f32).clamp(0.0, 1.0)
 }
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::math::phong;
 
-    /// The angle within which half of a lobe lies, by numerical integration of its density per solid angle.
+    /// The angle within which half of a lobe's light lies, by numerical integration of its density per solid angle.
     fn half_angle(density: impl Fn(f64) -> f64) -> f64 {
         let steps = 200_000;
         let angle = |k: usize| (k as f64 + 0.5) / steps as f64 * FRAC_PI_2;
@@ -88,7 +88,7 @@ mod tests {
     fn the_two_lobes_halve_at_the_same_angle() {
         for r in [0.05_f32, 0.1, 0.2, 0.3, 0.4] {
             let alpha = f64::from(r) * f64::from(r);
-            // The light of half vectors at h, D(h) cos h, leaves at 2 h; only their order matters for the share.
+            // The light of half vectors at h, D(h) cos h, leaves at 2 h; the share depends on the order of the angles alone.
             let ggx = |h: f64| {
                 let c = h.cos();
                 let d = c * c * (alpha * alpha - 1.0) + 1.0;
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn roughness_rises_from_a_mirror_to_the_widest_lobe() {
         assert_eq!(roughness_of_perceptual(0.0), 0.0);
-        // What docs/definitions.md, "glTF", says.
+        // The values in docs/definitions.md, "glTF".
         assert_eq!(
             [0.1, 0.2, 0.3, 0.4].map(|r| (roughness_of_perceptual(r) * 1e3).round()),
             [57.0, 228.0, 511.0, 897.0]

@@ -1,8 +1,8 @@
-//! Materials of base colour, metalness and roughness, as glTF and the PBR keys of MTL files have them: what they are here,
-//! by their factors and texel by texel.
+//! Materials of base colour, metalness and roughness, as in glTF and in the PBR keys of MTL files, converted to this program's
+//! materials, by their factors and texel by texel.
 //!
-//! The albedo is what metalness leaves of the base colour, the reflectivity the luminance of mix(F0, base colour, metalness),
-//! and what is emitted is added to the albedo (docs/definitions.md, "glTF").
+//! The albedo is the base colour times 1 − metalness, plus the emission. The reflectivity is the luminance of mix(F0, base
+//! colour, metalness) (docs/definitions.md, "glTF").
 
 use super::material_terms;
 use super::texture::{self, Encoding, Texture, luminance};
@@ -18,15 +18,15 @@ pub(super) struct Factors {
     pub(super) metallic: f32,
     /// Linear emission, at least 0.
     pub(super) emission: Vec3,
-    /// The reflection at normal incidence where the surface is no metal, before `specular`; above 1 it counts as 1.
+    /// Reflection at normal incidence of the part that is no metal, before `specular`; values above 1 count as 1.
     pub(super) f0: Vec3,
-    /// A factor, 0…1, on that reflection.
+    /// Factor on `f0`, 0…1.
     pub(super) specular: f32,
-    /// Whether the base colour is all that is seen.
+    /// Whether the surface shows its base colour alone.
     pub(super) unlit: bool,
 }
 
-/// What the images of a material have in a texel; 1 where there is none.
+/// The values of a material's images in a texel; 1 where there is no image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TexelInputs {
     base: Vec3,
@@ -47,7 +47,7 @@ impl TexelInputs {
         Self { base: rgb(base), metallic: metallic as f32, emission: rgb(emission), ..Self::default() }
     }
 
-    /// Adds factors on the reflection where the surface is no metal.
+    /// Sets factors on the reflection of the part that is no metal.
     pub(super) fn with_specular(self, specular: f64, tint: DVec4) -> Self {
         Self { specular: specular as f32, tint: rgb(tint), ..self }
     }
@@ -80,8 +80,8 @@ impl Factors {
     }
 }
 
-/// An image of the size of the largest input, of which each texel is made of those of all inputs there. An input that is
-/// missing is white.
+/// An image of the size of the largest input. Each texel is computed from the texels of all inputs at its place; a missing
+/// input is white.
 pub(super) fn texels<const N: usize>(
     inputs: &[Option<Texture>; N],
     encoding: Encoding,
@@ -90,7 +90,7 @@ pub(super) fn texels<const N: usize>(
     texels_of(&inputs.each_ref().map(Option::as_ref), encoding, texel)
 }
 
-/// Makes an image as [`texels`] does, from images that others keep.
+/// Makes an image as [`texels`] does, from borrowed images.
 pub(super) fn texels_of<const N: usize>(
     inputs: &[Option<&Texture>; N],
     encoding: Encoding,
@@ -122,7 +122,7 @@ fn byte(unit: f32) -> u8 {
     (unit.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// A grey texel, opaque.
+/// An opaque grey texel.
 pub(super) fn grey(unit: f32) -> [u8; 4] {
     let value = byte(unit);
     [value, value, value, 255]

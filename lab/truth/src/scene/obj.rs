@@ -1,9 +1,9 @@
 //! Loads scenes from Wavefront OBJ files, including the irregular ones that exporters write.
 //!
-//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules are
-//! the stages: `text` checks and normalises the statements (with line numbers), tobj sorts them into groups,
-//! `polygons` makes triangles with normals, `mtl` reads materials, and `images` reads their textures. Tangents, meshes and
-//! the default view are made as for other files.
+//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules do the work in
+//! stages: `text` checks and normalises the statements (with line numbers), tobj sorts them into groups, `polygons` makes
+//! triangles with normals, `mtl` reads materials, and `images` reads their textures. Tangents, meshes and the default view are
+//! made by the same code as for other formats.
 
 mod baked;
 mod images;
@@ -22,14 +22,14 @@ pub(super) use images::resolve;
 /// The largest OBJ file that is read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The handedness of the files: which way their z axis points.
+/// The handedness of the files, which decides the direction of their z axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handedness {
-    /// The convention of OBJ: z is negated and the winding reversed while loading.
+    /// The convention of OBJ; loading negates z and reverses the winding.
     #[default]
     Right,
-    /// The convention of the world: coordinates are taken as they are.
+    /// This program's own convention; coordinates are not changed.
     Left,
 }
 
@@ -38,16 +38,16 @@ pub enum Handedness {
 pub struct ObjOptions {
     /// The files' handedness.
     pub handedness: Handedness,
-    /// The rest; `scale` is in metres per unit of length in the files.
+    /// Options that all loaders share; `scale` is in metres per unit of length in the files.
     pub load: LoadOptions,
 }
 
 /// One OBJ file of a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjFile {
-    /// The path; MTL files and images are looked up relative to it.
+    /// Path of the file; MTL files and images are looked up relative to it.
     pub path: PathBuf,
-    /// How all of the file's materials take part in reflections.
+    /// Kind of all surfaces of the file in reflections: lit, or showing the sky.
     pub surface: Surface,
 }
 
@@ -61,21 +61,22 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 ///
 /// - Polygons, concave ones included, are triangulated. Triangles without area, points and lines are left out.
 ///   [`Scene::warnings`] lists what was left out or replaced.
-/// - Missing normals: inside a smoothing group (`s 1`), a vertex gets the mean normal of that group's faces at
-///   its position, weighted by their angles there. Outside one (`s off`, or no `s` at all, which the format
-///   defines as off), it gets the normal of its face, so that boxes keep their edges.
+/// - Missing normals: inside a smoothing group (`s 1`), a vertex gets the mean normal of that group's faces at its position,
+///   weighted by their angles there. Outside a smoothing group (`s off`, or no `s` at all, which the format defines as off), a
+///   vertex gets the normal of its face, so that boxes keep their edges.
 /// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are those of MikkTSpace;
 ///   without texture coordinates, a tangent is any unit vector orthogonal to the normal.
 /// - A mesh holds the triangles of one group with one material; large meshes are split in space.
-/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of
-///   equal name in two files stay separate; unused ones are dropped.
+/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of equal
+///   name in two files stay separate; unused materials are dropped.
 /// - The scene gets one view, `default`, that frames the bounds, one directional light, and one probe at the
 ///   centre.
 ///
 /// # Errors
-/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements,
-/// vertices that are not finite, indices of vertices that are out of range, files without any triangle, files that are not
-/// text of a byte for each character, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given, or for options out of range.
+/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements, for vertices that
+/// are not finite, and for indices of vertices that are out of range. [`Error::Malformed`] also for files without any triangle,
+/// files that are not text of a byte for each character, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files
+/// are given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_unlit(files, options, None)?;
     scene.views = vec![viewpoint::default_view(&scene)];
@@ -84,9 +85,8 @@ pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Loads a scene as [`load`] does, but without view, light and probe. From every vertex `origin` is taken, in units of the
-/// files; if it is none, vertices that are too far from the origin for their size are moved to the centre of the first
-/// file.
+/// Loads a scene as [`load`] does, but without view, light and probe. `origin` is subtracted from every vertex, in units of the
+/// files; without it, a scene that is too far from the origin for its size is moved by the centre of the first file.
 pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions, mut origin: Option<DVec3>) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));

@@ -1,4 +1,4 @@
-//! Files of camera paths (TOML), and the sections of scene files that name one.
+//! Files of camera paths (TOML), and the sections of scene files that have a path.
 
 use super::obj::Handedness;
 use super::source_text::{MAX_FILE_BYTES, stem};
@@ -31,7 +31,7 @@ pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
     source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
 }
 
-/// The path as the text of a path file, in right-handed coordinates, which are those of scene files.
+/// The text of a path file, in right-handed coordinates, which scene files use, too.
 pub fn to_toml(path: &CameraPath) -> String {
     let mut text = format!("name = {}\ncoordinates = \"right\"\n", toml::Value::from(path.name.as_str()));
     for key in path.keys() {
@@ -46,7 +46,7 @@ pub fn to_toml(path: &CameraPath) -> String {
     text
 }
 
-/// A path file.
+/// The contents of a path file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PathFile {
@@ -57,7 +57,7 @@ struct PathFile {
     key: Vec<Spanned<KeySection>>,
 }
 
-/// A path in a scene file.
+/// The section of a path in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PathSection {

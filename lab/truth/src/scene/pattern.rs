@@ -1,9 +1,8 @@
 //! Generated images that tile: the surfaces of the built-in scenes, and replacements for the textures of the
 //! thesis's rooms, which were never published.
 //!
-//! Each pattern is one function of relief and albedo (in `designs`). It is sampled into an sRGB albedo image
-//! and the tangent-space normal map of the same relief. All images are seamless and identical on every machine
-//! and at every call.
+//! Each pattern is one function of relief and albedo (in `designs`). The function is sampled into an sRGB albedo image and the
+//! tangent-space normal map of the same relief. All images are seamless and identical on every machine and at every call.
 
 mod designs;
 mod lettering;
@@ -75,7 +74,7 @@ pub enum Pattern {
     Cloth(Dye),
     /// Leaves.
     Foliage,
-    /// A wet road. Its hollows are puddles, which reflect.
+    /// A wet road. The hollows of the road are puddles, which reflect.
     Asphalt,
     /// Polished squares of white and black marble.
     Marble,
@@ -84,7 +83,7 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// The width of surface in metres that one image covers, for texture coordinates at true scale.
+    /// Width of the surface that one image covers, in metres, for texture coordinates at true scale.
     pub fn size_m(self) -> f32 {
         match self {
             Self::Stones | Self::Slabs | Self::Plaster | Self::Stucco | Self::Marble | Self::Terrazzo => 2.4,

@@ -1,9 +1,9 @@
-//! Finds places for captures in any scene, without knowing a view (docs/definitions.md, "Captures").
+//! Finds places for captures in any scene, independent of a view (docs/definitions.md, "Captures").
 //!
-//! People stand on floors, between walls or under roofs (`space`). What their mirrors show is sampled by paths: from an
-//! eye to a surface, and from there along the mirror ray to where it ends (`mirrors`). A greedy search then takes,
-//! one after another, the place that shows most of those ends that no capture shows yet. All random numbers are
-//! counted, not drawn, so that the places depend on nothing but the scene.
+//! People stand on floors, between walls or under roofs (`space`). The places that people see in mirrors are sampled by paths:
+//! from an eye to a surface, and from there along the mirror ray to its end (`mirrors`). A greedy search then takes, one after
+//! another, the capture that shows most ends that no earlier capture shows. Random numbers are computed from counters, so that
+//! the places depend on the scene alone.
 
 mod mirrors;
 mod space;
@@ -18,49 +18,49 @@ use std::cell::RefCell;
 
 pub use super::capture::WantedCaptures;
 
-/// The most captures that [`WantedCaptures::Auto`] places.
+/// Greatest number of captures that [`WantedCaptures::Auto`] places.
 ///
-/// Four see nearly all that mirrors show in most scenes, and the images of four cubes of 512² with their pyramids
-/// are what fits into 200 MB.
+/// In most scenes four captures see nearly all that mirrors show, and the images of four cubes of 512² with their pyramids just
+/// fit into 200 MB.
 pub const AUTO_MOST: usize = 4;
 
-/// [`WantedCaptures::Auto`] places no further capture that shows less than this share more of what mirrors show beyond the
-/// screen. It is five times the standard error of such a share, √(p (1 − p) / n) for p = 0.005 and the n paths of
-/// [`mirrors`]: a smaller gain may be one of these paths alone.
+/// Least gain of a further capture that [`WantedCaptures::Auto`] places, as a share of what mirrors show beyond the screen. The
+/// gain is five times the standard error of such a share, √(p (1 − p) / n) for p = 0.005 and the n paths of [`mirrors`]. The
+/// chosen paths alone may cause a smaller gain.
 const AUTO_GAIN: f32 = 0.005;
 
-/// How much a texel that is as large as the pixel that shows it counts against the capture: the weight of an end is
-/// 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
+/// Weight of coarse texels against a capture: the weight of an end is 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
 ///
-/// So small that resolution decides only between places that see equally much.
+/// The value is so small that resolution decides only between places that see almost equally much.
 const COARSENESS: f64 = 0.02;
 
-/// A surface that is seen more obliquely than this cosine counts as if it were at this angle.
+/// Least cosine of the angle at which a surface is seen; more oblique surfaces count as if they had it.
 const COSINE_MIN: f64 = 0.01;
 
-/// Captures in the order in which they help, and what they see.
+/// Captures in the order of their gain, with the shares that they see.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Placement {
     /// The captures.
     pub captures: Vec<Capture>,
-    /// How many of them, from the first on, come from the scene file.
+    /// Number of captures, from the first on, that come from the scene file.
     pub own: usize,
-    /// The share, 0…1, of what mirrors show beyond the screen (see `mirrors`) that is seen from the first capture
-    /// alone, from the first two, and so on; as long as [`Placement::captures`]. 0 where mirrors show nothing.
+    /// Shares, 0…1, of what mirrors show beyond the screen (see `mirrors`): the share that the first capture sees, the share
+    /// that the first two see, and so on. The list is as long as [`Placement::captures`]. All shares are 0 where mirrors show
+    /// nothing.
     pub seen: Vec<f32>,
-    /// The eyes of people at the places where they stand, for whom the captures are placed; world, in metres.
+    /// Eye positions of people, for whom the captures are placed; in world space, in metres.
     pub stands: Vec<Vec3>,
 }
 
-/// Gives a scene the captures that are wanted, and says what they see.
+/// Gives a scene the captures that are wanted, and returns what they see.
 pub fn with_captures(scene: &mut Scene, wanted: WantedCaptures) -> Placement {
     let placement = place(scene, wanted);
     scene.captures.clone_from(&placement.captures);
     placement
 }
 
-/// What places the captures of a scene when they are asked for: [`place`] in a copy of the scene, with the captures that
-/// it has itself by then.
+/// A function that places the captures of a scene when called: it runs [`place`] in a copy of the scene, with the captures that
+/// the scene has by then.
 pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + use<> {
     let bare = RefCell::new(placement_scene(scene));
     move |own, wanted| {
@@ -70,7 +70,7 @@ pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Captu
     }
 }
 
-/// Finds the captures that are wanted for a scene. Its views have no influence.
+/// Finds the captures that are wanted for a scene. The scene's views have no influence.
 pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     let (own, most, least_gain) = match wanted {
         WantedCaptures::Auto if scene.captures.is_empty() => (0, AUTO_MOST, AUTO_GAIN),
@@ -101,7 +101,7 @@ pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     found.placement
 }
 
-/// A scene with all that decides where captures stand: its triangles and masks.
+/// A copy of the scene with everything that decides where captures are placed: its triangles and masks.
 fn placement_scene(scene: &Scene) -> Scene {
     let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
     let without_texels = |(i, t): (usize, &Texture)| {
@@ -125,18 +125,18 @@ fn placement_scene(scene: &Scene) -> Scene {
 struct CaptureSearch<'a> {
     triangles: &'a Triangles<'a>,
     ends: Vec<MirrorEnd>,
-    /// For each end, how well the best capture so far shows it.
+    /// How well the best capture so far shows each end, 0…1.
     best: Vec<f32>,
     placement: Placement,
 }
 
 impl CaptureSearch<'_> {
-    /// Takes the best candidate again and again.
+    /// Takes the candidate with the greatest gain, again and again.
     fn search(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
         let mut rows: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.row(c.position)).collect();
         while self.placement.captures.len() < most {
             let gains: Vec<f32> = rows.par_iter().map(|row| self.gain(row)).collect();
-            // The first of equal gains counts, so that the result does not depend on threads.
+            // The first of equal gains is taken, so that the result does not depend on threads.
             let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
             let row = std::mem::take(&mut rows[index]);
@@ -151,7 +151,7 @@ impl CaptureSearch<'_> {
         }
     }
 
-    /// How well each end is shown by a capture at a place, 0…1; 0 where it is not seen from there.
+    /// How well a capture at a place shows each end, 0…1; 0 for an end that it does not see.
     fn row(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
@@ -159,7 +159,7 @@ impl CaptureSearch<'_> {
             .collect()
     }
 
-    /// What a candidate adds; nothing, if its row is empty.
+    /// The gain of a candidate; 0 if its row is empty.
     fn gain(&self, row: &[f32]) -> f32 {
         row.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
     }
@@ -176,14 +176,14 @@ impl CaptureSearch<'_> {
 fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
     let away = place - end.position;
     let cosine = away.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
-    // A face spans two units at distance one, and a texel's area on the surface grows with 1 / cosine.
+    // A cube face spans two units at distance one, and the area of a texel on the surface grows with 1 / cosine.
     let texel = away.length() * 2.0 / f64::from(Capture::RESOLUTION) / cosine.sqrt();
     let pixel = end.path_m * mirrors::PIXEL_RADIANS;
     (1.0 / (1.0 + COARSENESS * (texel / pixel).powi(2))) as f32
 }
 
-/// Whether no surface stands between two points. The last 0.1 mm and 0.1 ‰ of the way do not count, where the second
-/// point's own surface is.
+/// Whether no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the way are ignored, since the second point's own
+/// surface is there.
 pub fn sees(triangles: &Triangles, from: DVec3, to: DVec3) -> bool {
     let way = to - from;
     let length = way.length();

@@ -1,4 +1,4 @@
-//! Scene files (`NAME.scene.toml`): they list the OBJ and glTF files of a scene and add what these do not say, such as
+//! Scene files (`NAME.scene.toml`): they list the OBJ and glTF files of a scene and add data that these formats lack, such as
 //! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 pub(super) mod captures;
@@ -24,25 +24,24 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 
-/// The name that stands for all materials that are not named, both as a section and in a view's `materials`.
+/// The name for all materials that are not listed, both as a section and in a view's `materials`.
 const DEFAULT: &str = "default";
 
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
-/// Its places, directions and paths are in the coordinates that its key `coordinates` names; without it in those of its OBJ files
-/// (`handedness`), and without any right-handed, as glTF is. The scene has them in the program's own, which are left-handed. A
-/// view of the file that sees next to nothing adds a warning ([`Scene::warnings`]).
+/// Places, directions and paths are in the coordinates that the key `coordinates` names. Without the key they are in the
+/// coordinates of the OBJ files (`handedness`), and without OBJ files right-handed, as in glTF. The loaded scene has the
+/// program's own left-handed coordinates. A view that sees almost nothing adds a warning ([`Scene::warnings`]).
 ///
-/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and
-/// everything that the file states in metres (views and their clip planes, point lights, probes, impostors, area lights,
-/// captures), and the energies of point lights by its square, since these are lengths squared.
+/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and everything that the file states in
+/// metres (views and their clip planes, point lights, probes, impostors, area lights, captures). The square of the scale
+/// multiplies the energies of point lights, which are squared lengths.
 ///
-/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of its glTF files, or else
-/// those of a bare OBJ file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
-/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]` with `[[motion.NAME.key]]` tables moves
-/// meshes. A material's section overrides the MTL file;
-/// `[material.default]` applies to all materials without a section of their own. A section for a material that
-/// no mesh has adds a warning.
+/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets the lights or views of its glTF
+/// files, or else the defaults of an OBJ file. Without a `[[probe]]` it gets a probe at the centre of its bounds. A
+/// `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]` with
+/// `[[motion.NAME.key]]` tables moves meshes. A material's section overrides the MTL file; `[material.default]` applies to all
+/// materials without a section of their own. A section for a material that no mesh has adds a warning.
 ///
 /// # Errors
 /// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
@@ -131,16 +130,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The coordinates in which a scene file states places, for those who write places into it.
+/// The coordinates in which a scene file states places, for code that writes places into it.
 ///
 /// # Errors
-/// Errors of [`load`] about the text.
+/// The errors of [`load`] about the text.
 pub fn coordinates(path: &Path) -> Result<Handedness> {
     let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
     Ok(SourceText { path, text: &text }.deserialized::<Sections>()?.coordinates())
 }
 
-/// Adds what a glTF file holds to a scene.
+/// Adds the contents of a glTF file to a scene.
 fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     let (materials, textures) = (scene.materials.len(), scene.textures.len());
     other.meshes.iter_mut().for_each(|m| m.material += materials);
@@ -192,7 +191,7 @@ struct Sections {
 }
 
 impl Sections {
-    /// The coordinates of its places.
+    /// The coordinates of the file's places.
     fn coordinates(&self) -> Handedness {
         Handedness::of_places(self.coordinates, self.handedness, self.has_obj())
     }
@@ -201,8 +200,8 @@ impl Sections {
         self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
     }
 
-    /// A note about a file that calls its OBJ files right-handed and says nothing of its places, which were left-handed before
-    /// there was a key for them.
+    /// A note about a scene file that calls its OBJ files right-handed and does not name the coordinates of its places, which
+    /// were left-handed before the key existed.
     fn note(&self, path: &Path) -> Option<String> {
         let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
         let is_unsaid = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
@@ -314,8 +313,7 @@ impl SourceText<'_> {
         Err(self.error(value.span(), message))
     }
 
-    /// The lens `base` with the changes of a section, whose planes are `scale` times as far away as it says, as its height is
-    /// `scale` times as great. `span` is the
+    /// The lens `base` with the changes of a section; `scale` multiplies the section's planes and its height. `span` is the
     /// section's place in the file, for errors.
     fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), span: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
@@ -442,8 +440,8 @@ impl SourceText<'_> {
     }
 }
 
-/// Applies the file's material sections to the scene, expands `default` in the views to the materials it stands
-/// for, and warns of names that no material has.
+/// Applies the file's material sections to the scene, expands `default` in the views to the materials that it stands for, and
+/// warns about names that no material has.
 fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
     for material in &mut scene.materials {
         if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {

@@ -1,5 +1,5 @@
-//! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit, and
-//! with the line in every error.
+//! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit of size,
+//! and with the line in every error.
 
 use super::{bounded, encoding};
 use crate::error::{Error, Result};
@@ -12,15 +12,15 @@ use toml::de::{DeTable, DeValue, Deserializer};
 /// The largest file of a scene or of a camera path that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// The most unknown keys that one error names.
+/// Greatest number of unknown keys that one error names.
 const MOST_UNKNOWN_KEYS: usize = 32;
 
-/// A text and its path, for errors that name the line.
+/// A text with its path, for errors that name the line.
 #[derive(Clone, Copy)]
 pub struct SourceText<'a> {
-    /// The file.
+    /// Path of the file.
     pub path: &'a Path,
-    /// What stands in it.
+    /// Contents of the file.
     pub text: &'a str,
 }
 
@@ -38,7 +38,7 @@ impl SourceText<'_> {
     /// Reads the text as TOML.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line. One error names all unknown keys, and what else is wrong without them.
+    /// [`Error::Malformed`] with the line. One error names all unknown keys, and the first other fault.
     pub fn deserialized<T: DeserializeOwned>(&self) -> Result<T> {
         let syntax = |e: toml::de::Error| self.syntax_error(&e);
         let mut table = DeTable::parse(self.text).map_err(syntax)?;
@@ -49,7 +49,7 @@ impl SourceText<'_> {
                 Ok(_) => break,
                 Err(error) => error,
             };
-            // An unknown key is taken out, so that what stands behind it is read, too.
+            // The unknown key is removed, so that the keys after it are read, too.
             let is_removed =
                 names_unknown_key(&error) && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
             wrong.push(error);
@@ -60,7 +60,7 @@ impl SourceText<'_> {
         Err(self.all_errors(&mut wrong))
     }
 
-    /// One error with the sentences of several, which is at the place of the first.
+    /// Joins several errors into one, at the place of the first.
     fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
         errors.sort_by_key(|e| (!names_unknown_key(e), e.span().map_or(0, |span| span.start)));
         let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
@@ -75,7 +75,7 @@ impl SourceText<'_> {
         }
     }
 
-    /// What is wrong with the syntax or the types of a TOML text.
+    /// An error about the syntax or the types of a TOML text.
     pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
         let message = clause(error);
         match error.span() {
@@ -85,17 +85,17 @@ impl SourceText<'_> {
     }
 }
 
-/// Whether an error is about a key that a table may not have.
+/// Whether an error is about a key that is not allowed in its table.
 fn names_unknown_key(error: &toml::de::Error) -> bool {
     error.message().starts_with("unknown field")
 }
 
-/// What an error says, in one line.
+/// The message of an error, in one line.
 fn clause(error: &toml::de::Error) -> String {
     error.message().trim().replace('\n', "; ")
 }
 
-/// Removes the key that stands at a byte range of a text from its table; `false` if no key stands there.
+/// Removes the key at a byte range of a text from its table; `false` if no key is there.
 fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
     let found = table.iter().find(|(key, _)| key.span() == *place).map(|(key, _)| key.get_ref().to_string());
     if let Some(key) = found {
@@ -116,7 +116,7 @@ fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
 /// scene file".
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Malformed`] for a longer one, and with the line for one that is not UTF-8.
+/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and, with the line, for a text that is not UTF-8.
 pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
     if let Some(name) = encoding::wide_encoding(&bytes) {
@@ -128,10 +128,10 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     })
 }
 
-/// Reads a text as [`read`] does, in which what is not UTF-8 counts as Latin-1: comments of programs may have any bytes.
+/// Reads a text as [`read`] does, but bytes that are not UTF-8 count as Latin-1, since comments in programs may have any bytes.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Malformed`] for a longer one, and for text of more than a byte for each character.
+/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and for a text with more than a byte for each character.
 pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
     decode(path, &bytes).map(Cow::into_owned)
@@ -141,7 +141,7 @@ pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
 /// different.
 ///
 /// # Errors
-/// [`Error::Malformed`] for text of more than a byte for each character.
+/// [`Error::Malformed`] for a text with more than a byte for each character.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     if let Some(name) = encoding::wide_encoding(bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
@@ -153,7 +153,7 @@ pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     })
 }
 
-/// The line, from 1, of a byte.
+/// The line of a byte, counted from 1.
 fn line_of(text: &[u8], offset: usize) -> usize {
     1 + text[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
 }

@@ -16,7 +16,7 @@ pub use ssct::scene::texture::{Encoding, Texture};
 /// The greatest width and height of an image, in texels; every desktop Vulkan device supports it.
 pub const MAX_EXTENT: u32 = 16384;
 
-/// The most texels that all images of a scene may have together: 4 GiB.
+/// Greatest number of texels that all images of a scene may have together: 4 GiB.
 pub(super) const MAX_TEXELS: u64 = 1 << 30;
 
 /// The largest image file that can be read, in bytes.
@@ -25,14 +25,15 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// Any image may unpack to this many bytes; for more, its file must be long enough.
 const FREE_BYTES: u64 = 1 << 20;
 
-/// A WebP image may unpack to this many bytes, whatever its length: one of a single colour has no bits for its texels.
+/// A WebP image may unpack to this many bytes, whatever its length, since an image of a single colour has no bits for its
+/// texels.
 const FREE_WEBP_BYTES: u64 = 4 * 4096 * 4096;
 
 /// The depth of a height field without a bump multiplier, in texels (see [`normal_map_from_height`]).
 pub const RELIEF_TEXELS: f32 = 2.0;
 
-/// If the correlation is below this, the normal map's green points down. Maps with green up are above 0, and
-/// those of Crytek's Sponza (green down) mostly below −0.2; values in between are too weak to act on.
+/// Correlation below which a normal map's green points down. Maps with green up are above 0, and maps of Crytek's Sponza (green
+/// down) are mostly below −0.2; values in between are too weak to decide.
 const GREEN_DOWN: f64 = -0.15;
 
 /// The linear value of each byte of an sRGB image.
@@ -52,9 +53,8 @@ pub fn decode(path: &Path, encoding: Encoding) -> Result<Texture> {
 /// Decodes the bytes of an image file. Errors call the file `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an image of a supported format, if the image is larger than
-/// [`MAX_EXTENT`] on a side, or if it claims more texels than that many bytes can hold. All this is checked
-/// before memory is allocated for the image.
+/// [`Error::Malformed`] if the bytes are not an image of a supported format, if the image is larger than [`MAX_EXTENT`] on a
+/// side, or if it claims more texels than the bytes can hold. The size is checked before memory is allocated for the image.
 pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Texture> {
     let image = decode_bytes(bytes, path)?;
     let (width, height) = (image.width(), image.height());
@@ -62,11 +62,11 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
     Ok(Texture { name, width, height, rgba: image.into_rgba8().into_raw(), encoding })
 }
 
-/// The width and height of an image and its values: red, green, blue and alpha of each texel, 0…1, as the image encodes
-/// them. An image of 16 bits keeps all of them.
+/// The width and height of an image and its values: red, green, blue and alpha of each texel, 0…1, as the image encodes them. A
+/// 16-bit image keeps all its bits.
 ///
 /// # Errors
-/// Errors of [`from_bytes`].
+/// The errors of [`from_bytes`].
 pub(super) fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
     let image = decode_bytes(bytes, path)?;
     let size = [image.width(), image.height()];
@@ -90,7 +90,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_EXTENT);
     limits.max_image_height = Some(MAX_EXTENT);
-    // Allows 16 bits per channel at the largest extent.
+    // The limit allows 16 bits per channel at the greatest extent.
     limits.max_alloc = Some(8 * u64::from(MAX_EXTENT) * u64::from(MAX_EXTENT));
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(malformed)?;
@@ -106,13 +106,13 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     DynamicImage::from_decoder(decoder).map_err(malformed)
 }
 
-/// The texels of an image of this size after [`shrink_to_side`].
+/// The number of texels of an image of this size after [`shrink_to_side`].
 pub(super) fn texels_within(width: u32, height: u32, side: u32) -> u64 {
     let [width, height] = size_within(width, height, side);
     u64::from(width) * u64::from(height)
 }
 
-/// The size of an image whose greater side is at most `side`, with its shape kept.
+/// The size of an image after shrinking to a greatest side of `side`, with its shape kept.
 fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
     let greatest = u64::from(width.max(height));
     let scaled =
@@ -120,8 +120,8 @@ fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
     [width, height].map(|v| scaled(v).max(1))
 }
 
-/// Makes an image smaller so that no side is above `side`, by a triangle filter over decoded texels, so that light is
-/// what is averaged. An image that is small enough stays as it is.
+/// Makes an image smaller so that no side is above `side`, by a triangle filter over decoded texels, so that the filter
+/// averages light. An image that is small enough is not changed.
 pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
     let [width, height] = size_within(texture.width, texture.height, side);
     if [width, height] == [texture.width, texture.height] {
@@ -139,7 +139,7 @@ pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
     Texture { rgba: small.as_raw().iter().enumerate().map(packed).collect(), width, height, ..texture }
 }
 
-/// Width and height of an encoded image; none if the bytes are no image of a supported format.
+/// Width and height of an encoded image; `None` if the bytes are no image of a supported format.
 pub(super) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
     ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?.into_dimensions().ok()
 }
@@ -157,7 +157,7 @@ pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
     above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
 }
 
-/// A texel, decoded.
+/// A texel, decoded to linear values.
 fn decoded(texture: &Texture, x: usize, y: usize) -> DVec4 {
     let offset = 4 * (y * texture.width as usize + x);
     let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[offset + k]);
@@ -187,9 +187,8 @@ pub fn into_reflectivity(texture: Texture) -> Texture {
 /// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by
 /// `tilt`.
 ///
-/// If the content is a normal map ([`is_normal_map`]), it is kept; its unused black texels become
-/// flat, and green is inverted if it points down. Any other image is treated as a height field of depth
-/// [`RELIEF_TEXELS`] · `tilt`.
+/// If the content is a normal map ([`is_normal_map`]), the map is kept; its unused black texels become flat, and green is
+/// inverted if it points down. Any other image is treated as a height field of depth [`RELIEF_TEXELS`] · `tilt`.
 pub fn into_normal_map(mut texture: Texture, tilt: f32) -> Texture {
     if !is_normal_map(&texture) {
         return normal_map_from_height(&texture, RELIEF_TEXELS * tilt);
@@ -219,9 +218,9 @@ pub fn scale_normal_map(mut texture: Texture, factor: f32) -> Texture {
     texture
 }
 
-/// Whether the content is a normal map rather than a height field or a colour: nine tenths of the texels
-/// that are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0, and the sum of these vectors
-/// is close to the z axis, which it never is for a grey image.
+/// Whether the content is a normal map rather than a height field or a colour. In a normal map, nine tenths of the texels that
+/// are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0. The sum of these vectors is close to the z axis,
+/// which is never so for a grey image.
 pub fn is_normal_map(texture: &Texture) -> bool {
     let (mut sum, mut fitting, mut used) = (Vec3::ZERO, 0_usize, 0_usize);
     for vector in texture.rgba.chunks_exact(4).filter(|t| !is_unused(t)).map(decode_vector) {
@@ -232,10 +231,10 @@ pub fn is_normal_map(texture: &Texture) -> bool {
     used > 0 && fitting * 10 >= used * 9 && sum.z > 2.0 * sum.x.abs().max(sum.y.abs())
 }
 
-/// Which way green points in a normal map, from −1 (down) to 1 (up); values near 0 are inconclusive.
+/// The direction of green in a normal map, from −1 (down) to 1 (up); values near 0 are inconclusive.
 ///
-/// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. This is the correlation of both sides
-/// if green is taken as up.
+/// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. The result is the correlation of both sides, computed as if
+/// green were up.
 fn green_correlation(texture: &Texture) -> f64 {
     let (width, height) = (texture.width as usize, texture.height as usize);
     let texel = |x: usize, y: usize| &texture.rgba[4 * (y * width + x)..][..4];
@@ -350,7 +349,7 @@ mod tests {
     fn slopes_lean_away_from_the_rise() {
         let rises_right = normal_map_from_height(&grey(8, 8, |x, _| (x * 30) as u8), 4.0);
         assert!(normal_at(&rises_right, 4, 4).x < -0.2);
-        // Row 0 is the top. Where heights rise downwards, the normal leans up, and green is up.
+        // Row 0 is the top. If heights rise downwards, the normal leans up, and green points up.
         let rises_down = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), 4.0);
         assert!(normal_at(&rises_down, 4, 4).y > 0.2);
         let inverted = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), -4.0);

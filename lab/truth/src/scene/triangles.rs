@@ -1,5 +1,5 @@
-//! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`], where each triangle comes from, and the
-//! holes that alpha masks cut; single-sided materials are not there from behind.
+//! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`], the mesh of each triangle, and the holes of alpha
+//! masks; rays pass through single-sided materials from behind.
 
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
@@ -48,7 +48,7 @@ impl<'a> Triangles<'a> {
         self.bvh.any(ray, &|hit| self.covers(ray, hit))
     }
 
-    /// Where the triangle that was hit comes from.
+    /// The mesh of the triangle that was hit, and its index there.
     pub fn origin(&self, hit: &TriangleHit) -> TriangleRef {
         self.origins[hit.triangle as usize]
     }
@@ -71,7 +71,7 @@ impl<'a> Triangles<'a> {
         (&self.materials[mesh.material], [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
     }
 
-    /// Whether the surface stops the ray there: an alpha mask below ½ is a hole.
+    /// Whether the surface stops the ray at the hit; a texel of an alpha mask below ½ is a hole.
     fn covers(&self, ray: &WorldRay, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.origin(hit).mesh as usize];
         let material = &self.materials[mesh.material];
@@ -87,7 +87,7 @@ impl<'a> Triangles<'a> {
     }
 }
 
-/// The texture coordinates where a triangle was hit.
+/// The texture coordinates at the hit on a triangle.
 pub fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
     vertices
         .iter()

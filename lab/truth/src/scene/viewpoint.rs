@@ -9,7 +9,7 @@ const AZIMUTHS: usize = 16;
 /// The least distance of the near plane, in metres, even for tiny scenes.
 const LEAST_NEAR_M: f32 = 1e-6;
 
-/// The default lens, with its near and far planes moved if the scene's bounds would not fit between them.
+/// The default lens; its near and far planes are moved if the scene's bounds do not fit between them.
 pub(super) fn lens(bounds: Aabb) -> Lens {
     let lens = Lens::default();
     let diagonal = (bounds.max - bounds.min).length();
@@ -18,9 +18,8 @@ pub(super) fn lens(bounds: Aabb) -> Lens {
 
 /// A view named `default` towards the centre of the bounds.
 ///
-/// In an interior ([`is_interior`]) the eye is placed where the free horizontal path from the centre is longest.
-/// Otherwise it is outside, in front and slightly above, far enough away for the bounding sphere to fit into the
-/// image.
+/// In an interior ([`is_interior`]) the eye is placed where the free horizontal path from the centre is longest. Otherwise the
+/// eye is outside, in front and slightly above, far enough away for the bounding sphere to fit into the image.
 pub(super) fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
@@ -54,7 +53,7 @@ pub(super) fn is_enclosed(scene: &Scene) -> bool {
     is_interior(&seen, &around)
 }
 
-/// Down and up, and then directions around.
+/// The directions down and up, and then directions around.
 fn directions() -> Vec<Vec3> {
     let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
     [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
@@ -64,9 +63,9 @@ fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
     directions.iter().map(|&direction| Ray { origin, direction }).collect()
 }
 
-/// Whether the centre from which surfaces were seen, below and above and around it, is in a room or a court: below it, the
-/// first surface faces the centre, as it does above it and in half of the directions around, or else in seven eighths of
-/// these. Things that stand around an empty place are no room, with or without a ground.
+/// Whether the centre is in a room or a court, judged by the first surfaces below, above and around it. In a room, the surfaces
+/// below and above face the centre, and half of those around. In a court, the surface below faces the centre, and seven eighths
+/// of those around. Objects around an empty place make no room, with or without a ground.
 fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
     let facing = around.iter().filter(|hit| hit.facing).count();
     match below_and_above {
@@ -76,7 +75,7 @@ fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
     }
 }
 
-/// The light of a scene that has none. It comes from above and behind, over the left shoulder of the default view.
+/// The light of a scene that has none. The light comes from above and behind, over the left shoulder of the default view.
 pub(super) fn default_light() -> Light {
     Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
@@ -98,9 +97,9 @@ pub(super) struct Ray {
 /// The nearest surface in a direction; the distance is infinite if there is none.
 #[derive(Clone, Copy)]
 pub(super) struct Hit {
-    /// In lengths of the direction.
+    /// Distance as a multiple of the direction's length.
     pub(super) distance: f32,
-    /// Whether its front is seen.
+    /// Whether the ray meets the front of the surface.
     pub(super) facing: bool,
     /// The normal of the triangle, of any length.
     pub(super) normal: Vec3,

@@ -1,4 +1,4 @@
-//! The captures of the scene: where they stand, and how they are moved, added, removed and saved.
+//! Shows the captures of the scene and their places, and lets the user move, add, remove and save them.
 
 use super::shared::{PanelActions, PanelData, heading};
 use crate::captures::CaptureEditor;

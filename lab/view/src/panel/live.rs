@@ -142,7 +142,7 @@ fn work(ui: &mut Ui, state: &State, data: &PanelData) {
     });
 }
 
-/// What `unified` finds in the frame: rays per class of pixels, and tiles.
+/// The classes of pixels that `unified` finds in the frame, with their rays, and its tiles.
 fn classes(ui: &mut Ui, inspection: &Inspection) {
     let (p, t) = (inspection.pixels(), inspection.tiles());
     ui.label(format!("{} rays:", p.rays()));

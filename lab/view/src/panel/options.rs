@@ -6,17 +6,17 @@ use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
 use crate::state::{Side, State};
 use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
 
-/// What marks a value that is the published one.
+/// The colour that marks a published value.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
-/// What a method does, where it is published, and what it needs of a scene.
+/// The text about a method: its summary, its source, and its needs of a scene.
 fn describe(info: &MethodInfo, between: &str) -> String {
     let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
     let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };
     format!("{}{between}{}{needs}", info.summary, info.source)
 }
 
-/// A side: its method, and the rows of it.
+/// A side: its method, and a row for each option of the method.
 pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
     let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
     heading(ui, title);
@@ -114,7 +114,7 @@ fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
     });
 }
 
-/// What is told of a parameter: what it does, its unit, both presets' values, and where they are from.
+/// The text about a parameter: its help, its unit, the values of both presets, and their source.
 fn about(row: &Parameter) -> String {
     let unit = if row.unit.is_empty() { String::new() } else { format!(" In {}.", row.unit) };
     let author = if row.author == row.published { String::new() } else { format!("; author: {}", row.author) };

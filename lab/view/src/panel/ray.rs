@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     }
 }
 
-/// Says why the pixel is as it is, and what is known of it, as `ssct render --pixel` does.
+/// Explains the pixel and shows its data, as `ssct render --pixel` does.
 fn explained(ui: &mut Ui, report: &PixelReport) {
     heading(ui, report.verdict.name());
     for sentence in &report.why {
@@ -127,7 +127,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     });
 }
 
-/// In words, where a ray ends that the screen lost.
+/// The end of a ray that the screen lost, in words.
 fn beyond_the_screen(ray: &RayInWorld) -> String {
     let (code, end) = (ray.code, ray.end);
     let number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
@@ -141,8 +141,7 @@ fn beyond_the_screen(ray: &RayInWorld) -> String {
     }
 }
 
-/// Draws the ray over the images of a capture: its way from where it begins, in another colour from where the screen lost
-/// it.
+/// Draws the way of the ray over the images of a capture, in another colour from the place at which the screen lost the ray.
 pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, capture): (&PickedRay, &Capture)) {
     let Some(ray) = &ray.in_world else { return };
     let cross = Cross::new(extent);
@@ -160,7 +159,7 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
         5.0,
         Stroke::new(2.0, Color32::WHITE),
     );
-    // Another capture may not see the place where it ended, but that is where it lies.
+    // The mark shows the direction of the ray's end, even if this capture does not see the end.
     if ray.code != PathCode::Unknown {
         cross_mark(painter, screen_point(cross.at(ray.end - capture.position).1), METHOD);
     }

@@ -49,7 +49,7 @@ pub struct PanelActions {
     pub area: Option<Rect>,
     /// Whether the mouse turns the camera.
     pub looking: bool,
-    /// What a button of the panel does that a key does, too.
+    /// The action of a button of the panel, if a key has the same action.
     pub action: Option<Action>,
     /// Whether to fit the range of the shown picture to its numbers.
     pub fit_range: bool,

@@ -1,6 +1,7 @@
-//! egui's triangles over an image, through egui-ash-renderer and within a [`Frame`]. Its pipeline and
-//! descriptor pool are its own; its buffers and textures are ours, which go before their memory does (the
-//! allocators that come with it free the memory first, and the validation layers object).
+//! Draws egui's triangles over an image, by egui-ash-renderer and within a [`Frame`]. The renderer has its own pipeline and descriptor
+//! pool.
+//! Buffers and textures of the renderer are made here, and each is destroyed before its memory. The allocators that come with the renderer
+//! free the memory first, and the validation layers object.
 
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, vulkan};
@@ -14,15 +15,15 @@ use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, Rendere
 /// Draws what egui tessellated.
 pub struct Overlay {
     renderer: Renderer<Memory>,
-    /// For the uploads of textures.
+    /// The pool of the commands that upload textures.
     pool: vk::CommandPool,
-    /// Not drawn any more; freed before the next drawing.
+    /// Textures that are not drawn any more; they are freed before the next drawing.
     unused: Vec<egui::TextureId>,
     gpu: Gpu,
 }
 
 impl Overlay {
-    /// For targets of an sRGB format.
+    /// Makes an overlay for targets of an sRGB format.
     pub fn new(gpu: &Gpu, format: vk::Format) -> Result<Self> {
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
@@ -42,7 +43,7 @@ impl Overlay {
         Ok(Self { renderer, pool, unused: Vec::new(), gpu: gpu.clone() })
     }
 
-    /// Uploads what changed of egui's textures, in submissions of their own, which are waited for.
+    /// Uploads the changes of egui's textures, in submissions of their own, which are waited for.
     pub fn update_textures(&mut self, changes: &mut egui::TexturesDelta) -> Result<()> {
         for id in self.unused.drain(..) {
             self.renderer.free_texture(id).map_err(failed("freeing a texture"))?;
@@ -83,7 +84,7 @@ impl Drop for Overlay {
 /// Makes the renderer's buffers and textures.
 struct Memory(Gpu);
 
-/// One of them.
+/// A buffer or a texture of the renderer.
 enum OverlayResource {
     Buffer(Buffer),
     /// Never read: it holds the texture for as long as the renderer has it.
@@ -113,7 +114,7 @@ impl Allocator for Memory {
             &self.0,
             &ImageDesc {
                 name: "panel texture",
-                // What the renderer makes its own view of.
+                // The renderer makes its own view of this format.
                 format: vk::Format::R8G8B8A8_SRGB,
                 extent: [width, height],
                 levels: 1,
@@ -148,7 +149,7 @@ impl Allocator for Memory {
         let Some(bytes) = buffer.bytes_mut().map_err(refused)?.get_mut(..size) else {
             return Err(RendererError::Allocator(format!("a buffer has no room for {size} bytes")));
         };
-        // SAFETY: both are `size` bytes long, and none of the buffer's are among the data's.
+        // SAFETY: both are `size` bytes long, and the buffer's bytes do not overlap the data's.
         unsafe { std::ptr::copy_nonoverlapping(data.as_ptr().cast(), bytes.as_mut_ptr(), size) };
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! A window's surface and swapchain: takes an image that is sRGB-encoded already, and shows its bits.
 //!
-//! The encoding happens where that image is drawn, once, in hardware, since its format
-//! ([`Swapchain::screen_format`]) is an sRGB one. The swapchain's own need not be.
+//! The hardware encodes colours once, when an image is drawn, since the format of the image ([`Swapchain::screen_format`]) is an sRGB
+//! format. The swapchain's own format need not be one.
 
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, vulkan};
@@ -57,7 +57,7 @@ pub fn instance_extensions(display: &impl HasDisplayHandle) -> Result<Vec<&'stat
     let unknown = |why: String| Error::NoWindow(format!("the display cannot be drawn to by Vulkan: {why}"));
     let handle = display.display_handle().map_err(|e| unknown(e.to_string()))?;
     let names = ash_window::enumerate_required_extensions(handle.as_raw()).map_err(|e| unknown(e.to_string()))?;
-    // SAFETY: they are static, null-terminated names of ash.
+    // SAFETY: the names are static, null-terminated names of ash.
     Ok(names.iter().map(|name| unsafe { CStr::from_ptr(*name) }).collect())
 }
 
@@ -69,7 +69,7 @@ pub struct Swapchain {
     swapchains: ash::khr::swapchain::Device,
     format: SurfaceFormat,
     present_mode: vk::PresentModeKHR,
-    /// Signalled when an acquired image may be written. One is enough: every frame is waited for.
+    /// Signalled when an acquired image may be written. One semaphore is enough, since every frame is waited for.
     acquired: vk::Semaphore,
     chain: Option<Chain>,
     /// Whether the presentation engine asked for another chain.
@@ -87,11 +87,11 @@ struct Chain {
     rendered: Vec<vk::Semaphore>,
 }
 
-/// A format of a surface, and which of our own encodes for it.
+/// A format of a surface, with our sRGB format that encodes colours for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct SurfaceFormat {
     shown: vk::SurfaceFormatKHR,
-    /// The sRGB format with the same bits: that of images to be shown.
+    /// The sRGB format with the same bits, which images to be shown have.
     encoded: vk::Format,
 }
 
@@ -100,8 +100,7 @@ impl Swapchain {
     /// come with the first [`Self::prepare`].
     ///
     /// # Errors
-    /// [`Error::NoWindow`] where device and window don't go together, [`Error::Usage`] for a mode
-    /// that the surface lacks.
+    /// [`Error::NoWindow`] if the device cannot present to the window, [`Error::Usage`] for a mode that the surface lacks.
     pub fn new<W>(gpu: &Gpu, window: &Arc<W>, mode: PresentMode) -> Result<Self>
     where
         W: HasWindowHandle + HasDisplayHandle + 'static,
@@ -131,9 +130,8 @@ impl Swapchain {
         Ok(made)
     }
 
-    /// Makes ready for a window of a size in pixels: another chain if the size changed or the
-    /// presentation engine asked for it. The size to render is returned; `None` while there is
-    /// nothing to draw to, because the window is minimised.
+    /// Prepares for a window of a size in pixels, with another chain if the size changed or the presentation engine asked for one. Returns
+    /// the size to render; `None` while the window is minimised, so that there is nothing to draw to.
     pub fn prepare(&mut self, window: [u32; 2]) -> Result<Option<[u32; 2]>> {
         let capabilities = self.capabilities()?;
         let extent = surface_extent(&capabilities, window);
@@ -151,9 +149,10 @@ impl Swapchain {
         self.format.encoded
     }
 
-    /// Shows an image of [`Self::screen_format`] and of the size that [`Self::prepare`] returned,
-    /// after `record` drew it in the same submission. False if it was neither drawn nor shown, because
-    /// the window changed in the meantime or is hidden: [`Self::prepare`] and draw again.
+    /// Shows an image of [`Self::screen_format`] and of the size that [`Self::prepare`] returned, after `record` drew it in the same
+    /// submission.
+    /// Returns false if the image was neither drawn nor shown, because the window changed in the meantime or is hidden; the caller then
+    /// calls [`Self::prepare`] and draws again.
     ///
     /// # Errors
     /// Any Vulkan failure; the swapchain is then fit only to be dropped.
@@ -204,7 +203,7 @@ impl Swapchain {
         }
     }
 
-    /// Finds what device and surface have in common.
+    /// Finds a format and a present mode that device and surface have in common.
     fn negotiate(&mut self, mode: PresentMode) -> Result<()> {
         let (shared, name) = (self.gpu.shared(), &self.gpu.info().name);
         // SAFETY: the physical device and the surface belong to one instance.
@@ -264,7 +263,7 @@ impl Swapchain {
         [width, height]: [u32; 2],
         old: vk::SwapchainKHR,
     ) -> Result<vk::SwapchainKHR> {
-        // One more than the engine may hold back, so that there is one to write to.
+        // One image more than the engine may hold back, so that one can be written.
         let most = if capabilities.max_image_count == 0 { u32::MAX } else { capabilities.max_image_count };
         // The lowest bit is "opaque" where that is supported; one bit always is.
         let alphas = capabilities.supported_composite_alpha.as_raw();
@@ -290,7 +289,7 @@ impl Swapchain {
     fn destroy_chain(&self, chain: Option<Chain>) {
         let Some(mut chain) = chain else { return };
         let device = self.gpu.raw();
-        // The handles are the swapchain's: forget them before it goes.
+        // The swapchain owns the handles, so that they are forgotten before it is destroyed.
         chain.images.clear();
         let queue = self.gpu.queue();
         // SAFETY: the queue is held while the device is waited for, and nothing uses the chain then.
@@ -325,7 +324,7 @@ fn semaphore(gpu: &Gpu, name: &str) -> Result<vk::Semaphore> {
     Ok(made)
 }
 
-/// The size of a surface's images: what the surface says, or else the window's within its limits.
+/// The size of a surface's images: the size that the surface states, or else that of the window within the surface's limits.
 fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -> [u32; 2] {
     let (now, min, max) = (capabilities.current_extent, capabilities.min_image_extent, capabilities.max_image_extent);
     if now.width != u32::MAX {
@@ -337,7 +336,8 @@ fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -
     [window[0].min(max.width).max(min.width), window[1].min(max.height).max(min.height)]
 }
 
-/// An sRGB format that can be drawn to, or else one whose bits an sRGB format of ours shares.
+/// An offered sRGB format, or else an offered format that shares its bits with an sRGB format. In both cases, the device must be able to
+/// draw to the sRGB format.
 fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format) -> bool) -> Option<SurfaceFormat> {
     use vk::Format as F;
     const PAIRS: [(F, F); 2] = [(F::B8G8R8A8_SRGB, F::B8G8R8A8_UNORM), (F::R8G8B8A8_SRGB, F::R8G8B8A8_UNORM)];

@@ -42,7 +42,7 @@ impl Viewer {
         if !side.method.takes_captures && !is_behind {
             self.captures.message += &format!("; {} follows no rays in captures", side.method.name);
         } else if effect.captures != CaptureCount::Auto {
-            // All of the list, however many.
+            // `auto` takes all captures of the list, however many there are.
             side.set("captures", Some(CaptureCount::Auto.value().to_string()));
         }
     }

@@ -2,13 +2,13 @@
 //!
 //! If a shader's control flow depends on uniforms, `update_inline_shader_state` (lvp_execute.c) inserts their values
 //! into a copy of the shader and compiles the copy: at every draw, even if nothing has changed, and without freeing it.
-//! This costs milliseconds and megabytes per frame. Only if neither uniforms nor push constants are new at a draw does
-//! lavapipe find that the copy is no better, and then it uses one shader from then on. Each pipeline that draws
-//! full-screen triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values.
-//! A compute pipeline dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
+//! This costs milliseconds and megabytes per frame. At a draw without new uniforms and push constants, lavapipe finds
+//! that the copy is no better, and uses one shader from then on. Each pipeline that draws full-screen triangles
+//! therefore draws zero vertices once, after another pipeline has consumed the pushed values. A compute pipeline
+//! dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
 //!
-//! This can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
-//! resident memory stays flat, passes on it without this file.
+//! This file can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
+//! resident memory stays flat, passes on Mesa 22 without it.
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -36,7 +36,7 @@ impl Settling {
 }
 
 impl Frame<'_> {
-    /// Whether a pipeline must be settled now, which is at its first draw on such a driver. The caller then calls
+    /// Whether a pipeline must be settled now: at its first draw, on a driver with the bug. The caller then calls
     /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled once the
     /// frame is submitted.
     pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
@@ -61,8 +61,8 @@ impl Frame<'_> {
         })
     }
 
-    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the values,
-    /// and at the second one nothing is new.
+    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the
+    /// values, so that at the second dispatch nothing is new.
     pub(in crate::gpu::frame) fn settle_compute(&mut self, pipeline: &SharedPipeline) {
         if !self.must_settle(&pipeline.settled) {
             return;

@@ -1,4 +1,4 @@
-//! The calls that a [`Watch`] stands before: a device's table with these in the place of the driver's.
+//! Functions that ask a [`Watch`] before they call the driver, and replace the driver's functions in a device's table.
 
 use super::{Submission, Watch};
 use ash::vk;
@@ -15,7 +15,7 @@ struct WatchedDevice {
     v1_3: ash::DeviceFnV1_3,
 }
 
-/// A call has only its handle to know whose it is.
+/// The devices that are watched. A call finds its device here by a handle, since it is given nothing else.
 static WATCHED: RwLock<Vec<Arc<WatchedDevice>>> = RwLock::new(Vec::new());
 
 fn find(is: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
@@ -27,7 +27,7 @@ fn of_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
     find(|w| w.device == device.as_raw())
 }
 
-/// The device with its calls watched; `queue` is the one that it submits to.
+/// Returns the device with its calls watched; `queue` is the queue that the device submits to.
 pub fn watch_device(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) -> ash::Device {
     let (v1_0, v1_3) = (device.fp_v1_0().clone(), device.fp_v1_3().clone());
     let known = WatchedDevice {
@@ -83,7 +83,7 @@ pub fn watch_device(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) 
     ash::Device::from_parts_1_3(device.handle(), v1_0, v1_1, v1_2, v1_3)
 }
 
-/// A call that makes one object, and the call that destroys it.
+/// Declares a call that makes one object, and the call that destroys the object.
 macro_rules! object {
     ($create:ident, $info:ty, $destroy:ident, $handle:ty, $kind:literal) => {
         unsafe extern "system" fn $create(
@@ -96,7 +96,7 @@ macro_rules! object {
             if let Err(result) = w.watch.allocation() {
                 return result;
             }
-            // SAFETY: the caller's arguments, for the driver's own call.
+            // SAFETY: the caller's arguments go unchanged to the driver's own call.
             w.watch.made($kind, 1, unsafe { (w.v1_0.$create)(device, info, callbacks, made) })
         }
 
@@ -107,7 +107,7 @@ macro_rules! object {
         ) {
             let Some(w) = of_device(device) else { return };
             w.watch.add($kind, -i64::from(!handle.is_null()));
-            // SAFETY: the caller's arguments, for the driver's own call.
+            // SAFETY: the caller's arguments go unchanged to the driver's own call.
             unsafe { (w.v1_0.$destroy)(device, handle, callbacks) };
         }
     };
@@ -151,7 +151,7 @@ object!(create_command_pool, vk::CommandPoolCreateInfo<'_>, destroy_command_pool
 object!(create_fence, vk::FenceCreateInfo<'_>, destroy_fence, vk::Fence, "fences");
 object!(create_semaphore, vk::SemaphoreCreateInfo<'_>, destroy_semaphore, vk::Semaphore, "semaphores");
 
-/// A call that makes some pipelines.
+/// Declares a call that makes some pipelines.
 macro_rules! pipelines {
     ($create:ident, $info:ty) => {
         unsafe extern "system" fn $create(
@@ -168,7 +168,7 @@ macro_rules! pipelines {
                 unsafe { std::slice::from_raw_parts_mut(made, count as usize) }.fill(vk::Pipeline::null());
                 return result;
             }
-            // SAFETY: the caller's arguments, for the driver's own call.
+            // SAFETY: the caller's arguments go unchanged to the driver's own call.
             let result = unsafe { (w.v1_0.$create)(device, cache, count, infos, callbacks, made) };
             w.watch.made("pipelines", count, result)
         }
@@ -185,11 +185,11 @@ unsafe extern "system" fn destroy_pipeline(
 ) {
     let Some(w) = of_device(device) else { return };
     w.watch.add("pipelines", -i64::from(!handle.is_null()));
-    // SAFETY: the caller's arguments, for the driver's own call.
+    // SAFETY: the caller's arguments go unchanged to the driver's own call.
     unsafe { (w.v1_0.destroy_pipeline)(device, handle, callbacks) };
 }
 
-/// A call that allocates without an object of its own.
+/// Declares a call that counts as an allocation but makes no object that is counted.
 macro_rules! allocation {
     ($call:ident, $($argument:ident: $type:ty),*) => {
         unsafe extern "system" fn $call(device: vk::Device, $($argument: $type),*) -> vk::Result {
@@ -197,7 +197,7 @@ macro_rules! allocation {
             if let Err(result) = w.watch.allocation() {
                 return result;
             }
-            // SAFETY: the caller's arguments, for the driver's own call.
+            // SAFETY: the caller's arguments go unchanged to the driver's own call.
             unsafe { (w.v1_0.$call)(device, $($argument),*) }
         }
     };
@@ -227,7 +227,7 @@ unsafe extern "system" fn queue_submit2(
 ) -> vk::Result {
     let Some(w) = find(|w| w.queue == queue.as_raw()) else { return vk::Result::ERROR_UNKNOWN };
     match w.watch.submission() {
-        // SAFETY: the caller's arguments, for the driver's own call.
+        // SAFETY: the caller's arguments go unchanged to the driver's own call.
         Submission::Works => unsafe { (w.v1_3.queue_submit2)(queue, count, submits, fence) },
         _ => vk::Result::ERROR_DEVICE_LOST,
     }
@@ -243,10 +243,10 @@ unsafe extern "system" fn wait_for_fences(
     let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
     let submission = w.watch.submission();
     if submission == Submission::Lost {
-        // Nothing was submitted since: a wait would not end.
+        // Nothing was submitted since the device was lost, so that a wait would not end.
         return vk::Result::ERROR_DEVICE_LOST;
     }
-    // SAFETY: the caller's arguments, for the driver's own call.
+    // SAFETY: the caller's arguments go unchanged to the driver's own call.
     let result = unsafe { (w.v1_0.wait_for_fences)(device, count, fences, all, timeout) };
     if submission == Submission::Works { result } else { vk::Result::ERROR_DEVICE_LOST }
 }
@@ -263,7 +263,7 @@ unsafe extern "system" fn get_query_pool_results(
 ) -> vk::Result {
     let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
     match w.watch.submission() {
-        // SAFETY: the caller's arguments, for the driver's own call.
+        // SAFETY: the caller's arguments go unchanged to the driver's own call.
         Submission::Works => unsafe {
             (w.v1_0.get_query_pool_results)(device, pool, first, count, size, data, stride, flags)
         },
@@ -273,15 +273,15 @@ unsafe extern "system" fn get_query_pool_results(
 
 unsafe extern "system" fn device_wait_idle(device: vk::Device) -> vk::Result {
     let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-    // SAFETY: the caller's argument, for the driver's own call.
+    // SAFETY: the caller's argument goes unchanged to the driver's own call.
     let result = unsafe { (w.v1_0.device_wait_idle)(device) };
     if w.watch.lost.load(std::sync::atomic::Ordering::SeqCst) { vk::Result::ERROR_DEVICE_LOST } else { result }
 }
 
 unsafe extern "system" fn destroy_device(device: vk::Device, callbacks: *const vk::AllocationCallbacks<'_>) {
     let Some(w) = of_device(device) else { return };
-    // Before the call: the driver may give the handle to the next device.
+    // Removed before the call, because the driver may give the handle to the next device.
     WATCHED.write().unwrap_or_else(PoisonError::into_inner).retain(|w| w.device != device.as_raw());
-    // SAFETY: the caller's arguments, for the driver's own call.
+    // SAFETY: the caller's arguments go unchanged to the driver's own call.
     unsafe { (w.v1_0.destroy_device)(device, callbacks) };
 }

@@ -1,5 +1,5 @@
-//! The data from which the page's script compares two runs: of each run its figures, and the total time of each frame.
-//! Each text stands once, in a list; elsewhere its index stands for it.
+//! The data from which the page's script compares two runs: the figures of each run, and the total time of each frame. Each text is stored
+//! once, in a list, and is given by its index elsewhere.
 
 use super::LibraryPage;
 use crate::gpu::DeviceInfo;
@@ -32,7 +32,7 @@ pub fn embedded_json(page: &LibraryPage) -> String {
             })
         })
         .collect();
-    // What a reader sees first: the latest change, else the last two runs of a trend.
+    // The two runs that the page shows first: those of the latest change, else the last two runs of a trend.
     let changed = page.changes.last().map(|c| [c.before, c.after]);
     let followed = || page.trends.last().and_then(|t| t.runs.last_chunk::<2>().copied());
     let data = json!({
@@ -47,11 +47,11 @@ pub fn embedded_json(page: &LibraryPage) -> String {
         "runs": runs,
         "names": names.list,
     });
-    // A text may have characters that would end the element or begin a comment.
+    // A text may have a `<`, which could end the element or begin a comment.
     data.to_string().replace('<', "\\u003c")
 }
 
-/// A list of texts, each of which stands in it once.
+/// A list of texts without duplicates.
 #[derive(Default)]
 struct Names {
     list: Vec<String>,
@@ -83,8 +83,8 @@ impl Names {
         ])
     }
 
-    /// The total time of a run's frames by subject, in order of appearance: everything that was set, the labels of the
-    /// subject, its noise floor, and the milliseconds.
+    /// The total times of a run's frames by subject, in order of appearance. Each group has all settings, the labels of the subject, its
+    /// noise floor, and the times in milliseconds.
     fn samples(&mut self, run: &Run) -> Json {
         let mut groups: Vec<(&Arc<Subject>, Vec<&TimeSample>)> = Vec::new();
         for sample in &run.samples {

@@ -59,8 +59,8 @@ function verdict({ low, high }, threshold, floor) {
   return low >= 1 - threshold && high <= 1 + threshold ? "SAME" : "UNDECIDED";
 }
 
-// A run's frames by subject. A setting that the other run's file does not say of the method is left out, so that
-// subjects which differ in it alone become one group.
+// A run's frames by subject. A setting that the other run's file does not state for the method is left out, so that subjects which differ
+// in this setting alone become one group.
 function groups(samples, other) {
   const method = (said) => name((said.find(([n]) => name(n) === "method") ?? [])[1]);
   const told = new Map();

@@ -76,7 +76,7 @@ fn agree(cases: u64, rays: u64) {
     assert!(hits > rays / 10 && hits < rays * 9 / 10, "{hits} of {rays} hit: too few of one kind to prove much");
 }
 
-/// 2.16 million rays over 1080 G-buffers, each size with each kind of depths six times.
+/// Compares 2.16 million rays over 1080 G-buffers, each size with each kind of depths six times.
 #[test]
 fn two_million_rays_agree_with_the_oracle() {
     agree(6 * SIZES.len() as u64 * u64::from(KINDS), 2000);
@@ -124,7 +124,7 @@ fn it_takes_a_fraction_of_the_oracles_steps() {
     assert!(few * 5 < many, "{few} steps, the oracle {many}");
 }
 
-/// Where the order of crossings is unambiguous, `possible_ends` gives one end, the oracle's.
+/// Tests that `possible_ends` gives one end, which is the oracle's, if the order of crossings is unambiguous.
 #[test]
 fn an_exact_ray_has_only_the_oracles_end() {
     let mut hits = 0;
@@ -162,7 +162,7 @@ fn a_ray_through_a_corner_may_touch_either_pixel_beside_it() {
         };
         hierarchy.possible_ends(&segment, 1e-6)
     };
-    // Rays through the corner, within rounding of it, and clearly to either side of it.
+    // The rays pass through the corner, within rounding of it, and clearly to either side.
     for along in [2.5, 2.5 - 1e-6] {
         let ends = ends(along, 2.5);
         let beside: Vec<_> = ends.iter().flatten().collect();

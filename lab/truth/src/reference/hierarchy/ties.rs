@@ -9,10 +9,10 @@ impl Hierarchy<'_> {
     /// All ends, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known only up to
     /// a relative error of `rounding` in s.
     ///
-    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner: it may enter
-    /// the diagonal pixel directly, or touch either of the two pixels beside it and hit its block. Each corner
-    /// is decided independently, so that no single straight line need take all the decisions of one path. If no
-    /// intervals overlap, there is one end, the oracle's. Positions are those of
+    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner. The ray may then enter the
+    /// diagonal pixel directly, or touch one of the two pixels beside the corner and hit its block. Each corner is decided
+    /// independently, so that a path may combine decisions that no single straight line takes. If no intervals overlap, the
+    /// only end is the oracle's. Positions are in the coordinates of
     /// [`Trace::position_px`](crate::reference::Trace::position_px).
     pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
         let sides = [self.levels[0].width, self.levels[0].height];

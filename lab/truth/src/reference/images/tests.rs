@@ -1,4 +1,4 @@
-//! The oracle of images against rooms whose surfaces are known in closed form, and the twin against the oracle over many
+//! Compares the oracle of images with rooms whose surfaces are known in closed form, and the twin with the oracle over many
 //! captures and rays.
 
 use super::*;
@@ -8,10 +8,10 @@ use crate::scene::Capture;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Units in the last place of f32 by which a ray may be off.
+/// Number of units in the last place of an f32 by which a ray may be off.
 const ULPS: f64 = 8.0;
 
-/// A screen of one pixel of sky, at the world's origin: all rays are given.
+/// A screen of one pixel of sky, at the world's origin, since the tests give all rays themselves.
 fn screen() -> GBufferData {
     gbuffer(1, 1, |_, _| 0.0, |_, _| Vec3::ZERO)
 }
@@ -33,7 +33,7 @@ impl Room {
         Self { half, spheres: spheres.collect() }
     }
 
-    /// How far a ray goes, in its direction's lengths, and the normal where it ends; `None` through the hole.
+    /// The length of a ray, as a multiple of its direction, and the normal where it ends; `None` if it leaves through the hole.
     fn hit(&self, from: DVec3, d: DVec3) -> Option<(f64, DVec3)> {
         let axis = |a: usize| (d[a].signum() * self.half[a] - from[a]) / d[a];
         let walls = (0..3).filter(|a| d[*a] != 0.0).map(|a| (axis(a), -DVec3::AXES[a] * d[a].signum()));
@@ -74,7 +74,7 @@ fn an_empty_room_shows_its_walls_where_they_are() {
     for _ in 0..4000 {
         let (start, direction) = (0.95 * room.half * random.direction(), random.direction().normalize());
         let end = images.follow(&ExactLostRay { start, direction });
-        // Outside, the roof hides a ray from the capture: only who knows how far the room reaches sees that it is sky.
+        // Outside the room, the roof hides a ray from the capture; only bounds tell that the ray ends in the sky.
         match within.follow(&ExactLostRay { start, direction }) {
             EndInImages::Sky if end == EndInImages::Unknown => outside += 1,
             known => assert_eq!(known, end, "{start} {direction}"),
@@ -82,13 +82,14 @@ fn an_empty_room_shows_its_walls_where_they_are() {
         match (end, room.hit(start, direction)) {
             (EndInImages::Capture { place, texel_m, .. }, Some((t, normal))) => {
                 let truth = start + t * direction;
-                // A wall is steps of a texel; a ray that grazes it meets them a texel by the slope earlier or later.
+                // A wall consists of steps of a texel, which a grazing ray meets earlier or later, by a texel divided by the
+                // slope.
                 let allowed = 2.0 * texel_m * (1.0 + 1.0 / normal.dot(direction).abs());
                 assert!(place.distance(truth) <= allowed, "{start} {direction}: {place}, {truth}");
                 walls += 1;
             }
             (EndInImages::Sky | EndInImages::Unknown, None) => skies += 1,
-            // At the border of the hole.
+            // The ray ends at the border of the hole.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
                 let point = start + t * direction;
@@ -106,7 +107,7 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     let near = room.capture(&capture(Vec3::ZERO, 128, 1.0));
     let beside = room.capture(&capture(Vec3::new(2.5, 0.5, 3.5), 128, 1.0));
     let screen = screen();
-    // Past the sphere into the wall behind it, which the first capture does not see there.
+    // The ray passes the sphere and meets the wall behind it, at a place that the first capture does not see.
     let start = DVec3::new(1.5, 0.0, 0.5);
     let lost = ExactLostRay { start, direction: (DVec3::new(0.0, 0.3, 4.0) - start).normalize() };
     let one = [near.clone()];
@@ -118,13 +119,13 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     assert!(place.distance(DVec3::new(0.0, 0.3, 4.0)) < 2.0 * texel_m, "{place}");
 }
 
-/// How the ends of rays compare.
+/// Counts of agreeing and differing ends of rays.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
     rays: u64,
     hits: u64,
     unknown: u64,
-    /// Rays that end elsewhere, and do so too in the oracle if they are off by rounding.
+    /// Rays whose end differs, but that the oracle ends there, too, if they are moved by rounding.
     ties: u64,
     wrong: u64,
     most_steps: i32,
@@ -145,7 +146,7 @@ impl Count {
     }
 }
 
-/// Whether the twin ends where the oracle does: by the same code, and in a capture within a texel.
+/// Whether the twin agrees with the oracle: the same code, and in a capture the same place within a texel.
 fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
     match (twin.kind, oracle) {
         (RayEndKind::Capture(k), EndInImages::Capture { index, place, texel_m }) => {
@@ -158,7 +159,7 @@ fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
     }
 }
 
-/// A ray of one kind among captures.
+/// A random ray of one kind among captures.
 fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DVec3, DVec3) {
     let place = captures[random.below(captures.len() as u32) as usize].place.as_dvec3();
     let start = room.half * random.direction() * 0.95;
@@ -167,24 +168,24 @@ fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DV
     let size = room.half.y;
     match kind {
         0 | 1 => (start, random.direction()),
-        // Straight at a capture's centre, straight away from it, and from there.
+        // Rays to a capture's centre, away from it, and from it.
         2 => (start, sign * (place - start)),
         3 => (place, random.direction()),
-        // Along an axis, a diagonal of a face, and through a corner of the cube from another place.
+        // Rays along an axis, along a diagonal of a face, and through a corner of the cube from another place.
         4 => (start, [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * sign),
         5 => (place + corner * size * 0.1, DVec3::new(corner.x, corner.y, 0.0)),
         6 => (place + corner * size * random.range(0.1, 0.8), random.direction()),
-        // In the plane between two faces.
+        // Rays in the plane between two faces.
         _ => {
             (place + DVec3::new(1.0, random.range(-1.0, 1.0), 1.0) * size * 0.3, DVec3::new(sign, random.unit(), sign))
         }
     }
 }
 
-/// How many kinds there are; the first two are plain.
+/// Number of kinds; the first two are plain.
 const KINDS: u32 = 8;
-/// The kinds that run within the border of two faces, or begin where three of them meet, so that rounding decides at every
-/// step in which of them they are: no single ray that is off by rounding need take all these decisions.
+/// The kinds of rays that run along the border of two faces, or begin where three faces meet. Rounding decides at every step in
+/// which face they are, and no single moved ray need take all these decisions.
 const IN_BORDERS: std::ops::Range<u32> = 5..KINDS;
 
 /// The random images of the hard cases: depths and normals of any kind in every texel.
@@ -207,7 +208,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let room = Room::new(&random, scale);
     let count = 1 + random.below(4) as usize;
     let place = |i: usize| match (case / 32 % 4, i) {
-        // In a wall, on a surface, and at the eye.
+        // Places in a wall, on a surface, and at the eye.
         (1, 0) => room.half * DVec3::new(1.1, 0.0, 0.0),
         (1, 1) => room.half * DVec3::new(0.0, -1.0, 0.3),
         (1, 2) => DVec3::ZERO,
@@ -220,7 +221,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
         })
         .collect();
     let screen = screen();
-    // A third of the cases know how far the room reaches.
+    // A third of the cases know the bounds of the room.
     let half = room.half.as_vec3();
     let bounds = if case.is_multiple_of(3) { Aabb { min: -half, max: half } } else { Aabb::ALL };
     let images = ImageOracle::new(&screen, &captures).with_bounds(bounds);
@@ -279,8 +280,8 @@ fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
     let plain = count_of(0).add(count_of(1));
     let unexplained: Vec<_> = all.iter().flat_map(|(_, wrong)| wrong).map(String::as_str).collect();
     let shown = unexplained[..unexplained.len().min(8)].join("\n\n");
-    // A ray that is lost where it enters a face is lost on the border, and rounding decides which face is asked whether
-    // it sees that point, wherever the ray began: such ties are not found by moving the ray.
+    // A ray that is lost where it enters a face is lost on the border. Rounding decides which face then answers whether it sees
+    // that point, wherever the ray began, so that moving the ray does not find such ties.
     assert!(plain.rays > 50_000 && (plain.ties + plain.wrong) * 10_000 <= plain.rays, "{plain:?}:\n{shown}");
     for kind in 0..KINDS {
         let count = count_of(kind);
@@ -292,8 +293,8 @@ fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
 
 #[test]
 fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
-    // Along a diagonal inside the blocks of a wall whose normals all say that the ray leaves it: it goes down to each
-    // pixel, and passes it.
+    // A ray along a diagonal inside the blocks of a wall whose normals all say that the ray leaves it, so that it goes down to
+    // each pixel and passes it.
     for side in [16, 64, 128] {
         let cube = capture(Vec3::ZERO, side, 1.0);
         let wall = CaptureData::of(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
@@ -312,7 +313,7 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
 
 #[test]
 fn captures_that_see_nothing_leave_every_end_unknown() {
-    // Every texel shows what is nearer than anything, as inside a wall; or stands on the near plane.
+    // Every texel shows a surface nearer than anything else, as inside a wall, or a surface on the near plane.
     let random = Random::new(5, 0);
     for z in [0.051, 0.05] {
         let blind = CaptureData::of(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));

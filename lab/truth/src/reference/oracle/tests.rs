@@ -1,4 +1,4 @@
-//! Rays that can be followed by hand. The lens is the default: 74° vertical, near 0.1 m, far 1000 m.
+//! Tests with rays that can be followed by hand. The lens is the default: 74° vertical, near 0.1 m, far 1000 m.
 
 use super::*;
 use crate::reference::ray::MissReason;
@@ -40,8 +40,8 @@ fn a_floor_mirrors_the_wall() {
 
 #[test]
 fn rays_leave_the_screen() {
-    // From the lowest row, the mirrored ray has risen by 2 m at the wall's depth. It is above the screen there,
-    // and was always in front of the wall.
+    // From the lowest row, the mirrored ray has risen by 2 m at the wall's depth. The ray is above the screen there, and was in
+    // front of the wall all the way.
     let g = floor_and_wall(160, 90);
     let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     assert!(-2.0 - 5.0 * b > 0.0 && 5.0 * b.abs() < 5.0 * 0.7536);
@@ -55,12 +55,11 @@ fn rays_leave_the_screen() {
 
 #[test]
 fn rays_towards_the_camera_end_at_the_near_plane() {
-    // The middle pixel of a wall faces the camera: its ray never leaves the pixel.
+    // The middle pixel of a wall faces the camera, so that its ray never leaves the pixel.
     let g = flat(9, 9, 5.0);
     let straight = Oracle::new(&g).trace(4, 4);
     assert_eq!((straight.outcome, straight.steps), (miss(MissReason::Near, false), 0));
-    // From the floor pixel below the middle towards a point 0.05 m beside the eye, which is nearer than the
-    // near plane.
+    // A ray from the floor pixel below the middle towards a point 0.05 m beside the eye, which is nearer than the near plane.
     let g = floor_and_wall(90, 90);
     let oracle = Oracle::new(&g);
     let from = oracle.rays.position(45, 80).expect("floor");
@@ -89,12 +88,12 @@ fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
     let thick = row(&[4.0, SKY, SKY, SKY, 3.0, 4.2, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thick).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [4, 0], .. }), "{trace:?}");
-    // With neighbours at 4.2 m and 5 m it stands far before both, and is as thin as alone.
+    // With neighbours at 4.2 m and 5 m the pole stands far before both, and is as thin as without neighbours.
     let between = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
     let trace = Oracle::new(&between).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [8, 0], .. }), "{trace:?}");
-    // With a neighbour at 3.9 m, the pole extends only to 3.912 m. But that neighbour, whose only neighbour is
-    // the pole, is itself 0.9 + 0.0156 m thick.
+    // With a neighbour at 3.9 m, the pole extends only to 3.912 m. The neighbour, whose own only neighbour is the pole, is 0.9
+    // + 0.0156 m thick.
     let thinner = row(&[4.0, SKY, SKY, SKY, 3.0, 3.9, SKY, SKY, SKY]);
     let trace = Oracle::new(&thinner).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [5, 0], .. }), "{trace:?}");
@@ -110,8 +109,8 @@ fn the_flag_says_whether_a_ray_ended_behind_something() {
 
 #[test]
 fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
-    // Column 1 is 3 m away and 1.012 m thick, because its only neighbour is at 4 m. A ray from column 0 that is
-    // 3.2 m away where it enters column 1, and 2.9 m away where it leaves it, crosses the front there.
+    // Column 1 is 3 m away and 1.012 m thick, because its only neighbour is at 4 m. A ray from column 0 that is 3.2 m away
+    // where it enters column 1, and 2.9 m away where it leaves it, crosses the front in that column.
     let g = row(&[4.0, 3.0, SKY, SKY]);
     let oracle = Oracle::new(&g);
     let depth = |z| f64::from(depth_of(z));
@@ -129,8 +128,8 @@ fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
 
 #[test]
 fn a_ray_through_a_corner_goes_across_it() {
-    // All sky, except for the two pixels beside the diagonal, at the ray's own depth: the ray does not meet
-    // them. It does meet a pixel on the diagonal.
+    // All sky, except for the two pixels beside the diagonal, at the ray's own depth. The ray does not meet these two, but
+    // meets a pixel on the diagonal.
     let depth = depth_of(2.0);
     let on = |pixels: &'static [(u32, u32)]| {
         gbuffer(3, 3, move |x, y| if pixels.contains(&(x, y)) { depth } else { 0.0 }, |_, _| Vec3::NEG_Z)
@@ -170,8 +169,8 @@ fn one_pixel_hits_nothing() {
     }
 }
 
-/// How a ray along a row of pixels, from one depth to another, ends by each version. `direction` is the ray's
-/// direction for comparisons with normals.
+/// The end of a ray along a row of pixels, from one depth to another, by each version. `direction` is the ray's direction for
+/// comparisons with normals.
 fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [Outcome; 2] {
     let g = row(depths_m);
     let last = depths_m.len() as f64 - 0.5;
@@ -198,9 +197,8 @@ fn the_second_version_hits_only_from_in_front() {
     let [first, second] = level(&[1.0, 1.0, 2.0, 2.0], 2.004);
     assert!(hits(first, 2), "{first:?}");
     assert_eq!(second, behind);
-    // After something farther away or sky, at the edge of the surface, the ray passes too, unless it runs
-    // against the normal (0, 0, −1) and is no deeper in the block than the thickness times that cosine, here
-    // 0.4.
+    // After a farther surface or sky, at the edge of the surface, the ray also passes, unless it runs against the normal (0, 0,
+    // −1) and is not too deep in the block. The limit of depth is the thickness times the cosine between both, here 0.4.
     let against = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::new(0.84_f64.sqrt(), 0.0, 0.4));
     for before in [9.0, SKY] {
         let [first, second] = level(&[SKY, before, 2.0, 2.0], 2.004);
@@ -211,11 +209,10 @@ fn the_second_version_hits_only_from_in_front() {
             assert!(hits(first, 2) && hits(second, 2) == is_hit, "{before} {at_m} {first:?} {second:?}");
         }
     }
-    // On a slope of 0.5 m per pixel, T is that plus 0.4 % of the depth, and the side is joined to the previous
-    // pixel.
+    // On a slope of 0.5 m per pixel, T is the slope plus 0.4 % of the depth, and the side is joined to the previous pixel.
     let [first, second] = level(&[SKY, 3.0, 2.5, 2.0, 1.5], 2.85);
     assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
-    // A front that the ray crosses is hit, whatever came before.
+    // A ray hits a front that it crosses, whatever it passed before.
     let [first, second] = ends_of(&[1.0, 1.0, 2.0, 2.0], [1.5, 2.4], DVec3::X);
     assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
 }
@@ -227,7 +224,7 @@ fn the_second_version_leaves_the_surface_that_a_ray_begins_on() {
     let to = |direction| ends_of(&[2.0, 2.0, SKY, 2.025, 2.025], [2.0, 2.04], direction);
     let [first, second] = to(DVec3::new(0.9, 0.0, -0.1));
     assert!(hits(first, 1) && hits(second, 3), "{first:?} {second:?}");
-    // In the other direction it ends at once, although it comes from behind the starting pixel's front.
+    // A ray in the other direction hits at once, although it comes from behind the starting pixel's front.
     let [first, second] = to(DVec3::new(0.9, 0.0, 0.1));
     assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
 }

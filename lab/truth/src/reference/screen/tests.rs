@@ -9,7 +9,7 @@ use crate::scene::{Camera, Surface};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
 
-/// The floor and the wall. The wall is striped; the floor has the given roughness and is all that reflects.
+/// The floor and the wall. The wall is striped; the floor has the given roughness, and nothing else reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     let mut g = floor_and_wall(32, 18);
     for (i, color) in g.color.iter_mut().enumerate() {
@@ -24,7 +24,7 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     (g, mask)
 }
 
-/// The lit colour where a ray from a pixel hits another.
+/// The lit colour that a ray from pixel `from` sees where it hits the pixel (x, y).
 fn shown(g: &GBufferData, from: [u32; 2], direction: DVec3, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
     let rays = RaySetup::new(g);
     let from = rays.position(from[0], from[1]).zip(rays.normal(from[0], from[1]));
@@ -45,7 +45,7 @@ fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
 
 #[test]
 fn a_ray_goes_on_where_it_was_reflected() {
-    // The wall and the floor are mirrors of different shares.
+    // Wall and floor are mirrors of different reflectivity.
     let (mut g, _) = stage(0.0);
     for (r, n) in g.reflectivity.iter_mut().zip(&g.normal) {
         *r = if n.y > 0.5 { 0.5 } else { 0.25 };
@@ -253,10 +253,10 @@ fn rays_are_drawn_by_their_numbers() {
 
 #[test]
 fn a_mirror_filters_a_striped_wall_over_the_pixel() {
-    // Columns are black and white in turns. From the pixel's centre at z, the ray through a place u of the pixel's
-    // width ends at the wall (z = 5) by (u − ½) (5 − z) / 5 of a pixel beside the column's centre. The bilinear colour
-    // there is 1 minus that in a white column, and that in a black one; over all u, 1 − w/4 and w/4 with
-    // w = (5 − z) / 5.
+    // Columns are black and white in turns. From the pixel's centre at z, the ray through a place u of the pixel's width ends
+    // on the wall (z = 5), off the column's centre by (u − ½) (5 − z) / 5 of a pixel. The bilinear colour there is this
+    // distance in a black column, and 1 minus the distance in a white one. Averaged over u, these are w/4 and 1 − w/4 with w =
+    // (5 − z) / 5.
     let (mut g, mask) = stage(0.0);
     for (i, color) in g.color.iter_mut().enumerate() {
         *color = Vec3::splat((i % 2) as f32);
@@ -299,7 +299,7 @@ fn a_mirror_takes_at_least_sixteen_rays() {
 #[test]
 fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() {
     let (mut g, mask) = stage(0.0);
-    // Turned, so that directions of view and world differ.
+    // The camera is turned, so that directions in the view and in the world differ.
     g.camera = Camera::new(Vec3::new(3.0, 1.0, 2.0), Vec3::new(1.0, 1.5, 3.0), g.camera.lens, g.camera.aspect);
     g.color.fill(Vec3::new(9.0, 0.0, 9.0));
     for i in (0..mask.len()).filter(|i| !mask[*i] && i % 32 < 16) {
@@ -312,7 +312,7 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
     for (x, y) in (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y))) {
         let i = g.index(x, y);
         let ends = mask[i].then(|| hierarchy.trace(x, y).position()).flatten();
-        // All rays of the pixel reach the wall, and the same half of it.
+        // All rays of the pixel reach the same half of the wall.
         if ends.is_none_or(|p| p.y < 2.0 || (p.x - 16.0).abs() < 1.5) {
             continue;
         }
@@ -321,7 +321,7 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
             walls += 1;
             continue;
         }
-        // The mean over a grid of places: the floor turns y round.
+        // Averages over a grid of places within the pixel; the floor reverses the sign of y.
         let n = 16;
         let places = (0..n * n).map(|k| [k % n, k / n].map(|v| (f64::from(v) + 0.5) / f64::from(n)));
         let sum: DVec3 = places
@@ -335,7 +335,7 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
         windows += 1;
     }
     assert!(windows > 20 && walls > 20, "{windows} {walls}");
-    // In a G-buffer that knows no such surface, the colour of the screen stays.
+    // If the G-buffer marks no surface as sky, the screen's colour is used.
     g.surface.fill(Surface::Lit);
     let unknown = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
     assert!(unknown.color.iter().all(|c| c.y == 0.0 && c.x <= 9.0));
@@ -353,7 +353,7 @@ fn a_ray_beyond_the_far_plane_shows_the_sky_of_the_screen_and_no_other_miss_does
     for (x, y) in (0..g.height).flat_map(|y| (1..31).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
         let found = image.color[g.index(x, y)];
         match hierarchy.trace(x, y).outcome {
-            // Rays of a pixel that all leave by the same side.
+            // All rays of the pixel leave by the same side.
             Outcome::Miss { reason: MissReason::Far, .. } if y < 15 => {
                 assert!((found - Vec3::new(0.25, 0.5, 0.75)).length() < 1e-6, "({x}, {y}): {found}");
                 shown += 1;

@@ -1,5 +1,5 @@
-//! Trees that are hard to walk over: every triangle is found that a test of all triangles finds, the stack never holds more
-//! than a shader has room for, and no ray makes a NaN.
+//! Trees that are hard to walk over. A walk must find every triangle that a test of all triangles finds, the stack must never
+//! hold more than a shader has room for, and no ray may make a NaN.
 
 use super::*;
 use crate::math::random::Stream;
@@ -29,7 +29,7 @@ fn vector(i: u64, j: u64) -> Vec3 {
     Vec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
 }
 
-/// Holds walks against a test of every triangle; gives how many rays hit.
+/// Compares walks with a test of every triangle, and returns the number of rays that hit.
 fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Vec3)>) -> usize {
     let scene = scene(triangles);
     let tree = Tree::build(&scene).expect("a tree");
@@ -58,7 +58,7 @@ fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Ve
     hits
 }
 
-/// Rays from around a place; every other one is aimed at it.
+/// Rays from around a place; every other ray is aimed at it.
 fn rays(around: Vec3, reach: f32, count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(move |i| {
         let origin = around + 1.5 * reach * vector(i, 5);
@@ -121,12 +121,12 @@ fn no_ray_makes_a_nan_or_runs_for_ever() {
     }
 }
 
-/// The most by which the walk errs in the distance to a triangle, in metres, to the first order in the rounding ε of a
-/// number. The start and the corners are rounded by ε along each axis as they are measured from the tree's origin, which
-/// moves the plane by no more than the sum of both. The rest is that of `t = Σ uᵢ (d · vᵢ) / Σ uᵢ`, with corners vᵢ up to L
-/// from the start and edges up to E. Each uᵢ errs by 8 ε L²: 2 ε for the differences of its two corners, √2 · 2 ε for the two
-/// products and the difference of each part of the cross product, and 3 ε for the sum. So the weights move the hit within the
-/// triangle, whose extent along the ray is E at most. The products d · vᵢ and the weighted sum err by 10 ε L.
+/// Bound of the walk's error in the distance to a triangle, in metres, to the first order in the rounding ε of a number. The
+/// start and the corners are rounded by ε along each axis relative to the tree's origin, which moves the plane by at most the
+/// sum of both. The other part is the error of `t = Σ uᵢ (d · vᵢ) / Σ uᵢ`, with corners vᵢ up to L from the start and edges up
+/// to E. Each uᵢ errs by 8 ε L²: 2 ε for the differences of its two corners, √2 · 2 ε for the two products and the difference
+/// of each part of the cross product, and 3 ε for the sum. Errors of the weights therefore move the hit within the triangle,
+/// whose extent along the ray is at most E. The products d · vᵢ and the weighted sum err by 10 ε L.
 fn distance_error(records: &TriangleRecords, [a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> f64 {
     let normal = (b - a).cross(c - a);
     let (area, cosine) = (normal.dot(direction).abs(), normal.normalize().dot(direction).abs());
@@ -136,7 +136,7 @@ fn distance_error(records: &TriangleRecords, [a, b, c]: [DVec3; 3], origin: DVec
     ROUNDING * (moved / cosine + 3.0 * 8.0 * far * far * edge / area + 10.0 * far)
 }
 
-/// The walk in 32-bit floats ends where the hierarchy in 64-bit floats does, but for ties.
+/// Tests that the walk in 32-bit floats ends where the hierarchy in 64-bit floats does, except for ties.
 #[test]
 fn the_walk_agrees_with_the_hierarchy_in_f64() {
     let triangles = scattered(2000, 0.8);
@@ -163,15 +163,15 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
                 let most = distance_error(&records, corners, origin.as_dvec3(), direction.as_dvec3());
                 assert!((e.t - f64::from(met.t)).abs() <= most, "{e:?} {met:?}, {most}");
             }
-            // A ray at an edge, within rounding.
+            // The ray passes an edge, within rounding.
             _ => other += 1,
         }
     }
     assert!(hits > 5000 && other <= 2, "{other} of {hits} differ");
 }
 
-/// What moves stands in a tree of its own: rays end where a test of every triangle ends them, and where the hierarchy in
-/// 64-bit floats over all triangles does, but for ties.
+/// Tests moving triangles, which have their own tree: rays must end where a test of every triangle ends them. Except for ties,
+/// they must also end where the hierarchy in 64-bit floats over all triangles does.
 #[test]
 fn what_moves_is_met_beside_what_stands() {
     let triangles = scattered(2000, 0.8);
@@ -209,8 +209,8 @@ fn what_moves_is_met_beside_what_stands() {
     }
 }
 
-/// Rays that leave one of two planes a millimetre apart meet the other, and not their own, whatever the distance from the
-/// scene's middle.
+/// Tests that rays from one of two planes a millimetre apart meet the other plane, and not their own, whatever the distance
+/// from the scene's middle.
 #[test]
 fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
     for distance_m in [1.0, 100.0, 10_000.0_f32] {
@@ -226,7 +226,7 @@ fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
         for i in 0..2000 {
             let [x, z] = [0, 1].map(|k| 0.9 * signed(i, k));
             let start = DVec3::new(f64::from(distance_m + x), 0.0, f64::from(z)) - tree.origin;
-            // From the lower plane up, and below it down.
+            // Rays go up from the lower plane, and down from below it.
             for up in [1.0, -1.0] {
                 let direction =
                     Vec3::new(signed(i, 2), up * 0.2 + up * 0.8 * signed(i, 3).abs(), signed(i, 4)).normalize();

@@ -1,6 +1,6 @@
 //! Twin of following rays through captures (`captures/faces.glsl`, `captures/follow.comp`, and `PushIfLost` of
-//! `captures/seen.glsl`), operation for operation; the names are the shaders', which say why. The colour that a ray sees
-//! is no part of it.
+//! `captures/seen.glsl`), operation for operation. The twin keeps the shaders' names, and their comments give the reasons. It
+//! does not compute the colour that a ray sees.
 
 use super::{Hit, HitCode, NEVER, Ray, Traversal, Walk, WalkMode, dot, front_crossing};
 use crate::math::constants;
@@ -8,56 +8,56 @@ use crate::reference::CaptureData;
 use crate::scene::{Aabb, Camera, ProjectionKind};
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
-/// How far away the sky is put, in metres.
+/// Distance at which the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
 const GETS_ON: f32 = constants::GETS_ON as f32;
 
-/// Captures as rays of one camera are followed in them.
+/// Captures in which the rays of one camera are followed.
 #[derive(Debug, Clone)]
 pub struct CaptureTraversal<'a> {
-    /// Face f of capture k at 6 k + f, in Vulkan's order +x −x +y −y +z −z.
+    /// Faces in Vulkan's order +x −x +y −y +z −z; face f of capture k is at 6 k + f.
     pub faces: Vec<Traversal<'a>>,
-    /// From the camera's eye to each capture's place, in world axes, in metres.
+    /// Offset from the camera's eye to each capture's place, in world axes, in metres.
     pub places: Vec<Vec3>,
     view_to_world: Mat3,
     view_unit: f32,
     face_unit: f32,
-    /// Where the camera is, in the world, in metres.
+    /// Position of the camera in the world, in metres.
     eye: Vec3,
-    /// A box outside of which nothing stands, relative to the eye.
+    /// A box, relative to the eye, outside of which there is no surface.
     bounds: Aabb,
 }
 
-/// `LostRay`, but for its footprint.
+/// Twin of `LostRay`, without its footprint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LostRay {
-    /// Relative to the eye, in world axes, in metres.
+    /// Where the ray was lost, relative to the eye, in world axes, in metres.
     pub start: Vec3,
-    /// Unit, in world axes.
+    /// Unit direction in world axes.
     pub direction: Vec3,
 }
 
-/// How a mirror ray fared on the screen.
+/// How a mirror ray ended on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ScreenRayEnd {
     /// The pixel has no ray, or sends it below its own surface.
     NoRay,
-    /// It ended in the sky.
+    /// The ray ended in the sky.
     Sky,
-    /// It hit.
+    /// The ray hit.
     Hit(Hit),
-    /// The screen lost it.
+    /// The screen lost the ray.
     Lost(LostRay),
 }
 
-/// How a ray ended that the screen lost.
+/// How a ray ended after the screen lost it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RayEndKind {
-    /// It hit in the capture of this index.
+    /// The ray hit in the capture of this index.
     Capture(usize),
-    /// In the sky.
+    /// The ray ended in the sky.
     Sky,
-    /// Where no image sees it.
+    /// The ray ended where no image sees it.
     Unknown,
 }
 
@@ -72,22 +72,22 @@ impl RayEndKind {
     }
 }
 
-/// `CaptureRayEnd`.
+/// Twin of `CaptureRayEnd`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureRayEnd {
-    /// How it ended.
+    /// How the ray ended.
     pub kind: RayEndKind,
-    /// Relative to the eye, in world axes, in metres: where it hit, or a point far along it for the sky.
+    /// Where the ray hit, or a point far along it for the sky: relative to the eye, in world axes, in metres.
     pub place: Vec3,
-    /// Cells looked at in all captures.
+    /// Number of cells looked at in all captures.
     pub steps: i32,
-    /// Faces walked over.
+    /// Number of faces walked over.
     pub faces: i32,
-    /// Whether a walk ran out of steps, which cannot be.
+    /// Whether a walk ran out of steps, which must not happen.
     pub is_exhausted: bool,
 }
 
-/// `FOLLOW_*`.
+/// Twin of the values `FOLLOW_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FollowEnd {
     Hit,
@@ -97,10 +97,10 @@ enum FollowEnd {
 }
 
 impl<'a> CaptureTraversal<'a> {
-    /// The most faces that a ray is followed over: seven each time that it goes on in a capture.
+    /// Greatest number of faces that a ray is followed over: seven each time that it is followed in a capture.
     pub const MAX_FACES: i32 = 7 * 2 * constants::CAPTURE_SLOTS;
 
-    /// The most cells that a ray looks at.
+    /// The greatest number of cells that a ray looks at.
     pub fn max_steps(&self) -> i32 {
         self.faces.first().map_or(0, |face| Self::MAX_FACES * face.max_face_steps())
     }
@@ -123,13 +123,12 @@ impl<'a> CaptureTraversal<'a> {
         }
     }
 
-    /// With a box in the world, in metres, outside of which nothing stands.
+    /// Sets a box in the world, in metres, outside of which there is no surface.
     pub fn with_bounds(self, bounds: Aabb) -> Self {
         Self { bounds: bounds.moved(-self.eye), ..self }
     }
 
-    /// What the screen makes of the mirror ray of a pixel (`mirror.glsl`); its traversal must be
-    /// [`Traversal::followed`].
+    /// Follows the mirror ray of a pixel on the screen (`mirror.glsl`); the screen's traversal must be [`Traversal::followed`].
     pub fn trace_screen(&self, screen: &Traversal, x: u32, y: u32) -> ScreenRayEnd {
         let Some((ray, true)) = screen.mirror_ray(x, y) else { return ScreenRayEnd::NoRay };
         let hit = screen.traverse(&ray);
@@ -140,7 +139,7 @@ impl<'a> CaptureTraversal<'a> {
         }
     }
 
-    /// `PushIfLost`.
+    /// Twin of `PushIfLost`.
     fn lost_ray(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
         let p = &screen.parameters;
         let depth = ray.depth + hit.s * ray.rate.z;
@@ -149,13 +148,13 @@ impl<'a> CaptureTraversal<'a> {
         LostRay { start: self.to_world(start), direction: along * (1.0 / dot(along, along).sqrt()) }
     }
 
-    /// `ToWorld`.
+    /// Twin of `ToWorld`.
     fn to_world(&self, v: Vec3) -> Vec3 {
         let m = &self.view_to_world;
         m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
     }
 
-    /// `TraceCaptures`.
+    /// Twin of `TraceCaptures`.
     pub fn trace_captures(&self, ray: &LostRay) -> CaptureRayEnd {
         let mut ray_end =
             CaptureRayEnd { kind: RayEndKind::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
@@ -192,12 +191,12 @@ impl<'a> CaptureTraversal<'a> {
         ray_end
     }
 
-    /// `IsOutsideScene`.
+    /// Twin of `IsOutsideScene`.
     fn is_outside_scene(&self, point: Vec3) -> bool {
         point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
-    /// `NearestSeeingCapture`.
+    /// Twin of `NearestSeeingCapture`.
     fn nearest_seeing_capture(&self, point: Vec3, excluded: u32) -> Option<usize> {
         let (mut nearest, mut least) = (None, NEVER);
         for (capture, place) in self.places.iter().enumerate() {
@@ -210,7 +209,7 @@ impl<'a> CaptureTraversal<'a> {
         nearest
     }
 
-    /// `CaptureSees`.
+    /// Twin of `CaptureSees`.
     fn capture_sees(&self, capture: usize, o: Vec3) -> bool {
         let face = cube_face(o);
         let image = &self.faces[6 * capture + face];
@@ -221,12 +220,12 @@ impl<'a> CaptureTraversal<'a> {
         depth < 1.0 && (block.front < block.back || depth >= block.back)
     }
 
-    /// `FaceDepth`.
+    /// Twin of `FaceDepth`.
     fn face_depth(&self, image: &Traversal, z: f32) -> f32 {
         self.face_unit / z - image.parameters.depth_offset
     }
 
-    /// `FacePoint`.
+    /// Twin of `FacePoint`.
     fn face_point(&self, image: &Traversal, ray: &Ray, s: f32) -> Vec3 {
         let depth = ray.depth + s * ray.rate.z;
         let position = ray.start + s * ray.rate.truncate();
@@ -234,7 +233,7 @@ impl<'a> CaptureTraversal<'a> {
         image.parameters.view_ray(position) * z
     }
 
-    /// `TraceFace`; the side comes last.
+    /// Twin of `TraceFace`; the side comes last in the result.
     fn trace_face(
         &self,
         image: &Traversal,
@@ -309,7 +308,7 @@ impl<'a> CaptureTraversal<'a> {
         })
     }
 
-    /// `TraceCapture`.
+    /// Twin of `TraceCapture`.
     fn trace_capture(
         &self,
         capture: usize,
@@ -333,7 +332,7 @@ impl<'a> CaptureTraversal<'a> {
 }
 
 impl Traversal<'_> {
-    /// Whether a ray that hit nothing ends beyond the far plane, and before what is there (`MissCode`).
+    /// Whether a ray that hit nothing ends beyond the far plane, and in front of the surface of its last pixel (`MissCode`).
     fn ends_in_sky(&self, ray: &Ray) -> bool {
         let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;
@@ -345,7 +344,7 @@ impl Traversal<'_> {
     }
 }
 
-/// `ToFace`.
+/// Twin of `ToFace`.
 fn to_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(-v.z, v.y, v.x),
@@ -357,7 +356,7 @@ fn to_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// `FromFace`.
+/// Twin of `FromFace`.
 fn from_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(v.z, v.y, -v.x),
@@ -369,7 +368,7 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// `CubeFace`.
+/// Twin of `CubeFace`.
 fn cube_face(v: Vec3) -> usize {
     let a = v.abs();
     let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
@@ -382,7 +381,7 @@ fn cube_face(v: Vec3) -> usize {
     }
 }
 
-/// `FacePosition`.
+/// Twin of `FacePosition`.
 fn face_position(image: &Traversal, q: Vec3) -> (Vec2, IVec2) {
     let size = image.parameters.size;
     let side = size.x as f32;

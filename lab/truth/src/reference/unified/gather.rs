@@ -1,8 +1,7 @@
-//! Each pixel's or cell's reflection from the rays around it: twin of the passes "resolve/narrow" and "cells".
+//! The reflection of each pixel or cell from the rays around it: twin of the passes "resolve/narrow" and "cells".
 //!
-//! The shaders exchange what they loaded within a block of 2 × 2 by derivatives, value ± derivative, which is the
-//! neighbour's value up to its last bits. The twin exchanges by the same subtraction and addition
-//! ([`ray_from_neighbour`]), so that this is no difference between them.
+//! The shaders exchange loaded values within a block of 2 × 2 by derivatives: value ± derivative is the neighbour's value up to
+//! its last bits. The twin uses the same subtraction and addition ([`ray_from_neighbour`]), so that the results do not differ.
 
 use super::gloss_trace::NeighbourRay;
 use super::lobe::{LEAST_WEIGHT, LOG2_E, Lobe, inverse_sqrt, log_cos, log_density};
@@ -19,7 +18,7 @@ struct RaySum {
 }
 
 impl RaySum {
-    /// `AddRay`.
+    /// Twin of `AddRay`.
     fn add_ray(&mut self, weight: f32, is_hit: bool, color: Vec4) {
         let hits = if is_hit { weight } else { 0.0 };
         self.weight += weight;
@@ -27,7 +26,7 @@ impl RaySum {
         self.hits += hits;
     }
 
-    /// `ReflectionFromSum`; `over` says that what the rays missed is not black but not there.
+    /// `ReflectionFromSum`; `over` says that rays that missed leave the reflection transparent, and not black.
     fn reflection(&self, over: bool) -> Vec4 {
         if self.hits <= 0.0 {
             return Vec4::ZERO;
@@ -41,26 +40,27 @@ impl RaySum {
     }
 }
 
-/// What `RayFromNeighbourX` and `RayFromNeighbourY` bring from the pixel beside, which has `other`.
+/// Twin of `RayFromNeighbourX` and `RayFromNeighbourY`: the ray `other` of the neighbouring pixel, after the exchange by
+/// derivatives.
 fn ray_from_neighbour(own: NeighbourRay, other: NeighbourRay) -> NeighbourRay {
     NeighbourRay { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
 }
 
-/// `DirectionOutOfBlock`: from a block's pixel to the outside of the block, along each axis.
+/// `DirectionOutOfBlock`: the direction from a pixel to the outside of its block, along each axis.
 pub(super) fn direction_out_of_block(pixel: IVec2) -> IVec2 {
     2 * (pixel & 1) - 1
 }
 
-/// A cell's reflection, and the surface that it is of.
+/// A cell's reflection, with the surface that reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ResolvedCell {
     /// Colour, and fade in the fourth component.
     pub reflection: Vec4,
-    /// Normal, and the z of [`super::Parameters::view_point`]; all 0 for none.
+    /// Normal, and z as scaled by [`super::Parameters::view_point`]; all 0 for no surface.
     pub surface: Vec4,
 }
 
-/// What a cell gathers for.
+/// The point and lobe of a cell that gathers rays.
 struct GatherPoint {
     point: Vec3,
     lobe: Lobe,
@@ -68,7 +68,7 @@ struct GatherPoint {
 }
 
 impl GatherPoint {
-    /// `GatherRay` of wide lobes.
+    /// Twin of `GatherRay` for wide lobes.
     fn gather_ray(&self, sum: &mut RaySum, ray: NeighbourRay) {
         let density = ray.key.w;
         if density == 0.0 {
@@ -85,8 +85,8 @@ impl GatherPoint {
 }
 
 impl Gloss<'_> {
-    /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the 3 × 3 around it. `None`
-    /// for a pixel that has no ray.
+    /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the surrounding 3 × 3 pixels. `None` for
+    /// a pixel that has no ray.
     pub fn resolve_narrow(&self, rays: &Level<NeighbourRay>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
         let load_neighbour_ray = |texel: IVec2| {
             let texel = texel.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
@@ -128,7 +128,7 @@ impl Gloss<'_> {
         Some(self.composite_pixel(pixel, reflection))
     }
 
-    /// The pass "cells": the reflection of a cell from the rays of the 5 × 5 around it.
+    /// The pass "cells": the reflection of a cell from the rays of the surrounding 5 × 5 cells.
     pub fn resolve_cell(&self, rays: &Level<NeighbourRay>, cell: IVec2) -> ResolvedCell {
         let Some(pixel) = self.wide_pixel(cell) else { return ResolvedCell::default() };
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
@@ -149,7 +149,7 @@ impl Gloss<'_> {
         ResolvedCell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
-    /// `Row`.
+    /// Twin of `Row`.
     fn row(&self, rays: &Level<NeighbourRay>, cell: IVec2, y: i32) -> [NeighbourRay; 5] {
         let load_cell_ray = |cell: IVec2, x: i32| {
             let texel = cell + 2 * direction_out_of_block(cell) * IVec2::new(x, y);
@@ -167,7 +167,7 @@ impl Gloss<'_> {
         ]
     }
 
-    /// A pixel's reflection as it is shown, and the lit colour with it.
+    /// A pixel's reflection as it is shown, and the composite.
     pub(super) fn composite_pixel(&self, pixel: IVec2, reflection: Vec4) -> (Vec4, Vec3) {
         let shown_reflection = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
         let index = self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32);

@@ -1,5 +1,5 @@
-//! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
-//! pixels and cells are narrow, wide, or drawn at all.
+//! Data that the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which pixels
+//! and cells are narrow, wide, or drawn at all.
 
 use super::gloss_trace::cell_pixel;
 use super::{Hit, Traversal};
@@ -12,8 +12,8 @@ const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 /// Cells of 2 × 2 pixels along a side of a tile.
 const CELLS: i32 = constants::TILE_SIDE / 2;
 
-/// The glossy passes of one G-buffer. Its normals, materials and colours must be as 16-bit floats hold them, which is
-/// how the shaders load them.
+/// The glossy passes of one G-buffer. Its normals, materials and colours must be rounded to 16-bit floats, since the shaders
+/// load them in this format.
 #[derive(Debug, Clone)]
 pub struct Gloss<'a> {
     pub(super) traversal: &'a Traversal<'a>,
@@ -23,15 +23,15 @@ pub struct Gloss<'a> {
     fade: Option<[f32; 2]>,
     /// Whether another reflection shows where this one misses.
     pub(super) is_over: bool,
-    /// For each cell of 2 × 2 pixels the pixel that its ray is of.
+    /// For each cell of 2 × 2 pixels, the pixel that its ray begins in.
     wide: Level<Option<IVec2>>,
-    /// For each tile whether it holds a pixel with a wide lobe.
+    /// For each tile, whether it has a pixel with a wide lobe.
     wide_tiles: Level<bool>,
 }
 
 impl<'a> Gloss<'a> {
-    /// Makes the twin of a traversal's gloss from the lit colour and its coarser levels as they were made; their filter is
-    /// no part of the twin.
+    /// Makes the twin of a traversal's gloss from the lit colour and its coarser levels, which the caller computes; the twin
+    /// does not filter them.
     pub fn new(traversal: &'a Traversal, chain: &'a [Level<Vec3>], fade: Option<[f32; 2]>, is_over: bool) -> Self {
         let size = traversal.parameters.size;
         let [cells, tiles] = [2, 2 * CELLS].map(|side| ((size + side - 1) / side).as_uvec2());
@@ -57,7 +57,7 @@ impl<'a> Gloss<'a> {
         self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32)
     }
 
-    /// `TileListOf`, of a pixel that may be sky.
+    /// `TileListOf`: whether a pixel, which may be sky, is on the list of wide or of narrow lobes.
     fn is_on_list(&self, pixel: IVec2, wide: bool) -> bool {
         let (g, i) = (self.traversal.gbuffer, self.index(pixel));
         let roughness = g.roughness[i];
@@ -74,7 +74,8 @@ impl<'a> Gloss<'a> {
         self.is_on_list(pixel, true) && self.depth(pixel) > 0.0
     }
 
-    /// The pixel of `FindWideCell`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
+    /// The pixel of `FindWideCell`; `None` where the shader's roughness is 0. Beyond the image, the nearest cell at its edge
+    /// counts.
     pub(super) fn wide_pixel(&self, cell: IVec2) -> Option<IVec2> {
         let size = self.traversal.parameters.size;
         if cell.cmple(self.last_cell()).all() {
@@ -90,13 +91,13 @@ impl<'a> Gloss<'a> {
         (self.traversal.parameters.size - 1) >> 1
     }
 
-    /// `IsDrawn`: whether a cell is on a tile of the list of wide lobes.
+    /// `IsDrawn`: whether a cell lies on a tile of the list of wide lobes.
     pub(super) fn is_drawn(&self, cell: IVec2) -> bool {
         let tile = (cell / CELLS).as_uvec2();
         self.wide_tiles.at_clamped(tile.x, tile.y)
     }
 
-    /// A pixel's depth, or −1 for sky, as the pyramid has it.
+    /// A pixel's depth in the pyramid; −1 for sky.
     pub(super) fn depth(&self, pixel: IVec2) -> f32 {
         self.traversal.levels[0].at_clamped(pixel.x as u32, pixel.y as u32).front
     }
@@ -119,9 +120,9 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// The colour of what was hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
-    /// `SampleColorChain` in others, without the sky along the ray. The ray is the point where it begins, the normal there, and
-    /// its direction.
+    /// The colour of a hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
+    /// `SampleColorChain` in others, without the sky along the ray. `ray` has the point where the ray begins, the normal there,
+    /// and the direction.
     pub(super) fn sample_screen_hit(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
         let test = self.traversal.make_visibility_test(ray, hit.pixel);

@@ -1,5 +1,5 @@
-//! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
-//! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
+//! Rays of glossy lobes and their results: twin of the passes "trace/narrow" and "trace/wide". A ray is first aimed and then
+//! followed, so that a test can follow a ray whose aim differs by a rounding error.
 
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, lobe_overlap, log_density};
 use super::{Gloss, Hit, HitCode};
@@ -16,11 +16,11 @@ const FAR_SKY: f32 = constants::FAR_SKY as f32;
 /// A ray before it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AimedRay {
-    /// The pixel that it begins in.
+    /// Pixel that the ray begins in.
     pub pixel: IVec2,
-    /// That pixel's point, as [`super::Parameters::view_point`] scales it.
+    /// Point of the pixel, as [`super::Parameters::view_point`] scales it.
     pub point: Vec3,
-    /// That pixel's lobe.
+    /// Lobe of the pixel.
     pub lobe: Lobe,
     /// The ray's direction, a unit vector in view space.
     pub direction: Vec3,
@@ -30,11 +30,12 @@ pub struct AimedRay {
     pub share: f32,
 }
 
-/// What a ray saw, as neighbours gather it: `NeighbourRay`. All is 0 for no ray.
+/// The result of a ray, as neighbours gather it: `NeighbourRay`. All values are 0 without a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NeighbourRay {
-    /// What its weight goes by; w is 0 for no ray and negative for a miss. Of narrow lobes the middle of the lobe and
-    /// the root of α + 1, of wide ones the point that was hit or the direction of a miss, and the density.
+    /// Values that the weight of the ray depends on; w is 0 without a ray and negative for a miss. For a narrow lobe they are
+    /// the middle of the lobe and the root of α + 1. For a wide lobe they are the point of the hit, or the direction of a miss,
+    /// and the density.
     pub key: Vec4,
     /// Colour of the hit, and its fade in the fourth component.
     pub color: Vec4,
@@ -54,7 +55,7 @@ impl Gloss<'_> {
     /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe.
     pub fn aim_wide(&self, cell: IVec2) -> Option<AimedRay> {
         let pixel = self.wide_pixel(cell)?;
-        // How the normal turns within the block of 2 × 2 cells that a device shades in step.
+        // The normal's change within the block of 2 × 2 cells that a device shades together.
         let unit = |cell: IVec2| {
             let normal = self.normal(self.wide_pixel(cell).unwrap_or_else(|| cell_pixel(cell)));
             normal * inverse_sqrt(normal.dot(normal).max(1e-30))
@@ -69,7 +70,8 @@ impl Gloss<'_> {
         Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
     }
 
-    /// The first half of `TraceLobeSample`; `common` is the part that a lobe of a power has in common with its neighbours'.
+    /// The first half of `TraceLobeSample`; `common` gives, for a lobe power, the part that a lobe and the lobes of its
+    /// neighbours have in common.
     fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> AimedRay {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let lobe = Lobe::new(self.traversal.parameters.view_direction(point), normal, self.roughness(pixel));
@@ -82,10 +84,10 @@ impl Gloss<'_> {
         AimedRay { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
-    /// The second half of `TraceLobeSample`, with `TraceGlossyRay`: where the ray hits a surface or shows the sky of the screen, and
-    /// the colour and the fade there. `None` for a miss.
+    /// The second half of `TraceLobeSample`, with `TraceGlossyRay`: the hit on a surface or on the screen's sky, with its
+    /// colour and fade. `None` for a miss.
     pub fn trace_glossy_ray(&self, aim: &AimedRay) -> Option<(Hit, Vec4)> {
-        // Below the surface there is nothing to see.
+        // A ray below the surface sees nothing.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
             return None;
         }
@@ -100,14 +102,14 @@ impl Gloss<'_> {
         Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
-    /// What the ray of a narrow lobe leaves for its neighbours, before it is packed.
+    /// The result of a narrow lobe's ray for its neighbours, before it is packed.
     pub fn trace_narrow_pixel(&self, aim: &AimedRay) -> NeighbourRay {
         let (root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
         let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { root } else { -root });
         NeighbourRay { key, color: lobe_sample.map_or(Vec4::ZERO, |(_, color)| color) }
     }
 
-    /// What the ray of a cell leaves for its neighbours.
+    /// The result of a cell's ray for its neighbours.
     pub fn trace_wide_cell(&self, aim: &AimedRay) -> NeighbourRay {
         let Some((hit, color)) = self.trace_glossy_ray(aim) else {
             return NeighbourRay { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
@@ -136,7 +138,7 @@ pub fn encode_octahedral(v: Vec3) -> Vec2 {
     if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
 }
 
-/// `DecodeOctahedral`.
+/// Twin of `DecodeOctahedral`.
 fn decode_octahedral(o: Vec2) -> Vec3 {
     let z = 1.0 - o.x.abs() - o.y.abs();
     let fold = (-z).max(0.0);
@@ -159,7 +161,7 @@ impl NeighbourRay {
         ]
     }
 
-    /// `UnpackRecord` of those words.
+    /// `UnpackRecord`: the inverse of [`Self::pack_record`].
     pub fn unpack_record([mirror, root, rg, ba]: [u32; 4]) -> Self {
         let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
         let half = |v: u32| half::f16::from_bits(v as u16).to_f32();

@@ -17,7 +17,7 @@ pub fn lobe_power(roughness: f32) -> f32 {
     -(constants::XI as f32).ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
 }
 
-/// `LogCos`: ln cos of an angle, of 1 − cos.
+/// `LogCos`: ln cos of an angle, from 1 − cos.
 pub(super) fn log_cos(x: f32) -> f32 {
     -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)))
 }
@@ -41,12 +41,12 @@ pub(super) fn log_density(power: f32, log_rest: f32) -> f32 {
     LOG_DENSITY_BIAS + power.log2() + (power - 1.0) / power * log_rest
 }
 
-/// `LobeOverlap`: how much two lobes of a power have in common, whose unit normals are a chord apart.
+/// `LobeOverlap`: the overlap of two lobes of one power, whose unit normals differ by `chord`.
 pub(super) fn lobe_overlap(chord: Vec3, power: f32) -> f32 {
     (-LOG2_E * power * chord.dot(chord)).exp2()
 }
 
-/// `LatticePoint`: the point of the pattern of side × side points that is a pixel's or a cell's, in 0…1.
+/// `LatticePoint`: the point in 0…1 that a pixel or a cell has in the pattern of side × side points.
 pub(super) fn lattice_point(pixel: IVec2, side: i32, g: i32, place: Vec2) -> Vec2 {
     let n = side * side;
     let i = (pixel.x + side * pixel.y) % n;
@@ -58,14 +58,14 @@ pub(super) fn lattice_point(pixel: IVec2, side: i32, g: i32, place: Vec2) -> Vec
 pub struct Lobe {
     /// The pixel's normal, as stored.
     pub normal: Vec3,
-    /// Its middle, a unit vector.
+    /// Middle of the lobe, a unit vector.
     pub mirror: Vec3,
     /// α + 1.
     pub power: f32,
 }
 
 impl Lobe {
-    /// `MakeLobe`: at a point, of which the direction alone counts.
+    /// `MakeLobe`: the lobe at a point, whose direction alone counts.
     pub(super) fn new(point: Vec3, normal: Vec3, roughness: f32) -> Self {
         let direction = point * inverse_sqrt(point.dot(point));
         let mirror = direction - (2.0 * direction.dot(normal) / normal.dot(normal)) * normal;
@@ -73,13 +73,13 @@ impl Lobe {
     }
 }
 
-/// `inversesqrt`.
+/// Same as `inversesqrt` in GLSL.
 pub(super) fn inverse_sqrt(v: f32) -> f32 {
     1.0 / v.sqrt()
 }
 
 impl Parameters {
-    /// `OffAxis`: how far continuous pixel coordinates lie off the axis of the view.
+    /// `OffAxis`: the offset of continuous pixel coordinates from the axis of the view.
     fn off_axis(&self, position: Vec2) -> Vec2 {
         let size = self.size.as_vec2();
         let centred = Vec2::new(2.0 * position.x - size.x, size.y - 2.0 * position.y) - self.shift;
@@ -91,7 +91,8 @@ impl Parameters {
         if self.kind.is_orthographic() { Vec3::Z } else { self.off_axis(position).extend(1.0) }
     }
 
-    /// `ViewPoint`: view space, divided by near (1 + k) in a perspective, of continuous pixel coordinates and reversed depth.
+    /// `ViewPoint`: the view-space point at continuous pixel coordinates and a reversed depth; in a perspective it is divided
+    /// by near (1 + k).
     pub fn view_point(&self, position: Vec2, depth: f32) -> Vec3 {
         match self.kind {
             ProjectionKind::Perspective => self.view_ray(position) / (depth + self.depth_offset),
@@ -106,19 +107,19 @@ impl Parameters {
         if self.kind.is_orthographic() { Vec3::Z } else { point }
     }
 
-    /// `NdcChange`.
+    /// Twin of `NdcChange`.
     pub(super) fn ndc_change(&self, ndc: Vec2, along: Vec3) -> Vec2 {
         let parallel = self.view_to_clip * along.truncate();
         if self.kind.is_orthographic() { parallel } else { parallel - ndc * along.z }
     }
 
-    /// `DepthChange`.
+    /// Twin of `DepthChange`.
     pub(super) fn depth_change(&self, depth: f32, z: f32) -> f32 {
         let slope = if self.kind.is_orthographic() { self.depth_offset } else { depth + self.depth_offset };
         -(slope * z)
     }
 
-    /// `FootprintLevel`: the level of the colour's chain for a ray of a density that stands for a share of the lobe.
+    /// `FootprintLevel`: the level of the colour chain for a ray with a density and a share of the lobe.
     pub(super) fn footprint_level(&self, point: Vec3, there: Vec3, density: f32, share: f32) -> f32 {
         let away = there - point;
         let z = if self.kind.is_orthographic() { 1.0 } else { there.z };

@@ -1,4 +1,4 @@
-//! The reflection of each pixel with a wide lobe, between the cells around it: twin of the pass "resolve/wide".
+//! The reflection of each pixel with a wide lobe, interpolated between the surrounding cells: twin of the pass "resolve/wide".
 
 use super::Gloss;
 use super::gather::{ResolvedCell, direction_out_of_block};
@@ -9,7 +9,7 @@ use crate::reference::Level;
 use crate::scene::ProjectionKind;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
-/// `PLANE_TOLERANCE`: off its plane by this share of its depth, a cell has lost most of its weight.
+/// `PLANE_TOLERANCE`: a cell that lies off the pixel's plane by this share of its depth has lost most of its weight.
 const PLANE_TOLERANCE: f32 = constants::VISIBLE_WITHIN as f32;
 const CELL_REACH: f32 = constants::CELL_REACH as f32;
 
@@ -19,7 +19,7 @@ impl Gloss<'_> {
         self.is_wide(pixel).then(|| self.composite_pixel(pixel, self.upsample_cells(cells, pixel)))
     }
 
-    /// `UpsampleCells`.
+    /// Twin of `UpsampleCells`.
     fn upsample_cells(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Vec4 {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));
@@ -46,7 +46,7 @@ impl Gloss<'_> {
             let squared = off * off;
             let alike = (same / (1.0 + squared * squared)).max(LEAST_WEIGHT);
             let weight = if surface.w > 0.0 { near.x * near.y * alike } else { 0.0 };
-            // Over another reflection, a cell shows its colour only as far as it is there.
+            // If the reflection lies over another one, a cell's colour is weighted by its fade.
             if self.is_over {
                 reflection = (reflection.truncate() * reflection.w).extend(reflection.w);
             }

@@ -19,12 +19,13 @@ pub(super) struct VisibilityTest {
 }
 
 impl Traversal<'_> {
-    /// A pixel's depth; that of an empty block for sky.
+    /// A pixel's depth; for sky, the depth of an empty block.
     pub(super) fn front(&self, pixel: IVec2) -> f32 {
         self.block(pixel).front
     }
 
-    /// `OffsetToPixel`: from a point to what a pixel of a depth shows in its middle, divided by its z in a perspective.
+    /// `OffsetToPixel`: the offset from a point to the surface of a pixel at its middle, divided by z in a perspective. `depth`
+    /// is the pixel's depth.
     fn offset_to_pixel(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
         let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
         if p.kind.is_orthographic() {
@@ -33,7 +34,8 @@ impl Traversal<'_> {
         p.view_ray(position) - (depth + p.depth_offset) * point
     }
 
-    /// `MakeVisibilityTest`: a ray along a direction from a point of a surface with a normal, which hit a pixel.
+    /// `MakeVisibilityTest`: the test for a ray that begins at a point of a surface with a normal, goes along a direction, and
+    /// hit a pixel.
     pub(super) fn make_visibility_test(&self, [point, normal, direction]: [Vec3; 3], pixel: IVec2) -> VisibilityTest {
         let (p, own) = (&self.parameters, self.front(pixel));
         let width = 2.0 * p.pixel_to_view.y;
@@ -54,7 +56,7 @@ impl Traversal<'_> {
         }
     }
 
-    /// `IsVisibleAlongRay`: whether a ray can have seen what a pixel shows in its middle.
+    /// `IsVisibleAlongRay`: whether a ray can have seen the surface in the middle of a pixel.
     pub(super) fn is_visible_along_ray(&self, test: &VisibilityTest, pixel: IVec2) -> bool {
         let depth = self.front(pixel);
         let (away, direction) = (self.offset_to_pixel(test.point, pixel, depth), test.direction);
@@ -65,8 +67,8 @@ impl Traversal<'_> {
         (depth < 0.0 || is_seen) && !(test.is_reflector && depth < test.own - test.apart)
     }
 
-    /// `LeavesThroughFarPlane`, and what is asked after it: where a ray that hit nothing went beyond the far plane, if the pixel
-    /// there shows sky.
+    /// `LeavesThroughFarPlane`, with the test that follows it in the shaders: the place where a ray that hit nothing went
+    /// beyond the far plane, if the pixel there shows sky.
     pub(super) fn leaves_through_far_plane(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
         let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());

@@ -1,5 +1,5 @@
-//! The twin against the oracle, over many G-buffers that were chosen to be awkward. What remains is
-//! shown to be a tie: another ray, as near as f32 can tell, ends where the twin's does.
+//! Compares the twin with the oracle over many G-buffers that were chosen to be awkward. Each remaining difference must be a
+//! tie: another ray, as near as f32 can tell, ends where the twin's does.
 
 use super::*;
 use crate::metrics::hits::HitVerdict;
@@ -11,7 +11,7 @@ use crate::scene::Lens;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Units in the last place of f32 by which a step may be rounded.
+/// Number of units in the last place of an f32 by which a step may be rounded.
 const ULPS: f64 = 8.0;
 
 fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
@@ -19,11 +19,10 @@ fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
     HitVerdict::of(position, truth.position_px())
 }
 
-/// Whether what the twin found is right for its own ray, followed in f64, but for the rounding of its
-/// steps: a pixel that it passes for sure, by a block that it meets for sure, ends it there or before;
-/// and the pixel that it hit is one that it may pass, by a block that it may meet. For sure is what
-/// remains when pixels and blocks shrink by the rounding, and may be is what is left when they grow.
-/// A pixel that it leaves, by version 2, is none.
+/// Whether the twin's end is right for its own ray in f64, up to the rounding of its steps. The ray must not go on beyond a
+/// pixel that it certainly passes and whose block it certainly meets. The pixel that the ray hit must be one that it possibly
+/// passes, with a block that it possibly meets. Pixels and blocks shrink by the rounding for "certainly", and grow for
+/// "possibly". `left` is the pixel that version 2 lets the ray leave, which cannot be hit.
 fn is_tie(blocks: &Level<thickness::DepthBlock>, ray: &Ray, found: &Hit, left: Option<IVec2>) -> bool {
     let unit = ULPS * f64::from(f32::EPSILON);
     let (start, end) = ((ray.pixel.as_dvec2() + 0.5).extend(f64::from(ray.depth)), f64::from(ray.end));
@@ -57,8 +56,8 @@ fn is_tie(blocks: &Level<thickness::DepthBlock>, ray: &Ray, found: &Hit, left: O
     sure.filter_map(|(x, y)| met(x, y, -1.0)).all(|(first, _)| first >= limit)
 }
 
-/// Whether rounding decides what version 2 of the oracle makes of the block that a ray meets: which pixel it comes
-/// from, or on which side of one of the limits it lies.
+/// Whether rounding decides whether the ray hits a block in version 2 of the oracle: from which pixel the ray comes, or on
+/// which side of a limit it lies.
 fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::DepthBlock>, ray: &Ray, met: &Hit) -> bool {
     if met.code != HitCode::Surface {
         return false;
@@ -66,7 +65,7 @@ fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::DepthBlock>, ray: &Ra
     let unit = ULPS * f64::from(f32::EPSILON);
     let start = ray.pixel.as_dvec2() + 0.5;
     let back = IVec2::new(if ray.inverse.x > 0.0 { -1 } else { 1 }, if ray.inverse.y > 0.0 { -1 } else { 1 });
-    // The s at which it crosses the boundaries that it enters the pixel by; the last one counts.
+    // The s at which the ray crosses the boundaries by which it enters the pixel; the last crossing counts.
     let edge = met.pixel + IVec2::new(i32::from(back.x > 0), i32::from(back.y > 0));
     let entries = (edge.as_dvec2() - start) * ray.inverse.as_dvec2();
     let entry = entries.max_element();
@@ -109,16 +108,17 @@ fn overlap((first, last): (f64, f64), start: f64, rate: f64, low: f64, high: f64
     (first.max(a.min(b)), last.min(a.max(b)))
 }
 
-/// Rays and ties among them: of random directions and mirror directions over depths of any kind; and
-/// of those that were made to tie: along axes, at pixels' centres and so through corners, at their very
-/// depths, or among depths on the near plane and next to 0.
+/// Counts of rays and of ties among them, for two groups. The first has random directions and mirror directions over depths of
+/// any kind. The second is made to tie: along axes, at pixels' centres and therefore through corners, exactly at their depths,
+/// or among depths on the near plane and next to 0.
 type Counts = [(u64, u64); 2];
 
-/// Traces rays of one random G-buffer: how many hit, what disagrees, and what of it is no tie.
+/// Traces rays of one random G-buffer: returns the number of hits, the counts, and descriptions of disagreements that are no
+/// ties.
 fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
     let random = Random::new(11, case);
     let (kind, mut g) = awkward(case, &random);
-    // Every third camera sees along parallel lines.
+    // Every third camera is orthographic.
     if case % 3 == 2 {
         g.camera.lens = Lens::orthographic(random.range(1.0, 50.0) as f32, 0.5, 100.0);
     }
@@ -135,7 +135,7 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
             (twin.mirror_ray(x, y).map(|(ray, _)| ray), setup.mirror(x, y))
         } else {
             let from = setup.position(x, y).unwrap_or(DVec3::ZERO);
-            // What f32 can say, to both.
+            // Both get the direction as rounded to f32.
             let d = direction(chosen, &random, &setup, from).normalize_or_zero().as_vec3();
             (twin.ray_along(x, y, d), d.as_dvec3().try_normalize())
         };
@@ -149,10 +149,10 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
         if verdict(&found, &truth) != HitVerdict::Agrees {
             let second = version == OracleVersion::V2;
             let first = first_of(&twin, &ray).filter(|_| second).map(|pixel| (cosine(&twin, &ray, pixel), pixel));
-            // Whether it leaves the first pixel may be a tie; if not, that pixel is out of the question, or hit.
+            // Rounding may decide whether the ray leaves its first pixel. Otherwise that pixel either cannot be hit, or is hit.
             let start = first.is_some_and(|(cosine, _)| cosine.abs() <= ULPS * f64::from(f32::EPSILON));
             let left = first.filter(|(cosine, _)| *cosine > 0.0).map(|(_, pixel)| pixel);
-            // What the second version leaves out is a hit all the same.
+            // Blocks that version 2 leaves out are hits for this test, too.
             let mut met = found;
             twin.walk(&ray, |visit| {
                 if visit.meets && visit.level == 0 {

@@ -14,17 +14,17 @@ use std::path::Path;
 
 /// The file's first bytes.
 const MAGIC: &[u8; 8] = b"ssctwrld";
-/// The version of the samples. It must change whenever the sampling or the shading does.
+/// The version of the samples. The number must change whenever the sampling or the shading does.
 const SAMPLING: u32 = 1;
-/// The version of the file's layout. It must change whenever the meaning of the numbers in a file does.
+/// The version of the file's layout. The number must change whenever the meaning of the numbers in a file does.
 const LAYOUT: u32 = 2;
-/// The layout of older files, which have one sum a pixel and do not say which sample is the first.
+/// The layout of older files, which have one sum a pixel and do not record the number of the first sample.
 const LAYOUT_OF_ONE_SUM: u32 = 1;
-/// Magic, layout, fingerprint, width, height, the first sample, the one after the last.
+/// Bytes of the head: magic, layout, fingerprint, width, height, number of the first sample, number after the last sample.
 const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4 + 4;
-/// Six f64 for each pixel of each part of the sums.
+/// Bytes of a pixel in each part of the sums: six f64.
 const PIXEL_BYTES: usize = 48;
-/// The SHA-256 hash of all preceding bytes.
+/// Bytes of the SHA-256 hash of all preceding bytes.
 const CHECK_BYTES: usize = 32;
 
 /// A hash of all inputs of a state.
@@ -47,19 +47,19 @@ pub(crate) struct Sums {
     squares: DVec3,
 }
 
-/// Which samples a pixel takes.
+/// The samples that a pixel takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// None: it does not reflect.
+    /// No samples, because the pixel does not reflect.
     None,
-    /// A single one: a mirror without a footprint.
+    /// A single sample, for a mirror without a footprint.
     Single,
-    /// All, and as soon as there are any, at least so many.
+    /// All samples, and at least `least` as soon as there are any.
     Sampled { least: u32 },
 }
 
 impl Kind {
-    /// The samples of a pixel in a state with so many.
+    /// The number of samples of a pixel in a state with `of_state` samples.
     pub(crate) fn samples(self, of_state: u32) -> u32 {
         match self {
             Self::None => 0,
@@ -85,7 +85,7 @@ impl AddAssign for Sums {
 }
 
 impl WorldState {
-    /// A state without samples, of which the first will be number `first`.
+    /// A state without samples, whose first sample will have the number `first`.
     pub(crate) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
         Self { fingerprint, extent, sums: PartialSums::new(first, kinds.len()), kinds }
     }
@@ -95,7 +95,7 @@ impl WorldState {
         self.sums.first()
     }
 
-    /// Samples of every glossy pixel so far; in a part of the samples, the number after that of its last one.
+    /// Number of samples of every glossy pixel so far; in a part of the samples, the number after its last sample's.
     pub fn samples(&self) -> u32 {
         self.sums.end()
     }
@@ -141,24 +141,24 @@ impl WorldState {
         })
     }
 
-    /// Root mean square of the standard errors over all channels of all reflecting pixels. Its square is what
-    /// the noise of this reference adds to the square of an RMSE measured against it. 0 if nothing reflects.
+    /// Root mean square of the standard errors over all channels of all reflecting pixels. Its square is the amount by which
+    /// the noise of this reference raises the square of an RMSE measured against it. 0 if nothing reflects.
     pub fn overall_standard_error(&self) -> f64 {
         let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
         let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
         if reflecting == 0 { 0.0 } else { (squares / (3 * reflecting) as f64).sqrt() }
     }
 
-    /// Writes the state atomically: to a temporary file beside the target, which is then renamed.
+    /// Writes the state atomically: to a temporary file in the target's folder, which is then renamed.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written.
+    /// [`Error::Io`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
         write_state(path, &self.fingerprint, self.extent, &self.sums)
     }
 }
 
-/// The content of a state's file, whatever the reference.
+/// The content of a state's file, for any reference.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct KeptState {
     pub(crate) fingerprint: Fingerprint,
@@ -188,7 +188,7 @@ pub(crate) fn write_state(
     PathInFolder::file(path).write(&bytes)
 }
 
-/// Reads a state, whatever its reference.
+/// Reads a state of any reference.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
@@ -208,7 +208,7 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     let (extent, layout) = ([number(44), number(48)], number(8));
     let (first, end, head) = match layout {
         LAYOUT => (number(52), number(56), HEAD_BYTES),
-        // The one sum of an older file has the fixed grouping only where it is that of one leaf.
+        // The single sum of an older file has the fixed grouping only if all its samples fit into one leaf.
         LAYOUT_OF_ONE_SUM if number(52) <= LEAF => (0, number(52), HEAD_BYTES - 4),
         _ => return Err(wrong("the state was written by another version")),
     };
@@ -217,7 +217,7 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     // An older file has one sum a pixel even without samples.
     let count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
     let expected = pixels.checked_mul(count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
-    // What follows is read only if it is as long as the head says.
+    // The sums are read only if the file is as long as its head says.
     if expected.and_then(|n| n.checked_add(CHECK_BYTES)).map(|n| n as u64) != Some(length) {
         return Err(damaged());
     }
@@ -258,7 +258,7 @@ impl WorldReference<'_> {
         self.resume_at(path, 0)
     }
 
-    /// Resumes a part of the samples that begins with number `first`; otherwise as [`Self::resume`].
+    /// Resumes a part of the samples that begins with number `first`; everything else is as in [`Self::resume`].
     pub fn resume_at(&self, path: &Path, first: u32) -> (WorldState, Option<Error>) {
         match self.load(path) {
             Ok(state) if state.first() == first => (state, None),
@@ -298,7 +298,7 @@ impl WorldReference<'_> {
                 hash.numbers(&[map.map_or(u64::MAX, |i| i as u64)]);
             }
             hash.numbers(&[u64::from(m.surface == Surface::Sky)]);
-            // What few materials have adds nothing for the others, for the reason below.
+            // Values that few materials have are hashed for these alone, for the reason below.
             if m.roughness_map.is_some() || m.emission > 0.0 || m.single_sided {
                 hash.block(b"roughness map, emission, sides");
                 hash.numbers(&[m.roughness_map.map_or(u64::MAX, |i| i as u64), u64::from(m.single_sided)]);
@@ -313,7 +313,7 @@ impl WorldReference<'_> {
             hash.numbers(&[kind]);
             hash.floats(&place.extend(energy).to_array());
         }
-        // Without a footprint nothing is added, so that states from before there were any are still found.
+        // Without a footprint nothing is hashed, so that states that are older than footprints still fit.
         if let Some(rays) = &self.footprint {
             hash.block(b"footprint");
             hash.numbers(&rays.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>());

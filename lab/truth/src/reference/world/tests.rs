@@ -6,8 +6,7 @@ use crate::reference::surface::tests::rectangle;
 use crate::reference::testing;
 use crate::scene::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
-/// A sphere of radius 8 around the origin, seen from inside. Its triangles are fine enough that their closest
-/// point is 7.9 m away.
+/// A sphere of radius 8 around the origin, seen from inside. The triangles are so fine that their closest point is 7.9 m away.
 fn sphere(material: usize) -> Mesh {
     let (rings, sectors) = (24_u32, 48_u32);
     let mut mesh = Mesh { name: "sphere".into(), material, ..Mesh::default() };
@@ -81,7 +80,7 @@ fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_inci
 
 #[test]
 fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
-    // Rays from the centre meet the mirrors at right angles and come back to it: L (1 + r + … + rⁿ⁻¹) after n bounces.
+    // Rays from the centre meet the mirrors at right angles and return to the centre: L (1 + r + … + rⁿ⁻¹) after n bounces.
     let share = 0.75_f32;
     let mut scene = in_a_sphere();
     scene.materials[0].reflectivity = share;
@@ -104,7 +103,7 @@ fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
 
 #[test]
 fn the_share_of_the_lobe_below_the_surface_is_dark() {
-    // The lobe cos¹ around an axis at angle θ to the normal. A plane tilted by θ receives (1 + cos θ)/2 of it
+    // The lobe cos¹ around an axis at angle θ to the normal. A plane tilted by θ receives the share (1 + cos θ)/2 of the lobe
     // (the form factor of a tilted element). α = 1 corresponds to cos(ϱ/2)² = ξ.
     let roughness = 2.0 * phong::XI.sqrt().acos();
     assert!((phong::exponent(roughness) - 1.0).abs() < 1e-9);
@@ -232,7 +231,7 @@ fn a_window_in_the_world_shows_the_sky_to_the_reflected_ray() {
     assert!((reference.image(&state).reflection[0] - sky_color(up).as_vec3()).length() < 1e-5);
 }
 
-/// The corridor at a small size, glossy.
+/// The corridor of `rooms` at a small size, with glossy materials.
 fn corridor() -> (Scene, Vec<Material>, Camera) {
     let scene = library::scene("rooms").expect("a built-in scene");
     let view = scene.view("corridor").expect("a view").clone();
@@ -365,14 +364,15 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     }
 }
 
-/// Depths that a device has rounded lie beside their surfaces; what they show is still the surface, unless it is another.
+/// Tests that a G-buffer whose depths were rounded still shows the surfaces beside them, unless a depth belongs to another
+/// surface.
 #[test]
 fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
     let (scene, materials, camera) = corridor();
     let world = World::new(&scene, &materials);
     let traced = FirstHits::trace(&world, &camera, [30, 20]);
     let mut gbuffer = testing::traced(&world, &camera, [30, 20]);
-    // Reversed depth is all but inverse to the distance, so that its error is the distance's.
+    // Reversed depth is nearly inverse to the distance, so that the relative error of both is equal.
     for (i, depth) in gbuffer.depth.iter_mut().enumerate() {
         *depth *= if i % 7 == 0 { 0.9 } else { 1.001 };
     }
@@ -383,7 +383,7 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
         let Some(surface) = surface else { continue };
         let position = |hits: &FirstHits| hits.receivers[i].unwrap().position;
         if i % 7 == 0 {
-            // What the depth says stays, or the next surface that is near it counts.
+            // Each point stays where the depth puts it, or moves to the next surface near it.
             let (off, away) = (position(&shown).distance(position(&read)), position(&read).distance(eye));
             assert!(off <= away / 128.0, "pixel {i}: {off} m off, {away} m away");
             kept += u32::from(off == 0.0);
@@ -470,7 +470,7 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
             std::cmp::Ordering::Less => assert!((sum - 0.05).abs() < 1e-6 && error < 1e-6),
             std::cmp::Ordering::Greater => assert!((sum - 0.2).abs() < 1e-6 && error < 1e-6),
             std::cmp::Ordering::Equal => {
-                // Either value with probability ½.
+                // Each sample has either value with probability ½.
                 assert!((error - 0.075 / 16.0).abs() < 2e-4, "{error}");
                 squares.push(((sum - 0.125) / error).powi(2));
                 assert!((plain.reflection[i].x - 0.125).abs() > 0.07, "one ray shows one of both");
@@ -482,7 +482,7 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     let reflecting = |i: &usize| first_hits.receivers[*i].is_some();
     assert!((0..filtered.samples.len()).filter(reflecting).all(|i| filtered.samples[i] == 256));
 
-    // At least 16, however they are asked for, and the same ones.
+    // A mirror takes at least 16 samples, which are the same however they are requested.
     let [once, twice] = [filtered_by(&[20]), filtered_by(&[3, 5, 12])];
     assert_eq!(once, twice);
     let few = filtered_by(&[3]);

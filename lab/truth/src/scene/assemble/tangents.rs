@@ -7,14 +7,14 @@ use glam::Vec3;
 /// Sets the tangents of triangles that have normals and matching winding.
 pub(super) fn generate(triangles: &mut [Triangle]) {
     if triangles.iter().flatten().any(|v| v.uv != [0.0; 2]) {
-        // A failure, for which the call gives no reason, leaves no tangents, and `settle` chooses some.
+        // If the call fails, for which it gives no reason, there are no tangents, and `settle` chooses some.
         generate_tangents(&mut Triangles(triangles)).unwrap_or_default();
     }
     settle(triangles);
 }
 
-/// Makes tangents unit vectors orthogonal to the normals. Where there is none, as with degenerate texture coordinates, it
-/// is any such vector.
+/// Makes tangents unit vectors orthogonal to the normals. A vertex without a tangent, as with degenerate texture coordinates,
+/// gets any unit vector orthogonal to its normal.
 pub(super) fn settle(triangles: &mut [Triangle]) {
     for vertex in triangles.iter_mut().flatten() {
         let normal = Vec3::from(vertex.normal);
@@ -47,7 +47,7 @@ impl Geometry for Triangles<'_> {
         self.0[face][corner].normal
     }
 
-    /// Returns texture coordinates with v upwards, so that the bitangent follows a normal map's green axis.
+    /// Texture coordinates with v upwards, so that the bitangent follows a normal map's green axis.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         let [u, v] = self.0[face][corner].uv;
         [u, -v]

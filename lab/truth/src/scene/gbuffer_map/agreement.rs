@@ -1,39 +1,39 @@
-//! Whether the normals of a G-buffer agree with the slopes of its depth.
+//! Checks whether the normals of a G-buffer agree with the slopes of its depth.
 //!
-//! A wrong lens, wrong axes or a wrong kind of depth give a picture whose reflections float. Each of them also tilts the
-//! surfaces that depth describes, while normals come from elsewhere in the renderer, so that both disagree. Pixels are compared
-//! where the depth is smooth in both directions. Maps of normals make single pixels disagree; what tells a wrong convention
-//! apart is that another reading agrees much better.
+//! A wrong lens, wrong axes or a wrong kind of depth give a picture whose reflections float. Each of these mistakes also tilts
+//! the surfaces that follow from depth, but not the normals, which are stored separately, so that both disagree. Pixels are
+//! compared where the depth is smooth in both directions. Normal maps make single pixels disagree; a wrong convention is
+//! recognised because another reading agrees much better.
 
 use crate::scene::{Camera, FieldOfView, GBufferData};
 use glam::{DVec2, DVec3};
 
-/// Normals and slopes that are further apart than this disagree.
+/// Greatest angle between a normal and a slope that agree.
 const TOLERATED_DEGREES: f64 = 8.0;
 
-/// Normals and slopes that are further apart than this have nothing to do with each other, whatever map of normals there is.
+/// Angle between normal and slope from which both are unrelated, even with a normal map.
 const GROSS_DEGREES: f64 = 45.0;
 
-/// Normals and slopes that are this near to each other in the mean leave nothing to better.
+/// Mean angle between normals and slopes that leaves nothing to improve.
 const RIGHT_DEGREES: f64 = 0.1;
 
-/// A larger angle counts as this in means.
+/// Greatest angle that counts in means; larger angles count as this.
 const MOST_COUNTED_DEGREES: f64 = 30.0;
 
-/// Pixels that are compared at most, and at least for the comparison to mean something.
+/// Greatest number of pixels that are compared, and the least number for a meaningful comparison.
 const MOST_SAMPLES: usize = 20_000;
 const FEWEST_SAMPLES: usize = 100;
 
-/// Samples by which a lens is searched.
+/// Number of samples in the search for a lens.
 const LENS_SAMPLES: usize = 1500;
 
-/// How far the depth may bend between a pixel and its neighbours, as a share of how far it rises.
+/// Greatest bend of the depth between a pixel and its neighbours, as a share of the rise.
 const MOST_BENT: f64 = 0.1;
 
-/// A place of the image and the depth there.
+/// A place in the image, with its depth.
 type ImagePoint = (DVec2, f64);
 
-/// A pixel that is compared.
+/// A pixel that is compared, with its neighbours.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     middle: ImagePoint,
@@ -44,8 +44,8 @@ struct Sample {
     normal: DVec3,
 }
 
-/// How a camera takes a point of the image to view space: ndc = scale · xy / w + shift, where w is z in a perspective and 1
-/// with parallel rays of sight.
+/// The mapping between image and view space: ndc = scale · xy / w + shift, where w is z in a perspective and 1 in an
+/// orthographic projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LensMapping {
     scale: DVec2,
@@ -62,7 +62,7 @@ impl LensMapping {
         Self { scale, shift: DVec2::new(shift.x, shift.y), is_orthographic }
     }
 
-    /// A point of view space.
+    /// The view-space point at a place of the image.
     pub(super) fn point(&self, (ndc, z): ImagePoint) -> DVec3 {
         let w = if self.is_orthographic { 1.0 } else { z };
         ((ndc - self.shift) / self.scale * w).extend(z)
@@ -72,7 +72,7 @@ impl LensMapping {
         let along = |a: ImagePoint, b: ImagePoint| self.point(b) - self.point(a);
         let across = along(sample.left, sample.right).cross(along(sample.down, sample.up));
         let sight = if self.is_orthographic { DVec3::Z } else { self.point(sample.middle) };
-        // The side of the surface that the camera sees.
+        // The sign selects the side of the surface that the camera sees.
         let side = if across.dot(sight) > 0.0 { -1.0 } else { 1.0 };
         (side * across).angle_between(sample.normal).to_degrees()
     }
@@ -84,7 +84,7 @@ pub(super) fn view_z(camera: &Camera, reversed: f64) -> f64 {
     numbers.kind.z_at(numbers.depth.map(f64::from), reversed)
 }
 
-/// How normals and the slopes of depth compare.
+/// Compares normals with the slopes of depth.
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
     opened: LensMapping,
@@ -131,12 +131,12 @@ impl Slopes {
         self.share_beyond(TOLERATED_DEGREES)
     }
 
-    /// The share of the compared pixels whose normals have nothing to do with their slopes; `None` if too few can be compared.
+    /// The share of the compared pixels whose normals are unrelated to their slopes; `None` if too few can be compared.
     pub(super) fn unrelated(&self) -> Option<f64> {
         self.share_beyond(GROSS_DEGREES)
     }
 
-    /// The mean angle between normals and slopes in degrees. Far outliers, as of maps of normals, count no more than near ones.
+    /// The mean angle between normals and slopes in degrees. Far outliers, as in normal maps, count no more than near ones.
     pub(super) fn mean_degrees(&self) -> f64 {
         mean_degrees(&self.opened, &self.samples)
     }
@@ -147,7 +147,7 @@ impl Slopes {
         (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
 
-    /// The lens with which normals and slopes agree best, in words, and how they compare then.
+    /// The lens with which normals and slopes agree best, in words, and the comparison with this lens.
     pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, Self)> {
         let few: Vec<Sample> = {
             let step = (self.samples.len() / LENS_SAMPLES).max(1);
@@ -156,13 +156,14 @@ impl Slopes {
         let badness = |opened: &LensMapping| mean_degrees(opened, &few);
         let same_pixels = search(self.opened, &badness, &[LensChange::Scale]);
         let other_pixels = search(self.opened, &badness, &[LensChange::Scale, LensChange::Aspect]);
-        // A picture that is cropped is most often one corner of the whole one. A search from the middle may miss it.
+        // A cropped picture is most often one corner of a whole one, which a search from the middle may miss.
         let shifted = [[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|shift| {
             let start = LensMapping { shift: self.opened.shift + DVec2::from(shift), ..self.opened };
             search(start, &badness, &[LensChange::Scale, LensChange::ShiftX, LensChange::ShiftY])
         });
         let mut best = same_pixels;
-        // A lens that changes more must be much better to be believed, and the other one must leave something to better.
+        // A lens with more changes is believed only if it is much better, and if the best lens so far leaves something to
+        // improve.
         for other in [other_pixels].into_iter().chain(shifted) {
             if badness(&best) > RIGHT_DEGREES && badness(&other) < 0.5 * badness(&best) {
                 best = other;
@@ -171,7 +172,7 @@ impl Slopes {
         (!few.is_empty()).then(|| (self.words(camera, &best), Self { opened: best, ..self.clone() }))
     }
 
-    /// A lens as a map says it.
+    /// A lens in the words of a map.
     fn words(&self, camera: &Camera, opened: &LensMapping) -> String {
         let mut words = match camera.lens.opening {
             FieldOfView::Height(_) => format!("orthographic-height = {:.3}", 2.0 / opened.scale.y),
@@ -197,7 +198,7 @@ fn mean_degrees(opened: &LensMapping, samples: &[Sample]) -> f64 {
     sum / samples.len().max(1) as f64
 }
 
-/// What a search changes about a lens.
+/// A change of a lens during a search.
 #[derive(Debug, Clone, Copy)]
 enum LensChange {
     Scale,
@@ -221,10 +222,11 @@ impl LensChange {
     }
 }
 
-/// The lens of the least badness: from where it is, the best of all combinations of steps is gone, and where none is better,
-/// steps halve. Changes make up for each other, so that no single one of them leads along a valley.
+/// Searches for the lens of the least badness. Each round takes the best of all combinations of steps, and halves the steps if
+/// none is better. Combinations are needed since one change can compensate another, so that each alone raises the badness, and
+/// only both together lower it.
 fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &[LensChange]) -> LensMapping {
-    /// Far more than any search that ends in a minimum takes.
+    /// Greatest number of rounds, far more than a search that converges takes.
     const MOST_ROUNDS: usize = 60;
     const LEAST_STEP: f64 = 1.0 / 512.0;
     let mut best = (start, badness(&start));
@@ -233,7 +235,7 @@ fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &
         if size < LEAST_STEP {
             break;
         }
-        // Each change makes a step back, none or a step forth.
+        // Each change takes a step back, no step, or a step forward.
         let ways = 3_u32.pow(changes.len() as u32);
         let digit = |way: u32, place: usize| f64::from(way / 3_u32.pow(place as u32) % 3) - 1.0;
         let stepped = |way: u32| {

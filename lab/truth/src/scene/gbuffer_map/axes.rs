@@ -1,23 +1,22 @@
-//! The conventions of other renderers: how the axes of world and view space lie, how matrices are listed, and the unit
-//! of length.
+//! The conventions of other renderers: the axes of world and view space, the order of matrices, and the unit of length.
 
 use super::keys::MapKeys;
 use crate::conventions::{Axes, ClipY, MatrixOrder};
 use crate::error::{Error, Result};
 use glam::{DMat3, DMat4, DVec3};
 
-/// The conventions of a map. Those of this program are the default.
+/// The conventions of a map. The default is this program's conventions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MapConventions {
-    /// From the renderer's world space to ours; lengths stay in the renderer's unit.
+    /// Matrix from the renderer's world space to this program's; lengths stay in the renderer's unit.
     pub world: DMat3,
-    /// From the renderer's view space to ours.
+    /// Matrix from the renderer's view space to this program's.
     pub view: DMat3,
-    /// How a matrix is listed.
+    /// Order of the numbers of a matrix.
     pub matrices: MatrixOrder,
-    /// Where the top of the image is in clip space.
+    /// Direction of the image's top in clip space.
     pub clip_y: ClipY,
-    /// Metres in a unit of length of the renderer.
+    /// Metres in the renderer's unit of length.
     pub metres: f64,
 }
 
@@ -36,18 +35,18 @@ impl MapConventions {
         Ok(Self { world, view, matrices, clip_y, metres })
     }
 
-    /// The matrix, for column vectors, that 16 numbers of the renderer list.
+    /// The matrix, for column vectors, from the 16 numbers that the renderer lists.
     pub fn matrix(&self, numbers: &[f64]) -> DMat4 {
         let listed = DMat4::from_cols_slice(numbers);
         if self.matrices == MatrixOrder::Rows { listed.transpose() } else { listed }
     }
 
-    /// A place of the renderer's world in ours, in metres.
+    /// Converts a place of the renderer's world to this program's, in metres.
     pub fn place(&self, place: [f64; 3]) -> DVec3 {
         self.direction(place) * self.metres
     }
 
-    /// A direction of the renderer's world in ours.
+    /// Converts a direction of the renderer's world to this program's.
     pub fn direction(&self, direction: [f64; 3]) -> DVec3 {
         self.world * DVec3::from(direction)
     }

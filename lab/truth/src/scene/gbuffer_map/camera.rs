@@ -1,5 +1,4 @@
-//! The camera of a map: its lens from an angle, from a focal length or from a matrix, its place from points or from a
-//! matrix.
+//! The camera of a map: its lens comes from an angle, a focal length or a matrix, its place from points or a matrix.
 
 use super::axes::MapConventions;
 use super::depth::{DepthCoding, MapDepth};
@@ -14,7 +13,7 @@ use crate::scene::{Camera, FieldOfView, Lens, Projection, ProjectionKind};
 use glam::camera::lh::view::look_to_mat4;
 use glam::{DMat3, DMat4, DVec4, Mat4};
 
-/// What a map says of the camera.
+/// The camera section of a map.
 #[derive(Debug, Clone)]
 pub(super) struct MapCamera {
     /// The line in which the section begins.
@@ -29,7 +28,7 @@ pub(super) struct MapCamera {
 
 #[derive(Debug, Clone)]
 enum MapLens {
-    /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` times the number is in radians.
+    /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` is the factor to radians.
     Angle {
         axis: usize,
         angle: MapNumbers,
@@ -41,7 +40,7 @@ enum MapLens {
         length: MapNumbers,
         sensor: MapNumbers,
     },
-    /// The extent of what the image shows along an axis, in the renderer's unit of length: rays of sight are parallel.
+    /// The extent of an orthographic image along an axis, in the renderer's unit of length.
     Extent {
         axis: usize,
         extent: MapNumbers,
@@ -49,7 +48,7 @@ enum MapLens {
     Matrix(MapNumbers),
 }
 
-/// How much a lens sees along an axis of the image: an angle in radians, or metres at any distance.
+/// The opening of a lens along an axis of the image: an angle in radians, or metres for an orthographic projection.
 #[derive(Debug, Clone, Copy)]
 enum MapOpening {
     Angle(f64),
@@ -58,21 +57,21 @@ enum MapOpening {
 
 #[derive(Debug, Clone)]
 enum MapPlace {
-    /// The map does not say: world space is view space.
+    /// The map gives no place, so that world space is view space.
     Origin,
     Points(Box<MapPoints>),
     WorldToView(MapNumbers),
     ViewToWorld(MapNumbers),
 }
 
-/// The eye of the camera, and where it looks.
+/// The eye of the camera, and the point or direction that it looks at.
 #[derive(Debug, Clone)]
 struct MapPoints {
     eye: MapNumbers,
     towards: MapNumbers,
     /// Whether `towards` is a point, not a direction.
     is_point: bool,
-    /// What is up in the image; without it, the image is upright.
+    /// The direction that is up in the image; without it, the image is upright.
     up: Option<MapNumbers>,
 }
 
@@ -101,7 +100,7 @@ impl MapCamera {
         Ok(Self { line, lens, aspect, near, far, shift_px, place })
     }
 
-    /// Whether the map says where the camera stands.
+    /// Whether the map gives the camera's place.
     pub fn has_place(&self) -> bool {
         !matches!(self.place, MapPlace::Origin)
     }
@@ -143,10 +142,10 @@ impl MapCamera {
         other_lens.into_iter().chain(other_place).collect()
     }
 
-    /// The camera, and how the files encode depth.
+    /// The camera, with the coding of depth in the files.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of numbers that give no camera; as for
+    /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of numbers that give no camera; the errors of
     /// [`MapNumbers::get`].
     pub fn get(
         &self,
@@ -193,7 +192,7 @@ impl MapCamera {
         Ok((camera, coding))
     }
 
-    /// The camera of a lens by how much it sees along an axis of the image.
+    /// The camera of a lens that is given by its opening along an axis of the image.
     fn by_opening(
         &self,
         axis: usize,
@@ -211,7 +210,7 @@ impl MapCamera {
                 FieldOfView::Height((if axis == 1 { extent } else { extent / aspect }) as f32)
             }
         };
-        // `take` has seen to it that there are both planes.
+        // `take` has made sure that both planes are given.
         let [near_m, far_m] = planes.map(Option::unwrap_or_default);
         let lens = Lens { opening, near_m, far_m };
         let coding = DepthCoding::of_planes(lens.kind(), f64::from(near_m), f64::from(far_m));
@@ -254,7 +253,7 @@ impl MapCamera {
     }
 }
 
-/// The camera of a matrix from view to clip space, with other planes if there are some.
+/// The camera of a matrix from view to clip space, with other planes if some are given.
 fn by_matrix(
     matrix: &MapNumbers,
     [near, far]: [Option<f32>; 2],
@@ -266,7 +265,7 @@ fn by_matrix(
     let numbers = matrix.get(files)?;
     let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
     if depth.is_minus_one_to_one() {
-        // (z + w) / 2 takes the place of z.
+        // z is replaced by (z + w) / 2.
         clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
     }
     let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
@@ -291,7 +290,7 @@ fn by_matrix(
     let own_near = (f64::from(read.near) * metres) as f32;
     let own_far = (f64::from(read.far) * metres) as f32;
     let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
-    // In metres, as the planes are.
+    // The numbers are converted to metres, which the planes are in.
     let (scale, b) = match kind {
         ProjectionKind::Perspective => (read.projection.scale, b * metres),
         ProjectionKind::Orthographic => (read.projection.scale.map(|v| (f64::from(v) / metres) as f32), b / metres),

@@ -1,5 +1,5 @@
-//! Holds a frame against itself: normals against the slopes of the depth, and against the places of surfaces where the map has
-//! them; and finds the reading of the map with which they agree best.
+//! Checks a frame for consistency: normals against the slopes of the depth, and against the positions of surfaces if the map
+//! has them. The check also finds the reading of the map with which they agree best.
 
 use super::GBufferMap;
 use super::agreement::{LensMapping, Slopes, view_z};
@@ -13,19 +13,20 @@ use crate::scene::{Camera, GBufferData};
 use glam::{DVec3, Vec3};
 use std::path::Path;
 
-/// Up to this share of pixels may disagree without a word: edges, and maps of normals.
+/// Share of pixels that may disagree without a message, as at edges and with normal maps.
 const LITTLE: f64 = 0.05;
 
-/// Another reading is believed if it leaves at most this share of what disagrees.
+/// Greatest remaining share of the disagreement with which another reading is believed.
 const MUCH_BETTER: f64 = 0.5;
 
-/// From this share of unrelated normals or wrong places on, something is said even if no other reading is better.
+/// Share of unrelated normals or wrong positions from which a message is given even if no other reading is better.
 const MOST: f64 = 0.4;
 
-/// How far a place may lie beside its pixel's, as a share of its distance: more than 16-bit floats round.
+/// Greatest distance of a position from its pixel's, as a share of the pixel's distance; it exceeds the rounding of 16-bit
+/// floats.
 const MOST_OFF: f64 = 0.01;
 
-/// Where a map has the places of surfaces.
+/// The channels of a map with the positions of surfaces.
 #[derive(Debug, Clone)]
 pub(super) struct MapPosition {
     source: MapSource,
@@ -40,12 +41,12 @@ impl MapPosition {
         Ok(Self { source, is_world })
     }
 
-    /// Whether the places are in world space, so that they can only be held against a camera whose place is known.
+    /// Whether the positions are in world space, so that they can only be compared if the camera's place is known.
     pub fn need_world(&self) -> bool {
         self.is_world
     }
 
-    /// The share of the surfaces whose place lies elsewhere than depth and camera say.
+    /// The share of the surfaces whose position disagrees with depth and camera.
     fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
         let opened = LensMapping::new(&frame.camera);
@@ -60,7 +61,7 @@ impl MapPosition {
                 false => conventions.view * DVec3::from(stated) * conventions.metres,
             };
             all += 1;
-            // A position that is not a number is not near.
+            // A position that is NaN counts as off.
             let near = own.distance(stated) <= MOST_OFF * own.length();
             off += usize::from(!near);
         }
@@ -68,7 +69,7 @@ impl MapPosition {
     }
 }
 
-/// What a reading of a map makes of a frame.
+/// A frame as one reading of a map decodes it.
 struct Frame {
     size: [u32; 2],
     camera: Camera,
@@ -76,11 +77,11 @@ struct Frame {
     normal: Vec<Vec3>,
 }
 
-/// How much of a frame disagrees: normals with slopes, and places with pixels.
+/// Shares of a frame that disagree: normals with slopes, and positions with pixels.
 #[derive(Debug, Clone, Copy)]
 struct Disagreement {
     slopes: f64,
-    /// Normals that have nothing to do with the slopes.
+    /// Share of the normals that are unrelated to the slopes.
     unrelated: f64,
     /// The mean angle between normals and slopes in degrees.
     degrees: f64,
@@ -88,8 +89,8 @@ struct Disagreement {
 }
 
 impl Disagreement {
-    /// How a comparison of normals with slopes counts; all of it, if too few pixels can be compared: a reading that leaves so few
-    /// explains nothing.
+    /// The disagreement from a comparison of normals with slopes. The disagreement is total if too few pixels can be compared,
+    /// since such a reading explains nothing.
     fn new(slopes: &Slopes, places: f64) -> Self {
         match slopes.disagreeing().zip(slopes.unrelated()) {
             Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
@@ -111,7 +112,7 @@ impl Disagreement {
         self.slopes.max(self.places)
     }
 
-    /// The shares in words; those of places only where the map has them.
+    /// The shares in words; the share of positions only if the map has them.
     fn words(self, has_places: bool) -> String {
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
         let slopes = format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.slopes));
@@ -122,7 +123,7 @@ impl Disagreement {
     }
 }
 
-/// The sentence about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
+/// The message about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
 pub fn disagreement(data: &GBufferData) -> Option<String> {
     let slopes = Slopes::of_data(data);
     let share = slopes.disagreeing()?;
@@ -134,7 +135,7 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
     describe_disagreement(own, lens, false)
 }
 
-/// The sentence about what disagrees, if another reading is much better or almost all of it is wrong.
+/// The message about a disagreement, if another reading is much better or almost everything is wrong.
 fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
     let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
     let what = own.words(has_places);
@@ -151,12 +152,12 @@ fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>
 }
 
 impl GBufferMap {
-    /// Holds a frame that was read against itself. Returns a sentence if the normals of more pixels than a few disagree with the
-    /// slopes of the depth, or the places that the map names with depth and camera: with their share, and with the change of
-    /// the map by which most would agree.
+    /// Checks a frame that was read for consistency. Returns a message if more than a few normals disagree with the slopes of
+    /// the depth, or more than a few positions with depth and camera. The message has their share, and the change of the map by
+    /// which most would agree.
     ///
     /// # Errors
-    /// Errors of [`Self::read`].
+    /// The errors of [`Self::read`].
     pub fn check(&self, main: &Path, data: &GBufferData) -> Result<Option<String>> {
         let slopes = Slopes::of_data(data);
         let share = slopes.disagreeing();
@@ -172,13 +173,14 @@ impl GBufferMap {
         for reading in readings(self) {
             let (other, again) = reading.map.disagreement(main, open);
             open = again;
-            // A reading that gives no camera or no depth is none.
+            // A reading that gives no camera or no depth is skipped.
             let Ok(other) = other else { continue };
             if best.as_ref().is_none_or(|(_, least)| other.is_before(*least)) {
                 best = Some((reading.words, other));
             }
         }
-        // A lens is fitted, and must be clearly better than what is only read in another way. Places would tell it apart.
+        // A lens is fitted, and must be clearly better than mere changes of conventions. The fit is only tried without
+        // positions, which would reveal a wrong lens by themselves.
         if self.position.is_none() {
             let lens = slopes.best_lens(&data.camera);
             let lens = lens.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
@@ -192,7 +194,7 @@ impl GBufferMap {
         Ok(describe_disagreement(own, best, self.position.is_some()))
     }
 
-    /// How much of a frame disagrees, and the files that were opened.
+    /// The disagreement of a frame, and the files that were opened.
     fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
         let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
         let measured = self.measure(&mut files);

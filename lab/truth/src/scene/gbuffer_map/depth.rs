@@ -1,4 +1,4 @@
-//! The depth of a map: from the buffers of engines and from distances in metres to reversed depth between the camera's
+//! The depth of a map: converts the depth buffers of engines, and distances in metres, to reversed depth between the camera's
 //! planes.
 
 use super::files::MapFiles;
@@ -18,12 +18,12 @@ pub(super) struct DepthCoding {
 }
 
 impl DepthCoding {
-    /// The coding between a near plane and a far plane; that of a perspective may be infinite.
+    /// The coding between a near plane and a far plane; the far plane of a perspective may be infinite.
     pub fn of_planes(kind: ProjectionKind, near: f64, far: f64) -> Self {
         Self { kind, numbers: kind.reversed_depth(near, far) }
     }
 
-    /// The numbers as a [`Projection`](crate::scene::Projection) has them.
+    /// The numbers in the form of a [`Projection`](crate::scene::Projection).
     pub fn as_f32(self) -> [f32; 2] {
         self.numbers.map(|v| v as f32)
     }
@@ -39,11 +39,11 @@ pub(super) enum DepthKind {
     Clip(ClipDepth),
     ViewZ,
     Distance,
-    /// Along the ray of sight, from where it leaves the near plane.
+    /// Distance along the ray of sight, from where it leaves the near plane.
     DistanceFromNear,
 }
 
-/// Every kind, by the word that maps have for it.
+/// Every kind, with its word in maps.
 const KINDS: [(&str, DepthKind); 6] = [
     ("reversed", DepthKind::Clip(ClipDepth::Reversed)),
     ("standard", DepthKind::Clip(ClipDepth::Standard)),
@@ -59,20 +59,21 @@ impl DepthKind {
     }
 }
 
-/// What a map says of the depth.
+/// The depth section of a map.
 #[derive(Debug, Clone)]
 pub(super) struct MapDepth {
     source: MapSource,
     kind: DepthKind,
-    /// Planes of the depth buffer, if they are not those of the camera, in the renderer's unit of length.
+    /// Distances of the near and the far plane of the depth buffer, if they differ from the camera's, in the renderer's unit of
+    /// length.
     near: Option<f64>,
     far: Option<f64>,
     sky_beyond: Option<f64>,
     sky_value: Option<f64>,
 }
 
-/// Surfaces that are nearer than the near plane by at most this share of its distance count as on it: twice the share
-/// by which a 16-bit float may be rounded.
+/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice the
+/// rounding of a 16-bit float.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
@@ -98,13 +99,13 @@ impl MapDepth {
         Ok(Self { source, kind, near, far, sky_beyond, sky_value })
     }
 
-    /// The other kinds, of distances or of a depth buffer as this one is, with their words.
+    /// The other kinds that are distances, or depth buffers, as this kind is, with their words.
     pub fn other_kinds(&self) -> impl Iterator<Item = (&'static str, DepthKind)> + use<> {
         let own = self.kind;
         KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
     }
 
-    /// Takes the channel for another kind of depth.
+    /// Reads the same channel as another kind of depth.
     pub fn with_kind(&self, kind: DepthKind) -> Self {
         Self { kind, ..self.clone() }
     }
@@ -122,7 +123,7 @@ impl MapDepth {
         }
     }
 
-    /// How the files encode depth: between the planes of the section if it has some, else as the camera does.
+    /// The coding of depth in the files: between the planes of the section if it has some, else as for the camera.
     pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
             Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
@@ -133,12 +134,12 @@ impl MapDepth {
     /// Reads the channel.
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`].
+    /// The errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         self.source.read(files)
     }
 
-    /// Reversed depth of every pixel, 0 for sky, from the channel and how it encodes depth.
+    /// Reversed depth of every pixel, 0 for sky, from the channel with a coding.
     ///
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) for the first pixel whose depth is out of range or nearer
@@ -201,13 +202,13 @@ impl MapDepth {
         (0..size[0] as usize * size[1] as usize).map(pixel).collect()
     }
 
-    /// Whether a value of the file means sky.
+    /// Whether a value of the file stands for sky.
     fn is_sky(&self, raw: f64) -> bool {
         let beyond = match (self.kind, self.sky_beyond) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (_, Some(limit)) => raw.abs() >= limit.abs(),
-            // Infinite distances of either sign are sky; finite ones beyond the far plane become sky in `reversed`.
+            // Infinite distances of either sign are sky; finite distances beyond the far plane become sky in `reversed`.
             (_, None) => raw.is_infinite(),
         };
         beyond || self.sky_value.is_some_and(|sky| raw == sky)

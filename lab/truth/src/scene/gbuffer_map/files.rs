@@ -1,5 +1,5 @@
-//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The main file is the one that the
-//! command names; the others lie in its folder.
+//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The command names the main file; the other
+//! files lie in its folder.
 
 use crate::error::{Error, Result};
 use crate::scene::exr_parts::{self, ExrChannel, ExrPart};
@@ -11,16 +11,16 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The most names that an error lists.
+/// Greatest number of names that an error lists.
 const MOST_NAMES: usize = 80;
 
 /// The name of an attribute, and where to look for it.
 #[derive(Debug, Clone)]
 pub(super) struct AttributeName {
     pub name: String,
-    /// The main file, if there is none.
+    /// File with the attribute; `None` for the main file.
     pub file: Option<String>,
-    /// All parts of the file, if there is none.
+    /// Part with the attribute; `None` for all parts of the file.
     pub part: Option<String>,
 }
 
@@ -33,15 +33,15 @@ pub(super) struct ChannelSource {
     pub line: usize,
 }
 
-/// Files that were read, by their paths.
+/// Files that were read, by their path.
 pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
 
-/// How the files of a frame hold its image.
+/// Arrangement of the image in the files of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arrangement<'a> {
     /// Whether the first row of the files is the lowest.
     pub bottom_up: bool,
-    /// The view that is read of files with several, as of both eyes.
+    /// The view to read from files with several views, such as one of two eyes.
     pub view: Option<&'a str>,
 }
 
@@ -54,18 +54,18 @@ pub(super) struct MapFiles<'a> {
     open: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
-    /// The width of a pixel over its height, by the header of that file.
+    /// The width of a pixel over its height, by the header of the same file.
     pixel_aspect: f64,
     main_is_used: bool,
 }
 
 impl<'a> MapFiles<'a> {
-    /// The files beside `main`, none of them read yet. `map` is the path of the map, for errors.
+    /// The files beside `main`, before any of them is read. `map` is the path of the map, for errors.
     pub fn new(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>) -> Self {
         Self::with(map, main, arranged, OpenFiles::new())
     }
 
-    /// Makes the files as [`Self::new`] does, some of which were read before.
+    /// Makes the files as [`Self::new`] does, with some that were read before.
     pub fn with(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>, open: OpenFiles) -> Self {
         Self { map, main, arranged, open, size: None, pixel_aspect: 1.0, main_is_used: false }
     }
@@ -98,7 +98,7 @@ impl<'a> MapFiles<'a> {
         self.pixel_aspect
     }
 
-    /// How many pixels the image has; 0 until a channel was read.
+    /// Number of pixels of the image; 0 until a channel was read.
     pub fn pixels(&self) -> usize {
         let [width, height] = self.size();
         width as usize * height as usize
@@ -107,10 +107,9 @@ impl<'a> MapFiles<'a> {
     /// The values of a channel, rows from the top. `exact` refuses values that a compression rounded.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a file that is not there; for a part or channel that is not
-    /// there, with the names of those that are; for a channel that several parts have, that was rounded and must not
-    /// be, or whose image has another size than those before. [`Error::Io`] and [`Error::Malformed`] for a file that
-    /// cannot be read.
+    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing part or channel, with the names of
+    /// the existing ones. [`Error::Malformed`] also for a channel that several parts have, for a rounded channel that must be
+    /// exact, and for another size than before. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
     pub fn channel(&mut self, source: &ChannelSource, name: &str, exact: bool) -> Result<Vec<f32>> {
         self.open(source.file.as_deref(), source.line)?;
         let path = self.path(source.file.as_deref());
@@ -143,11 +142,12 @@ impl<'a> MapFiles<'a> {
         Ok(values)
     }
 
-    /// An attribute; if no part is named, that of the first part which has it. `key` is the key of the map that asks.
+    /// An attribute; if no part is named, the first part that has the attribute gives it. `key` is the key of the map that
+    /// needs the attribute.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a file that is not there, and for an attribute that is not
-    /// there, with the names of those that are. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
+    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing attribute, with the names of the
+    /// existing ones. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
     pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
         self.open(wanted.file.as_deref(), line)?;
         let path = self.path(wanted.file.as_deref());
@@ -218,7 +218,7 @@ fn pixel_aspect(part: &ExrPart) -> f64 {
     }
 }
 
-/// A PNG of 8 or 16 bits as channels `R`, `G`, `B` and `A` from 0 to 1; R, G and B of a grey image are the same.
+/// A PNG with 8 or 16 bits, as channels `R`, `G`, `B` and `A` from 0 to 1; a grey image has equal R, G and B.
 fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
     let values = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
@@ -227,11 +227,11 @@ fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
 }
 
-/// Finds a channel by its name in its part, or by the names of part and channel with a point between them. Of several views,
-/// `view` is searched: parts that say so, and channels with the name of the view before their last component.
+/// Finds a channel by its name in its part, or by the names of part and channel with a point between them. In a file with
+/// several views, only `view` is searched: parts that state this view, and channels with its name before their last component.
 ///
 /// # Errors
-/// A sentence if no channel has the name, or several parts have one.
+/// A message if no channel has the name, or several parts have it.
 fn find<'a>(
     parts: &'a [ExrPart],
     part: Option<&str>,
@@ -287,19 +287,19 @@ fn find<'a>(
     }
 }
 
-/// The name of a part without its view behind a hyphen, as Blender writes `ViewLayer.Depth-left`.
+/// The name of a part without the view after a hyphen, as Blender writes `ViewLayer.Depth-left`.
 fn without_view<'a>(part: &ExrPart, name: &'a str) -> &'a str {
     let stripped = part.view.as_deref().and_then(|view| name.strip_suffix(view)?.strip_suffix('-'));
     stripped.unwrap_or(name)
 }
 
-/// A channel's name without the view before its last component, as `Depth.Z` of `Depth.left.Z`.
+/// A channel's name without the view before its last component, such as `Depth.Z` for `Depth.left.Z`.
 fn without_view_inside(channel: &str, view: &str) -> Option<String> {
     let (before, component) = channel.rsplit_once('.')?;
     Some(format!("{}.{component}", before.strip_suffix(view)?.strip_suffix('.')?))
 }
 
-/// The sentence about a view that is not in a file, with the names of those that are.
+/// The message about a view that a file lacks, with the names of its views.
 fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
     let mut names: Vec<&str> = parts.iter().filter_map(|p| p.view.as_deref()).collect();
     names.sort_unstable();
@@ -307,7 +307,7 @@ fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
     format!("there is no view {view:?} in {file}, which has {}", list(&names))
 }
 
-/// What follows the part's name and a point in a name; `None` for a name that does not begin so.
+/// The part of a name after the part's name and a point; `None` for a name that does not begin with them.
 fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
     let own = part.name.as_deref()?;
     let plain = without_view(part, own);
@@ -315,7 +315,7 @@ fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
     behind(own).or_else(|| behind(plain))
 }
 
-/// The name of a channel, behind that of its part unless it begins with that already.
+/// The name of a channel, with the name of its part before it unless it is there already.
 fn full_name(part: &ExrPart, channel: &str) -> String {
     match &part.name {
         Some(name) if within_part(part, channel).is_none() => format!("{name}.{channel}"),
@@ -323,14 +323,14 @@ fn full_name(part: &ExrPart, channel: &str) -> String {
     }
 }
 
-/// The sentence about a part that is not in a file, with the names of those that are.
+/// The message about a part that a file lacks, with the names of its parts.
 fn no_part(parts: &[ExrPart], part: &str, file: &str) -> String {
     let names: Vec<&str> = parts.iter().filter_map(|p| p.name.as_deref()).collect();
     let which = if names.is_empty() { "no parts with a name".to_owned() } else { list(&names) };
     format!("there is no part {part:?} in {file}, which has {which}")
 }
 
-/// Names with commas between them, of many only the first.
+/// Names with commas between them; of many names, only the first are listed.
 fn list(names: &[&str]) -> String {
     let first = names[..names.len().min(MOST_NAMES)].join(", ");
     match names.len().checked_sub(MOST_NAMES) {

@@ -1,5 +1,5 @@
-//! The keys of a map's sections, taken one by one. An error about a key has its line; keys that are left when all that
-//! a section knows have been taken are unknown.
+//! The keys of a map's sections, taken one by one. An error about a key has the key's line. After all known keys of a section
+//! were taken, the remaining keys are unknown.
 
 use super::files::AttributeName;
 use super::numbers::{MapNumbers, NumbersFrom};
@@ -8,13 +8,13 @@ use crate::scene::source_text::SourceText;
 use std::collections::BTreeMap;
 use toml::{Spanned, Value};
 
-/// A section as TOML has it.
+/// A section as parsed from TOML.
 pub(super) type MapSection = Spanned<BTreeMap<String, Spanned<Value>>>;
 
 /// The keys of a section that have not been taken yet.
 pub(super) struct MapKeys<'a> {
     text: &'a SourceText<'a>,
-    /// The section's name, in the brackets that the map has it in.
+    /// Name of the section, in the brackets of the map.
     pub name: String,
     /// The line in which the section begins.
     pub line: usize,
@@ -33,7 +33,7 @@ impl<'a> MapKeys<'a> {
         Self { text, name: name.to_owned(), line, left, known: Vec::new() }
     }
 
-    /// A section that may be left out.
+    /// The keys of an optional section.
     pub fn or_empty(text: &'a SourceText<'a>, name: &str, section: Option<MapSection>) -> Self {
         Self::new(text, name, section.unwrap_or_else(|| Spanned::new(0..0, BTreeMap::new())))
     }
@@ -48,12 +48,12 @@ impl<'a> MapKeys<'a> {
         self.left.remove(key)
     }
 
-    /// Whether a key is there and has not been taken.
+    /// Whether a key is present and has not been taken.
     pub fn has(&self, key: &str) -> bool {
         self.left.contains_key(key)
     }
 
-    /// A text.
+    /// Takes a text.
     pub fn text(&mut self, key: &'static str) -> Result<Option<String>> {
         match self.take(key) {
             None => Ok(None),
@@ -62,7 +62,7 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// One of the words of `choices`.
+    /// Takes one of the words of `choices`.
     pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
@@ -75,7 +75,7 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// One of the words of `choices`, of a key that must be there.
+    /// Takes one of the words of `choices`, for a required key.
     pub fn required_word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
         match self.word(key, choices)? {
             Some(choice) => Ok(choice),
@@ -83,7 +83,7 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// A number; infinite ones only if `may_be_infinite`.
+    /// Takes a number; infinite numbers are allowed only if `may_be_infinite`.
     pub fn number(&mut self, key: &'static str, may_be_infinite: bool) -> Result<Option<f64>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let allowed = |n: &f64| n.is_finite() || (may_be_infinite && !n.is_nan());
@@ -96,7 +96,7 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// One finite number, or three.
+    /// Takes one finite number, or three.
     pub fn value(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let numbers = flat(&value).filter(|n| [1, 3].contains(&n.len()) && n.iter().all(|v| v.is_finite()));
@@ -104,7 +104,7 @@ impl<'a> MapKeys<'a> {
         numbers.ok_or_else(wrong).map(Some)
     }
 
-    /// Names of channels, given as a text or as a list of texts, with the line.
+    /// Takes names of channels, given as a text or as a list of texts, with the line.
     pub fn names(&mut self, key: &'static str) -> Result<Option<(Vec<String>, usize)>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let list = match &value {
@@ -118,7 +118,8 @@ impl<'a> MapKeys<'a> {
         list.ok_or_else(wrong).map(|list| Some((list, line)))
     }
 
-    /// `count` finite numbers, in the map or in an attribute of a file: `{ attribute = "…", file = "…", part = "…" }`.
+    /// Takes `count` finite numbers, from the map or from an attribute of a file: `{ attribute = "…", file = "…", part = "…"
+    /// }`.
     pub fn numbers(&mut self, key: &'static str, count: usize) -> Result<Option<MapNumbers>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let from = if let Value::Table(table) = value {
@@ -142,7 +143,7 @@ impl<'a> MapKeys<'a> {
         Ok(AttributeName { name, file, part })
     }
 
-    /// The keys of a table within this section.
+    /// Takes the keys of a table within this section.
     pub fn table(&mut self, key: &'static str) -> Result<Option<Self>> {
         match self.take(key) {
             None => Ok(None),
@@ -151,13 +152,13 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// The keys of a table that is the value of `key`. All of them have the line of that value.
+    /// The keys of a table that is the value of `key`. All keys have the line of the table.
     fn inner(&self, key: &str, line: usize, table: toml::Table) -> Self {
         let left = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
         Self { text: self.text, name: format!("{} {key}", self.name), line, left, known: Vec::new() }
     }
 
-    /// Ends the section.
+    /// Ends the section, in which all keys must be known.
     ///
     /// # Errors
     /// [`Error::Malformed`] with the first key that was not taken, and the names of the keys that the section knows.
@@ -180,7 +181,7 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
 }
 
-/// A number, or the numbers of a list, or of a list of lists one after another.
+/// A number, or the numbers of a list, or the numbers of a list of lists, one list after another.
 fn flat(value: &Value) -> Option<Vec<f64>> {
     match value {
         Value::Array(list) => list.iter().map(flat).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
@@ -188,9 +189,9 @@ fn flat(value: &Value) -> Option<Vec<f64>> {
     }
 }
 
-/// What an error calls a value.
+/// A value in the words of an error.
 fn value_text(value: &Value) -> String {
-    /// Longer ones are only named by their kind.
+    /// Greatest length of a value that is quoted; a longer value is described by its kind.
     const LONGEST: usize = 40;
     let text = value.to_string();
     if text.len() <= LONGEST { text } else { kind(value).to_owned() }

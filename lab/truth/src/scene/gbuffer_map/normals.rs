@@ -1,4 +1,4 @@
-//! The normals of a map: signed, from 0 to 1, or octahedral, in the axes of the renderer's world or view space.
+//! The normals of a map: signed, encoded from 0 to 1, or octahedral, in the axes of the renderer's world or view space.
 
 use super::axes::MapConventions;
 use super::files::MapFiles;
@@ -16,7 +16,7 @@ enum MapEncoding {
     Octahedral888,
 }
 
-/// What a map says of the normals.
+/// The section of normals in a map.
 #[derive(Debug, Clone)]
 pub(super) struct MapNormals {
     source: MapSource,
@@ -24,7 +24,7 @@ pub(super) struct MapNormals {
     encoding: MapEncoding,
 }
 
-/// A normal that is shorter than this has no direction: the pixel shows no surface, or one that is not lit.
+/// Least length of a normal with a direction; a shorter one shows no surface, or a surface that is not lit.
 const SHORTEST: f64 = 1e-3;
 
 impl MapNormals {
@@ -46,7 +46,7 @@ impl MapNormals {
         Ok(Self { source, is_world, encoding })
     }
 
-    /// Takes the channels for normals in the other space.
+    /// Reads the same channels as normals in the other space.
     pub fn in_other_space(&self) -> Self {
         Self { is_world: !self.is_world, ..self.clone() }
     }
@@ -59,8 +59,7 @@ impl MapNormals {
     /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
-    /// finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not finite.
     pub fn read<'a>(
         &'a self,
         files: &mut MapFiles<'a>,
@@ -98,8 +97,7 @@ impl MapNormals {
             MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             MapEncoding::Octahedral888 => {
                 let bytes = [x, y, planes.at(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
-                // The third byte has the upper four bits of both numbers: those of x in its lower half, of y in its
-                // upper.
+                // The third byte has the upper four bits of both numbers: x has its lower half, y its upper half.
                 let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
                 let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
                 octahedral(packed / 4095.0 * 2.0 - 1.0)
@@ -113,13 +111,13 @@ pub(super) fn has_direction(normal: Vec3) -> bool {
     f64::from(normal.length()) >= SHORTEST
 }
 
-/// A vector made 1 long, or zero if it has no direction.
+/// A vector scaled to length 1, or zero if it has no direction.
 fn unit(v: DVec3) -> DVec3 {
     if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
 }
 
-/// The direction of octahedral coordinates from −1 to 1: the unit sphere's projection onto an octahedron, whose half
-/// with z below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
+/// The direction of octahedral coordinates from −1 to 1. The unit sphere is projected onto an octahedron, whose half with z
+/// below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
 fn octahedral(point: DVec2) -> DVec3 {
     let z = 1.0 - point.x.abs() - point.y.abs();
     let fold = (-z).max(0.0);

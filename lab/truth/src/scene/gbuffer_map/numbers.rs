@@ -1,10 +1,10 @@
-//! Numbers of the camera, which stand in the map or in an attribute of a file.
+//! Numbers of the camera, given in the map or in an attribute of a file.
 
 use super::files::{AttributeName, MapFiles};
 use crate::error::Result;
 use exr::meta::attribute::AttributeValue;
 
-/// Where a number or a matrix stands.
+/// Source of a number or of a matrix.
 #[derive(Debug, Clone)]
 pub(super) struct MapNumbers {
     /// The section and the key, for errors.
@@ -21,7 +21,7 @@ pub(super) enum NumbersFrom {
 }
 
 impl MapNumbers {
-    /// The numbers, [`Self::count`] of them.
+    /// The [`Self::count`] numbers.
     ///
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) for an attribute that is not [`Self::count`] finite
@@ -40,17 +40,17 @@ impl MapNumbers {
         })
     }
 
-    /// The number, where [`Self::count`] is 1.
+    /// The number, if [`Self::count`] is 1.
     ///
     /// # Errors
-    /// Errors of [`Self::get`].
+    /// The errors of [`Self::get`].
     pub fn one(&self, files: &mut MapFiles) -> Result<f64> {
         // The list is not empty, since `count` is 1.
         Ok(self.get(files)?.first().copied().unwrap_or_default())
     }
 }
 
-/// The numbers of an attribute; of a text, those that it lists, with blanks or commas between them.
+/// The numbers of an attribute; in a text, blanks or commas separate the numbers.
 fn numbers_of(value: &AttributeValue) -> Option<Vec<f64>> {
     let of_text = |text: &str| {
         let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());

@@ -1,4 +1,4 @@
-//! Other readings of a map: one convention, kind of depth or way to give the lens changed at a time.
+//! Other readings of a map, each with one change: one convention, the kind of depth, or the way to give the lens.
 
 use super::GBufferMap;
 use super::axes::MapConventions;
@@ -18,7 +18,7 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         change(&mut other);
         readings.push(Reading { words, map: other });
     };
-    // Rows in the other order come before axes that mirror the same, since they are the commoner mistake.
+    // The other order of rows comes before axes that mirror the image in the same way, since it is the commoner mistake.
     let word = if map.bottom_up { "top-left" } else { "bottom-left" };
     add(format!("origin = {word:?}"), &|m| m.bottom_up = !m.bottom_up);
     for (word, kind) in map.depth.other_kinds() {

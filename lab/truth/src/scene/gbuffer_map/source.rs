@@ -1,4 +1,4 @@
-//! Where a section of a map takes its values from: channels of a file, or constants.
+//! Sources of a section's values: channels of a file, or constants.
 
 use super::files::{ChannelSource, MapFiles};
 use super::keys::MapKeys;
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::math;
 use std::path::Path;
 
-/// Where the values of a section come from, one or several a pixel, and how they are decoded.
+/// Source of the values of a section, one or several a pixel, and their decoding.
 #[derive(Debug, Clone)]
 pub(super) struct MapSource {
     /// The name of the section, for errors.
@@ -25,18 +25,18 @@ enum SourceFrom {
     Constants(Vec<f64>),
 }
 
-/// What a section may say of its values.
+/// Rules for the source of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceRules {
-    /// The numbers of channels that there may be.
+    /// Allowed numbers of channels.
     pub counts: &'static [usize],
-    /// Whether constants may stand in the place of channels.
+    /// Whether constants may replace channels.
     pub may_be_constant: bool,
     /// Whether the values may be encoded as sRGB.
     pub may_be_srgb: bool,
-    /// Whether `offset` is read, beside `scale`.
+    /// Whether the key `offset` is allowed, beside `scale`.
     pub has_offset: bool,
-    /// Whether values that a compression rounded are refused.
+    /// Whether values are refused that a compression rounded.
     pub exact: bool,
 }
 
@@ -65,28 +65,28 @@ impl MapPlane {
     }
 }
 
-/// The values of a section as they lie in the files.
+/// The values of a section as stored in the files.
 pub(super) struct MapPlanes<'a> {
     source: &'a MapSource,
-    /// One, two or three.
+    /// One, two or three planes.
     planes: Vec<MapPlane>,
     /// The path of the map, for errors.
     map: &'a Path,
-    /// Where the values are from, for errors.
+    /// Source of the values, for errors.
     place: String,
     /// The width of the image in pixels.
     width: usize,
 }
 
 impl MapSource {
-    /// Takes the keys of a section that has no others.
+    /// Takes the keys of a section that has no keys other than its source's.
     pub fn only(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
         let source = Self::take(&mut keys, rules)?;
         keys.finish()?;
         Ok(source)
     }
 
-    /// Takes the keys of a source from a section that has others, too.
+    /// Takes the keys of a source from a section that also has other keys.
     pub fn take(keys: &mut MapKeys, rules: SourceRules) -> Result<Self> {
         let line = keys.line;
         let [file, part] = ["file", "part"].map(|key| keys.text(key));
@@ -125,7 +125,7 @@ impl MapSource {
         Ok(Self { section: keys.name.clone(), line, from, is_srgb, scale, offset, exact: rules.exact })
     }
 
-    /// How many values a pixel has.
+    /// Number of values of a pixel.
     pub fn count(&self) -> usize {
         match &self.from {
             SourceFrom::Channels(channels) => channels.names.len(),
@@ -136,7 +136,7 @@ impl MapSource {
     /// Reads the values.
     ///
     /// # Errors
-    /// Errors of [`MapFiles::channel`].
+    /// The errors of [`MapFiles::channel`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         let (planes, place) = match &self.from {
             SourceFrom::Channels(channels) => {
@@ -152,9 +152,9 @@ impl MapSource {
 }
 
 impl MapPlanes<'_> {
-    /// A value of a pixel as it lies in the file.
+    /// A value of a pixel as stored in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
-        // A single value stands for all three.
+        // A single value is used for all three.
         self.planes[plane.min(self.planes.len() - 1)].at(pixel)
     }
 
@@ -165,12 +165,12 @@ impl MapPlanes<'_> {
         decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
     }
 
-    /// Three values of a pixel; a single value stands for all.
+    /// Three values of a pixel; a single value is used for all three.
     pub fn three(&self, pixel: usize) -> [f64; 3] {
         [0, 1, 2].map(|plane| self.at(plane, pixel))
     }
 
-    /// An error about a pixel with a wrong value, as [`Self::at`] has it. `must` says what it must do, as in "be
+    /// An error about a pixel with a wrong value, as [`Self::at`] returns it. `must` says what the value must do, as in "be
     /// finite".
     pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
         let location = match self.source.from {

@@ -1,4 +1,4 @@
-//! What a map says of surfaces: roughness, reflectivity, colour, and where they show the sky.
+//! The surfaces of a map: roughness, reflectivity, colour, and the pixels that show the sky.
 
 use super::files::MapFiles;
 use super::keys::MapKeys;
@@ -8,7 +8,7 @@ use crate::scene::material_terms::{self, roughness_of_alpha, roughness_of_expone
 use crate::scene::{Surface, texture};
 use glam::Vec3;
 
-/// How far a value may lie outside 0 to 1 and be clamped: filters and lossy compressions overshoot by about as much.
+/// Greatest distance of a value outside 0 to 1 that is clamped; filters and lossy compressions overshoot by about as much.
 const OVERSHOOT: f64 = 0.01;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ enum RoughnessKind {
     Smoothness,
 }
 
-/// What a map says of the roughness.
+/// The roughness section of a map.
 #[derive(Debug, Clone)]
 pub(super) struct MapRoughness {
     source: MapSource,
@@ -66,7 +66,7 @@ impl MapRoughness {
     /// Roughness ϱ of every pixel, 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         let planes = self.source.read(files)?;
         each(depth, |i| {
@@ -86,11 +86,11 @@ impl MapRoughness {
     }
 }
 
-/// What a map says of the reflectivity.
+/// The reflectivity section of a map.
 #[derive(Debug, Clone)]
 pub(super) enum MapReflectivity {
     Given(MapSource),
-    /// From metallic, base colour and what dielectrics reflect along the normal.
+    /// Reflectivity from metalness, base colour and the reflection of dielectrics along the normal.
     Metallic(Box<MapMetallic>),
 }
 
@@ -114,10 +114,10 @@ impl MapReflectivity {
         Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
     }
 
-    /// Reflectivity of every pixel, the luminance of what is given as a colour; 0 where `depth` is 0 (sky).
+    /// Reflectivity of every pixel, which is the luminance if it is given as a colour; 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         match self {
             Self::Given(source) => {
@@ -146,7 +146,7 @@ impl MapReflectivity {
     }
 }
 
-/// A term of the colour: a colour, or the product of two.
+/// A term of the lit colour: a colour, or the product of two colours.
 #[derive(Debug, Clone)]
 pub(super) struct MapColour {
     source: MapSource,
@@ -161,10 +161,10 @@ impl MapColour {
         Ok(Self { source, times })
     }
 
-    /// The sum of the terms for every pixel, also of the sky; components below 0 become 0.
+    /// The sum of the terms for every pixel, including sky; components below 0 become 0.
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value that is not finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value that is not finite.
     pub fn read_sum<'a>(terms: &'a [Self], files: &mut MapFiles<'a>) -> Result<Vec<Vec3>> {
         let mut sum = vec![[0.0_f64; 3]; files.pixels()];
         for term in terms {
@@ -184,7 +184,7 @@ impl MapColour {
     }
 }
 
-/// Which surfaces show the environment of [`sky`](crate::scene::sky).
+/// The channel that marks surfaces that show the environment of [`sky`](crate::scene::sky).
 #[derive(Debug, Clone)]
 pub(super) struct MapSky(MapSource);
 
@@ -196,7 +196,7 @@ impl MapSky {
     /// The kind of surface of every pixel.
     ///
     /// # Errors
-    /// Errors of [`MapSource::read`].
+    /// The errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
         let planes = self.0.read(files)?;
         let shows = |i| if planes.at(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };

@@ -1,4 +1,4 @@
-//! Buffer views that `EXT_meshopt_compression` or `KHR_meshopt_compression` stores in fewer bytes, decoded by the crate `meshopt`.
+//! Buffer views that `EXT_meshopt_compression` or `KHR_meshopt_compression` compresses, decoded by the crate `meshopt`.
 
 use crate::scene::bounded;
 use gltf::json::buffer::{Buffer, View};
@@ -8,14 +8,14 @@ use serde_json::Value;
 /// The names of the extension. The second one has the same members, and more versions of the codecs.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// The most bytes that one byte may unpack to, with some to spare: a block of 256 vertices that are all alike has one byte for
-/// each four bytes of a vertex.
+/// Greatest number of bytes that one byte may unpack to, with a margin: a block of 256 equal vertices has one byte for each
+/// four bytes of a vertex.
 const MOST_UNPACKED_PER_BYTE: u64 = 2048;
 
 /// Any view may unpack to this many bytes.
 const FREE_BYTES: u64 = 1 << 16;
 
-/// Where the bytes of a view are, and how they are stored.
+/// Location of the bytes of a view, and their compression.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Compressed {
@@ -30,10 +30,10 @@ pub(super) struct Compressed {
     filter: Option<String>,
 }
 
-/// How a view is compressed; `None` for one that is not.
+/// The compression of a view; `None` for an uncompressed one.
 ///
 /// # Errors
-/// A clause that says which member is wrong.
+/// A clause that names the wrong member.
 pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
     let others = view.extensions.as_ref().map(|extensions| &extensions.others);
     let Some(extension) = others.and_then(|others| NAMES.iter().find_map(|name| others.get(*name))) else {
@@ -54,7 +54,7 @@ impl Compressed {
     /// Decodes the bytes of the view.
     ///
     /// # Errors
-    /// A clause about members that contradict each other or the format, and bytes that are none of meshopt.
+    /// A clause about members that contradict each other or the format, and about bytes that are not in the format of meshopt.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, String> {
         let Self { byte_stride: stride, count, .. } = *self;
         let unpacked = (stride as u64).saturating_mul(count as u64);
@@ -68,7 +68,7 @@ impl Compressed {
                 self.unfilter(&mut words)?;
                 Ok(bytemuck::cast_slice(&words).to_vec())
             }
-            // The decoder takes whole triangles alone.
+            // The decoder accepts only whole triangles.
             ("TRIANGLES", 2 | 4) if count % 3 == 0 => {
                 Ok(indices(stride, &meshopt::decode_index_buffer::<u32>(encoded, count).map_err(damaged)?))
             }
@@ -82,7 +82,7 @@ impl Compressed {
         }
     }
 
-    /// Applies the filter that the encoder asks for.
+    /// Applies the filter that the encoder requires.
     fn unfilter(&self, words: &mut [u32]) -> Result<(), String> {
         let filter = self.filter.as_deref().unwrap_or("NONE");
         match (filter, self.byte_stride) {
@@ -106,7 +106,7 @@ fn indices(stride: usize, decoded: &[u32]) -> Vec<u8> {
     decoded.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
 }
 
-/// An element of so many words.
+/// An element of `N` words.
 #[derive(Clone)]
 struct Element<const N: usize>([u32; N]);
 
@@ -121,7 +121,7 @@ fn decode_elements<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Res
     Ok(elements.into_iter().flat_map(|element| element.0).collect())
 }
 
-/// Decodes elements of 1 to 64 words: the crate wants their size as a type.
+/// Decodes elements of 1 to 64 words: the crate needs their size as a type.
 fn decode_vertices(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u32>> {
     macro_rules! sized {
         ($($n:literal)*) => {

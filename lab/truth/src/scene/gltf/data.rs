@@ -1,7 +1,7 @@
 //! The bytes that a document points to: buffers, images, and the accessors of numbers.
 //!
-//! An accessor is read an element at a time ([`Vectors`], [`Indices`]), so that a large one which many primitives share
-//! costs each of them only what it draws.
+//! An accessor is read one element at a time ([`Vectors`], [`Indices`]). Primitives that share a large accessor then read only
+//! the elements that they draw.
 
 use super::compression;
 use crate::error::{Error, Result};
@@ -20,10 +20,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// The largest file beside the document that is read, in bytes.
+/// Greatest size, in bytes, of a file beside the document that is read.
 const MAX_FILE_BYTES: u64 = 1 << 32;
 
-/// The most elements of indices or positions that may have no bytes in the file.
+/// Greatest number of elements of indices or positions that may have no bytes in the file.
 const MAX_ZEROS: usize = 1 << 20;
 
 /// Base64 with or without its padding.
@@ -37,15 +37,15 @@ pub(super) struct Data<'a> {
     pub(super) path: &'a Path,
     pub(super) document: &'a Document,
     buffers: Vec<Vec<u8>>,
-    /// The views that are stored compressed, by their indices.
+    /// The decoded bytes of compressed views, by the view's index.
     decoded: HashMap<usize, Vec<u8>>,
 }
 
-/// Where the bytes of an image are.
+/// Location of an image's bytes.
 pub(super) enum ImageBytes<'a> {
-    /// Within the document or one of its buffers.
+    /// Bytes within the document or one of its buffers.
     Here(Cow<'a, [u8]>),
-    /// In a file.
+    /// Path of a file.
     File(PathBuf),
 }
 
@@ -101,7 +101,7 @@ impl<'a> Data<'a> {
         buffer.get(start..end).ok_or_else(outside)
     }
 
-    /// Where an image's bytes are, and what messages call it.
+    /// The location of an image's bytes, and the image's name in messages.
     pub(super) fn image(&self, index: usize) -> Result<(String, ImageBytes<'_>)> {
         let Some(image) = self.document.as_json().images.get(index) else {
             return Err(self.error(format!("there is no image {index}")));
@@ -128,7 +128,7 @@ impl<'a> Data<'a> {
     /// The vectors of an accessor.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if it has not `N` components, or leaves its buffer.
+    /// [`Error::Malformed`] if the accessor has not `N` components, or leaves its buffer.
     pub(super) fn vectors<const N: usize>(&self, accessor: &Accessor, semantic: &Semantic) -> Result<Vectors<'_, N>> {
         let dimensions = accessor.dimensions();
         let wanted = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4];
@@ -142,7 +142,7 @@ impl<'a> Data<'a> {
     /// The matrices of an accessor, column by column.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if it has no matrices of 4 × 4 floats, or leaves its buffer.
+    /// [`Error::Malformed`] if the accessor has no matrices of 4 × 4 floats, or leaves its buffer.
     pub(super) fn matrices(&self, accessor: &Accessor) -> Result<Vectors<'_, 16>> {
         if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
             let index = accessor.index();
@@ -151,10 +151,11 @@ impl<'a> Data<'a> {
         self.numbers(accessor)
     }
 
-    /// The numbers of an accessor, however many its elements have.
+    /// The numbers of an accessor, whose elements have `N` numbers each.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if it leaves its buffer, has other elements, or claims more than a file can mean.
+    /// [`Error::Malformed`] if the accessor leaves its buffer, has other elements, or claims more elements than a file can
+    /// mean.
     pub(super) fn floats<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let numbers = self.numbers(accessor)?;
         if accessor.dimensions().multiplicity() != N {
@@ -172,7 +173,8 @@ impl<'a> Data<'a> {
     /// The indices of an accessor.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if it has no unsigned integers, leaves its buffer, or claims more than a file can mean.
+    /// [`Error::Malformed`] if the accessor has no unsigned integers, leaves its buffer, or claims more elements than a file
+    /// can mean.
     pub(super) fn indices(&self, accessor: &Accessor) -> Result<Indices<'_>> {
         let integer = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
         if accessor.dimensions() != Dimensions::Scalar || !integer {
@@ -184,7 +186,7 @@ impl<'a> Data<'a> {
     }
 
     /// # Errors
-    /// [`Error::Malformed`] for zeros without bytes in the file of which there are too many to allocate for.
+    /// [`Error::Malformed`] for elements without bytes in the file, which are zeros, if there are too many of them to allocate.
     pub(super) fn check_claim(&self, index: usize, elements: &Elements) -> Result<()> {
         if elements.base.is_none() && elements.count > MAX_ZEROS {
             let count = elements.count;
@@ -233,13 +235,13 @@ impl<'a> Data<'a> {
             if element < count { Ok((element, values.get(k))) } else { Err(outside()) }
         };
         let mut changed = (0..many).map(pair).collect::<Result<Vec<_>>>()?;
-        // They should be in order already. Of two for one element, the last counts.
+        // The elements should be in order already. If an element is changed twice, the last change counts.
         changed.sort_by_key(|(element, _)| *element);
         Ok(changed)
     }
 }
 
-/// Decodes the views that are stored compressed.
+/// Decodes the compressed views.
 fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
@@ -267,7 +269,7 @@ struct Strided<'a> {
 }
 
 impl<'a> Strided<'a> {
-    /// `None` if the last element leaves the bytes.
+    /// `None` if the last element exceeds the bytes.
     fn new(bytes: &'a [u8], start: u64, stride: usize, size: usize, count: usize) -> Option<Self> {
         let bytes = bytes.get(usize::try_from(start).ok()?..)?;
         let end = match count.checked_sub(1) {
@@ -282,7 +284,7 @@ impl<'a> Strided<'a> {
     }
 }
 
-/// The bytes of an accessor's elements: those of its view or else zeros, with some changed.
+/// The bytes of an accessor's elements: the bytes of its view, or else zeros, with some elements changed.
 pub(super) struct Elements<'a> {
     base: Option<Strided<'a>>,
     size: usize,
@@ -312,7 +314,7 @@ impl<const N: usize> Vectors<'_, N> {
         self.elements.count
     }
 
-    /// A vector, with integers brought to 0…1 or −1…1 where the accessor says so.
+    /// A vector; integers are converted to 0…1 or −1…1 if the accessor is normalized.
     pub(super) fn get(&self, k: usize) -> [f32; N] {
         let unit = |value: f32, greatest: f32| if self.normalized { (value / greatest).max(-1.0) } else { value };
         let number = |bytes: &[u8]| -> f32 {
@@ -349,8 +351,8 @@ fn malformed(path: &Path, message: impl Into<String>) -> Error {
     Error::malformed(path, None, message)
 }
 
-/// The bytes of a `data:` address (RFC 2397), whose scheme may be written in capitals and whose data may be
-/// percent-encoded; the inner `None` if they are not valid. `None` for other addresses.
+/// The bytes of a `data:` address (RFC 2397). The scheme may be written in capitals, and the data may be percent-encoded. The
+/// inner `None` stands for invalid data, the outer `None` for other addresses.
 fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
     let (scheme, rest) = uri.split_once(':')?;
     if !scheme.trim_start().eq_ignore_ascii_case("data") {
@@ -367,11 +369,11 @@ fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
     Some(bytes.filter(|bytes| !bytes.is_empty()))
 }
 
-/// The file that an address names, relative to the document's folder. A name that is only found as it is written was
-/// not encoded.
+/// The file that an address names, relative to the document's folder. If only the unchanged name is found, it was not
+/// percent-encoded.
 ///
 /// # Errors
-/// A sentence for an address of another kind, as on the network.
+/// A message for an address of another kind, such as one on the network.
 fn relative_file(path: &Path, uri: &str) -> std::result::Result<PathBuf, String> {
     if let Some((scheme, _)) = uri.split_once(':').filter(|(_, rest)| rest.starts_with("//")) {
         return Err(format!("is at an address of the kind {}:, which is not read", bounded::printable_name(scheme)));

@@ -1,8 +1,8 @@
-//! Reads the JSON of a glTF file: takes it out of its container, mends what has one obvious reading, and checks the rest.
+//! Reads the JSON of a glTF file: takes it out of its container, repairs faults whose meaning is obvious, and checks the rest.
 //!
-//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. What it can
-//! parse only in one form is brought to that form in the JSON ([`mend`]); of what its validation finds, the faults that
-//! this loader does not mind are passed over ([`is_harmless`]).
+//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. [`mend`] rewrites
+//! such values in the JSON to the form that the crate parses. [`is_harmless`] ignores those faults found by the crate's
+//! validation that do not matter to this loader.
 
 use super::typed::parse_typed;
 use super::{Notes, READ};
@@ -20,20 +20,20 @@ pub(super) const WEBP: &str = "EXT_texture_webp";
 /// An older kind of material.
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// What a file holds: the checked document, the list of its animations, and the binary chunk.
+/// Contents of a file: the checked document, the list of its animations, and the binary chunk.
 pub(super) type Content = (Document, Value, Option<Vec<u8>>);
 
-/// Reads a file's content.
+/// Reads the contents of a file.
 ///
 /// # Errors
-/// [`Error::Malformed`] with a sentence that tells apart other versions, other encodings of text, files that end too early
-/// and documents that are wrong.
+/// [`Error::Malformed`] with a message that distinguishes other versions, other encodings of text, truncated files and wrong
+/// documents.
 pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Content> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let (text, blob) = unpack(bytes).map_err(wrong)?;
     let mut value = parse(text).map_err(wrong)?;
     check_version(&value).map_err(wrong)?;
-    // They are read apart: a scene stands without them.
+    // Animations are read separately, since a scene is complete without them.
     let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
@@ -68,7 +68,7 @@ fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String>
     chunks(&bytes[12..stated])
 }
 
-/// The first chunk, which is JSON, and the first binary one behind it; others are ignored, as the specification demands.
+/// The first chunk, which is JSON, and the first binary chunk after it; other chunks are ignored, as the specification demands.
 fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
     let (mut json, mut blob) = (None, None);
     while let [a, b, c, d, kind @ ..] = rest
@@ -110,7 +110,7 @@ fn parse(text: &[u8]) -> std::result::Result<Value, String> {
 }
 
 /// # Errors
-/// A sentence for a document of another version than 2. In version 1, lists are objects with names.
+/// A message for a document of another version than 2. In version 1, lists are objects with names.
 fn check_version(value: &Value) -> std::result::Result<(), String> {
     let Some(document) = value.as_object() else {
         return Err("is not glTF 2.0: its JSON is no object".to_owned());
@@ -132,7 +132,7 @@ fn check_version(value: &Value) -> std::result::Result<(), String> {
     }
 }
 
-/// Brings what has one obvious reading to the only form that the crate parses.
+/// Rewrites values whose meaning is obvious to the only form that the crate parses.
 fn mend(document: &mut Value, notes: &mut Notes) {
     mend_values(document);
     if let Some(version) = document.pointer_mut("/asset/version")
@@ -146,7 +146,7 @@ fn mend(document: &mut Value, notes: &mut Notes) {
         }
     }
     for view in list(document, "bufferViews") {
-        // Zero is what some exporters write for elements without gaps.
+        // Some exporters write zero for elements without gaps.
         if let Some(view) = view.as_object_mut().filter(|v| v.get("byteStride") == Some(&Value::from(0))) {
             view.remove("byteStride");
         }
@@ -154,7 +154,7 @@ fn mend(document: &mut Value, notes: &mut Notes) {
     for texture in list(document, "textures") {
         let webp = texture.get("extensions").and_then(|e| e.get(WEBP)?.get("source").cloned());
         if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
-            // A file may give the same image as PNG or JPEG, too.
+            // A file may have the same image as PNG or JPEG, too.
             texture.entry("source").or_insert(source);
         }
     }
@@ -180,8 +180,8 @@ fn drop_own_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
     });
 }
 
-/// Numbers without a fraction become integers, since the crate takes 4.0 for no count; members that are null are left out,
-/// since they say nothing, and so are those that are for applications.
+/// Numbers without a fraction become integers, since the crate does not accept 4.0 as a count. Members that are null are left
+/// out, since they have no meaning, and so are members for applications.
 fn mend_values(value: &mut Value) {
     match value {
         Value::Number(number) => {
@@ -192,7 +192,7 @@ fn mend_values(value: &mut Value) {
         }
         Value::Array(items) => items.iter_mut().for_each(mend_values),
         Value::Object(members) => {
-            // Extras may be any value, of any object, and nothing here reads them.
+            // Extras may be any value in any object, and this loader does not read them.
             members.retain(|name, member| !member.is_null() && name != "extras");
             members.values_mut().for_each(mend_values);
         }
@@ -200,19 +200,19 @@ fn mend_values(value: &mut Value) {
     }
 }
 
-/// The items of a list of an object; none if there is no such list.
+/// The items of a list of an object; empty if there is no such list.
 fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
     object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
 /// # Errors
-/// A sentence for an extension that the file requires and this loader lacks.
+/// A message for an extension that the file requires and this loader lacks.
 fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(), String> {
     let known = |name: &String| READ.contains(&name.as_str());
     if let Some(name) = json.extensions_required.iter().find(|name| !known(name)) {
         return Err(format!("requires the extension {name}, which is not supported; {}", remedy(name)));
     }
-    // What is read here, the crate need not know.
+    // The crate need not know the extensions that this loader reads itself.
     json.extensions_required.clear();
     for name in json.extensions_used.iter().filter(|name| !known(name)) {
         if name == SPECULAR_GLOSSINESS {
@@ -229,7 +229,7 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
     Ok(())
 }
 
-/// What is moved or missing without an extension that places geometry; `None` for one that does not.
+/// Says what is misplaced or missing without an extension that changes geometry; `None` for other extensions.
 fn changed_geometry(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "MSFT_lod" => "only the finest level of detail of each thing is drawn",
@@ -255,7 +255,7 @@ pub(super) fn remedy(extension: &str) -> &'static str {
 }
 
 /// # Errors
-/// A sentence about a node whose light is not there.
+/// A message about a node whose light does not exist.
 fn check_lights(document: &Value) -> std::result::Result<(), String> {
     let lights =
         document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
@@ -269,7 +269,7 @@ fn check_lights(document: &Value) -> std::result::Result<(), String> {
     Ok(())
 }
 
-/// The sentence about meshes that are there in the form of Draco alone; `None` where there are none.
+/// The message about meshes that exist only in Draco's format; `None` if there are none.
 fn draco_alone(document: &Value) -> Option<String> {
     const DRACO: &str = "KHR_draco_mesh_compression";
     let has_bytes = |primitive: &Value| {
@@ -286,7 +286,7 @@ fn draco_alone(document: &Value) -> Option<String> {
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
-/// Ways of repeating that are none count as the default; filters are not read.
+/// Invalid ways of repeating count as the default; filters are not read.
 fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     for sampler in &mut json.samplers {
         (sampler.mag_filter, sampler.min_filter) = (None, None);
@@ -300,9 +300,9 @@ fn mend_samplers(json: &mut Root, notes: &mut Notes) {
 }
 
 /// # Errors
-/// A sentence for the first fault of the document that this loader minds.
+/// A message for the first fault of the document that matters to this loader.
 fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
-    // The crate's own check of positions reads the accessor before it knows that there is one.
+    // The crate's own check of positions reads the accessor without checking that it exists.
     let position = Checked::Valid(gltf::Semantic::Positions);
     let positions = json.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&position));
     if positions.map(|index| index.value()).any(|index| index >= json.accessors.len()) {
@@ -325,7 +325,7 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     first.map_or(Ok(()), Err)
 }
 
-/// The place of a fault as the JSON has it: the crate writes the names of extensions as those of its own fields.
+/// The place of a fault in the names of the JSON, since the crate gives extensions the names of its own fields.
 fn in_json(path: &JsonPath) -> String {
     let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
     let parts = path.as_str().split('.').map(|part| {
@@ -342,9 +342,9 @@ fn in_json(path: &JsonPath) -> String {
     parts.collect::<Vec<_>>().join(".")
 }
 
-/// Whether the loader does not need what is wrong: bounds of positions, which it computes itself; a view of an accessor,
-/// which then holds zeros; positions, without which a primitive is not drawn; distances between elements, which it checks
-/// itself, and what a view is for.
+/// Whether a fault does not matter to this loader. Bounds of positions are computed, an accessor without a view has zeros, and
+/// a primitive without positions is not drawn. Distances between elements are checked elsewhere, and the target of a view is
+/// not used.
 fn is_harmless(path: &str, fault: Fault, notes: &mut Notes) -> bool {
     let ends = |end: &str| path.ends_with(end);
     if ends(".attributes[\"POSITION\"].min") || ends(".attributes[\"POSITION\"].max") {

@@ -1,4 +1,4 @@
-//! Triangles of a primitive, in the world.
+//! The triangles of a primitive, placed in the world.
 
 use super::data::Data;
 use super::materials::Coordinates;
@@ -10,11 +10,11 @@ use glam::{DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::{Mode, Primitive};
 
-/// What primitives add up to while they are read.
+/// Sums over the primitives that were read.
 pub(super) struct Tally {
-    /// Triangles of the file, each as often as it is placed.
+    /// Triangles of the file, each counted as often as it is placed.
     pub(super) triangles: usize,
-    /// Bounds of the vertices in the world, before they are rounded.
+    /// Bounds of the vertices in the world, before rounding to 32-bit floats.
     pub(super) bounds: [DVec3; 2],
 }
 
@@ -24,7 +24,7 @@ impl Default for Tally {
     }
 }
 
-/// The triangles of a primitive that is placed in the world, or nothing if it has none.
+/// The triangles of a primitive that is placed in the world, or `None` if it has none.
 pub(super) fn part(
     data: &Data,
     (primitive, material): (&Primitive, usize),
@@ -74,7 +74,7 @@ pub(super) fn part(
     Ok(Some(part).filter(|p| !p.triangles.is_empty()))
 }
 
-/// The corners of the triangles of a mode, each in the order of its front.
+/// The corners of the triangles of a mode, each in the winding of its front.
 fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
@@ -89,8 +89,8 @@ fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// The triangle with unit normals; `None` if it has no area. Normals stay as the author gave them, also where they lean
-/// behind their face, as smooth ones do at silhouettes; those that point to its back are turned.
+/// The triangle with unit normals; `None` if it has no area. The author's normals are kept, even if they lean slightly behind
+/// their face, as smooth normals do at silhouettes; normals that point to the back of the face are turned.
 fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
     let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
     let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];

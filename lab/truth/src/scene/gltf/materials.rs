@@ -1,4 +1,4 @@
-//! Turns metallic-roughness materials into those of the scene, and bakes their images.
+//! Converts metallic-roughness materials to materials of the scene, and bakes their images.
 //!
 //! | glTF | here |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | emission e, or the whole albedo of an unlit material | albedo + e, of which the share of e in the luminance is emission |
 //! | alpha below the cutoff | a hole |
 //!
-//! Where an image takes part, the results are baked texel by texel into images of the size of the largest.
+//! If a material has images, the results are baked texel by texel into images of the size of its largest image.
 
 use super::Notes;
 use super::data::{Data, ImageBytes};
@@ -27,10 +27,10 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// Which texture coordinates a material uses, and how it changes them.
+/// The texture coordinates that a material uses, and their transform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinates {
-    /// The set, as in `TEXCOORD_0`.
+    /// Number of the set, as in `TEXCOORD_0`.
     pub(super) set: u32,
     offset: [f32; 2],
     rotation: f32,
@@ -40,8 +40,8 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    /// Texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, which is what the
-    /// extension's words and its test model say; the signs of the program in its text are those of the other direction.
+    /// Texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, as in the extension's words
+    /// and its test model; the signs in the example code of its text mean the other direction.
     pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation.sin_cos();
         let [u, v] = [u * self.scale[0], v * self.scale[1]];
@@ -83,7 +83,7 @@ impl<'a> TextureUse<'a> {
         Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps } }
     }
 
-    /// The index of its image; none if the file gives it only in a format that is not read.
+    /// The index of the texture's image; `None` if the file has it only in a format that is not read.
     fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
@@ -97,8 +97,8 @@ impl<'a> TextureUse<'a> {
     }
 }
 
-/// The coordinates that all images of a material share: those of the first in the order base colour,
-/// metallic-roughness, normals, emission.
+/// The coordinates that all images of a material share: those of the first image in the order base colour, metallic-roughness,
+/// normals, emission.
 pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
     let pbr = material.pbr_metallic_roughness();
     let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
@@ -118,21 +118,21 @@ pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coord
     Coordinates { clamps, ..first }
 }
 
-/// What an image of the scene is baked from. Materials that ask for the same share it.
+/// The inputs from which an image of the scene is baked. Materials with equal inputs share the image.
 #[derive(Debug, Clone, PartialEq)]
 enum Baked {
-    /// The base colour as it is.
+    /// The base colour, unchanged.
     Plain {
         base: Image,
     },
-    /// Albedo and, in alpha, the share of it that is emission.
+    /// Albedo, and in alpha the share of it that is emission.
     Albedo {
         base: Option<Image>,
         metallic: Option<Image>,
         emission: Option<Image>,
         factors: Factors,
     },
-    /// In red.
+    /// Reflectivity, in red.
     Reflectivity {
         base: Option<Image>,
         metallic: Option<Image>,
@@ -145,7 +145,7 @@ enum Baked {
         metallic: Image,
         factor: f32,
     },
-    /// One half where alpha times the factor is the cutoff.
+    /// A mask, which is one half where alpha times the factor equals the cutoff.
     Mask {
         base: Option<Image>,
         factor: f32,
@@ -160,11 +160,11 @@ enum Baked {
 /// The index of an image in the file.
 type Image = usize;
 
-/// What materials ask for, each once.
+/// Images that materials need, each once.
 #[derive(Default)]
 struct BakedImages {
     list: Vec<Baked>,
-    /// Where each is in the list, by its text: numbers of materials have no hash.
+    /// Index of each image in the list, by its text, since numbers of materials have no hash.
     index: HashMap<String, usize>,
 }
 
@@ -178,7 +178,7 @@ impl BakedImages {
 }
 
 impl Baked {
-    /// The images that it reads.
+    /// The images of the file that the baked image reads.
     fn images(&self) -> Vec<Image> {
         match self {
             Self::Plain { base } => vec![*base],
@@ -195,7 +195,7 @@ impl Baked {
     }
 }
 
-/// Adds the materials in use, in this order, and the images that they need.
+/// Adds the materials in use, in order, and the images that they need.
 pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
     let mut baked = BakedImages::default();
     for index in used {
@@ -223,7 +223,7 @@ pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut
     }
 }
 
-/// The factors of a material. Those of `KHR_materials_specular` change what a surface that is no metal reflects.
+/// The factors of a material. `KHR_materials_specular` changes the reflection of a surface's part that is no metal.
 fn factors(material: &gltf::Material) -> Factors {
     let pbr = material.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
@@ -271,7 +271,7 @@ fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2]
     })
 }
 
-/// The material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
+/// The material of primitives without one (glTF 2.0, 3.7.2.1): a rough white metal.
 fn default_material() -> Material {
     Material {
         name: "default".into(),
@@ -353,13 +353,13 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     made
 }
 
-/// Decodes images and bakes what materials need of them.
+/// Decodes images, and bakes the images that materials need.
 struct Baker<'a> {
     data: &'a Data<'a>,
     side: u32,
-    /// Images that would exceed the texels of a scene.
+    /// Images that would exceed the limit of a scene's texels.
     too_much: HashSet<Image>,
-    /// What was wrong with an image, one sentence each.
+    /// Faults of images, one message each.
     problems: Mutex<BTreeMap<Image, String>>,
 }
 
@@ -368,7 +368,7 @@ impl<'a> Baker<'a> {
         let mut texels = 0;
         let mut too_much = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
-            // What is wrong with others is said when they are decoded.
+            // Faults of other images are reported when these are decoded.
             let Ok((_, source)) = data.image(image) else { continue };
             let dimensions = match &source {
                 ImageBytes::Here(bytes) => texture::dimensions(bytes),
@@ -383,7 +383,7 @@ impl<'a> Baker<'a> {
         Self { data, side, too_much, problems: Mutex::default() }
     }
 
-    /// Decodes an image; without one, whoever asks takes white, and a sentence says so.
+    /// Decodes an image; if it cannot be decoded, a message is added, and the caller uses white.
     fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
         let problem = match self.data.image(index) {
             Err(Error::Malformed { message, .. }) => message,

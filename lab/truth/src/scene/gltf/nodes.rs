@@ -1,4 +1,4 @@
-//! Walks the tree of nodes: places meshes, cameras and lights in the world.
+//! Walks the tree of nodes, and places meshes, cameras and lights in the world.
 
 mod animations;
 mod instances;
@@ -21,11 +21,11 @@ pub(super) use instances::{INSTANCING, VISIBILITY};
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Places what the file's scene shows: meshes, views and lights go into `scene`. Returns the materials in use, by their
-/// index in the file (none for the default material); a mesh's material is an index into these.
+/// Places the meshes, views and lights of the file's scene in `scene`. Returns the materials in use, by their index in the file
+/// (`None` for the default material); a mesh's material is an index into this list.
 ///
-/// From every place `kept` is taken. If it is none, a scene that lies so far from the origin that floats would lose its
-/// details is moved to its own centre, in f64, before anything is rounded; a sentence says by how much.
+/// `kept` is subtracted from every place. Without it, a scene so far from the origin that floats would lose its details is
+/// moved to its own centre, in f64, before rounding; a note says by how much.
 pub(super) fn place(
     (data, animations): (&Data, &Value),
     (scale, kept): (f32, Option<DVec3>),
@@ -38,7 +38,7 @@ pub(super) fn place(
     let names = names(&nodes, animations);
     let (mut parts, used, bounds) = parts(data, (&nodes, &names), origin, notes)?;
     if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
-        // What was rounded away is not lost after the move.
+        // Notes about details lost by rounding no longer hold after the move.
         *notes = before;
         notes.add("far", far.sentence());
         origin = far.centre;
@@ -56,7 +56,7 @@ pub(super) fn place(
 /// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
 type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
 
-/// The names of the nodes' meshes, by the nodes' indices. Where something may move, each node has a name of its own.
+/// The names of the nodes' meshes, by the nodes' indices. In a file with animations, each node has a unique name.
 fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
     let moves = animations.as_array().is_some_and(|list| !list.is_empty());
     let mut unique = UniqueNames::default();
@@ -138,27 +138,27 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
     scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
 }
 
-/// What lengths of cameras and lights are measured by.
+/// Units and defaults for the lengths of cameras and lights.
 struct Units {
     /// Metres per unit of length of the file.
     scale: f32,
     /// The centre of the scene.
     centre: Vec3,
-    /// The far plane of a camera that has none.
+    /// Far plane of a camera that gives none.
     far_m: f32,
 }
 
-/// The nodes of the file's scene, in the order of the tree, and where all nodes stand.
+/// The nodes of the file's scene, in the order of the tree, and the transforms of all nodes.
 pub(super) struct Nodes<'a> {
     pub(super) shown: Vec<(Node<'a>, DMat4)>,
-    /// Where each node of the file stands, in the scene or not.
+    /// Transform of each node of the file to the world, whether or not it is in the scene.
     to_world: Vec<DMat4>,
     scale: f32,
 }
 
 impl<'a> Nodes<'a> {
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) for a node that is not in a tree.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for a node with several parents, or a cycle of nodes.
     fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
         let document = data.document;
         let all: Vec<Node> = document.nodes().collect();
@@ -177,7 +177,7 @@ impl<'a> Nodes<'a> {
         nodes.shown = nodes
             .walk((tops, root), &mut visited)
             .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
-        // Joints need not be in the scene that is shown. Whatever tree is broken there, nothing of it is drawn.
+        // Joints need not be in the scene that is shown. An error in their trees is ignored, since these trees are not drawn.
         for other in all.iter().filter(|n| !is_child[n.index()]) {
             if !visited[other.index()] {
                 nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
@@ -186,12 +186,12 @@ impl<'a> Nodes<'a> {
         Ok(nodes)
     }
 
-    /// From the space of the file to the world.
+    /// The transform from the file's space to the world.
     pub(super) fn root(&self) -> DMat4 {
         root(self.scale)
     }
 
-    /// The node that each node of the file hangs from.
+    /// The parent of each node of the file.
     pub(super) fn parents(&self, data: &Data) -> Vec<Option<usize>> {
         let mut parents = vec![None; self.to_world.len()];
         for node in data.document.nodes() {
@@ -200,7 +200,7 @@ impl<'a> Nodes<'a> {
         parents
     }
 
-    /// The nodes below some, and where they stand, without those that are hidden.
+    /// The nodes below some nodes, with their transforms, without hidden ones.
     ///
     /// # Errors
     /// The index of a node that was visited before.
@@ -210,7 +210,7 @@ impl<'a> Nodes<'a> {
         visited: &mut [bool],
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
         let mut walked = Vec::new();
-        // The last one is visited first.
+        // The last node on the stack is visited first.
         let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
         while let Some((node, parent, is_hidden)) = left.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
@@ -228,7 +228,7 @@ impl<'a> Nodes<'a> {
         Ok(walked)
     }
 
-    /// Where the joints of a skin take a mesh: where each stands, times its inverse bind matrix.
+    /// The placement of a mesh by the joints of a skin: the transform of each joint, times its inverse bind matrix.
     fn skin(&self, data: &Data, skin: &Skin) -> Result<MeshPlacement> {
         let binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
         let joints: Vec<Node> = skin.joints().collect();
@@ -244,7 +244,7 @@ impl<'a> Nodes<'a> {
     }
 }
 
-/// From the space of a file to the world: glTF is right-handed, the world left-handed.
+/// The transform from a file's space to the world: glTF is right-handed, the world left-handed.
 fn root(scale: f32) -> DMat4 {
     let size = f64::from(scale);
     DMat4::from_scale(DVec3::new(size, size, -size))
@@ -262,10 +262,10 @@ fn local(node: &Node) -> DMat4 {
     }
 }
 
-/// Names that are given once each: of several equal ones, the later get numbers.
+/// Makes names unique: repeated names get numbers.
 #[derive(Default)]
 struct UniqueNames {
-    /// Each name that was given, and the last number that was tried behind it.
+    /// Each name that was given, with the last number that was tried after it.
     given: HashMap<String, usize>,
 }
 
@@ -283,7 +283,7 @@ impl UniqueNames {
     }
 }
 
-/// The view of a camera, or nothing, with a sentence, if it cannot be one.
+/// The view of a camera; `None`, with a note, if the camera cannot be a view.
 fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
     let eye = to_world.w_axis.truncate();
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
@@ -292,7 +292,7 @@ fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes:
         Projection::Perspective(p) => {
             Lens::perspective(p.yfov(), metres(p.znear()), p.zfar().map_or(units.far_m, metres))
         }
-        // Pixels are square whatever the width is, as with a perspective.
+        // Pixels are square whatever the stated width, as with a perspective.
         Projection::Orthographic(o) => {
             Lens::orthographic(2.0 * metres(o.ymag().abs()), metres(o.znear()), metres(o.zfar()))
         }

@@ -1,12 +1,13 @@
-//! Brings the JSON of a document to the types of the crate `gltf`, and says in glTF's words where a value has another type.
+//! Parses the JSON of a document to the types of the crate `gltf`, and reports values of a wrong type in glTF's words.
 
 use gltf::json::Root;
 use serde_json::Value;
 
-/// The document that a JSON value means.
+/// Parses the document of a JSON value.
 ///
 /// # Errors
-/// A sentence with the place, as `materials[0].pbrMetallicRoughness.roughnessFactor`, and what stands there instead of what.
+/// A message with the place, such as `materials[0].pbrMetallicRoughness.roughnessFactor`, the value found there, and the
+/// expected one.
 pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let place = error.path().to_string();
@@ -15,7 +16,7 @@ pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     })
 }
 
-/// What serde says of a value, in the words of JSON.
+/// A message of serde about a value, in the words of JSON.
 fn in_words(message: &str) -> String {
     let of_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
     if let Some((found, expected)) = of_type.and_then(|rest| rest.rsplit_once(", expected ")) {
@@ -32,7 +33,7 @@ fn in_words(message: &str) -> String {
     message.to_owned()
 }
 
-/// The thing that stands there: serde's `string "0.5"` is a text.
+/// The value found, in words: serde's `string "0.5"` is a text.
 fn found_in_words(found: &str) -> String {
     let kind = found.split(['`', '"']).next().unwrap_or(found).trim();
     match kind {
@@ -49,7 +50,7 @@ fn found_in_words(found: &str) -> String {
     }
 }
 
-/// The thing that belongs there: serde's `f32` is a number.
+/// The expected value, in words: serde's `f32` is a number.
 fn expected_in_words(expected: &str) -> String {
     let expected = expected.trim();
     let is_integer = |sign: char| expected.strip_prefix(sign).is_some_and(|bits| bits.parse::<u32>().is_ok());

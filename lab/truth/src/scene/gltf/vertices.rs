@@ -1,4 +1,4 @@
-//! The vertices of a primitive: its attributes, morph targets and skin, and where they take each vertex.
+//! The vertices of a primitive: its attributes, morph targets and skin, and the place of each vertex in the world.
 
 use super::Notes;
 use super::data::{Data, Vectors};
@@ -15,11 +15,11 @@ use std::collections::hash_map::Entry;
 /// A transform of vertices to the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToWorld {
-    /// To the world, which is left-handed.
+    /// Matrix to the world, which is left-handed.
     to_world: DMat4,
-    /// The cofactors of its linear part, which turn normals.
+    /// Cofactors of the matrix's linear part, which transform normals.
     cofactors: DMat3,
-    /// −1 if it mirrors, 1 otherwise.
+    /// −1 if the matrix mirrors, 1 otherwise.
     sign: f64,
 }
 
@@ -32,12 +32,13 @@ impl ToWorld {
         Self { to_world, cofactors, sign }
     }
 
-    /// A unit normal in the world; zero if there is none.
+    /// A unit normal in the world; zero if the local one is zero.
     fn normal(&self, local: DVec3) -> DVec3 {
         (self.sign * (self.cofactors * local)).normalize_or_zero()
     }
 
-    /// A tangent in the world. The bitangent w · n × t turns with the surface, so that w follows a mirroring.
+    /// A tangent in the world. The bitangent w · n × t is transformed with the surface, so that a mirroring changes the sign of
+    /// w.
     fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
         let along = self.to_world.transform_vector3(DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
         let w = if f64::from(w) * self.sign < 0.0 { -1.0 } else { 1.0 };
@@ -46,23 +47,23 @@ impl ToWorld {
     }
 }
 
-/// Where the vertices of a mesh stand.
+/// Placement of the vertices of a mesh.
 pub(super) enum MeshPlacement {
-    /// All where their node is.
+    /// The transform of the node places all vertices.
     Node(ToWorld),
-    /// Each where its joints take it: the matrices of the joints of a skin, from the mesh to the world. The node's own
-    /// transform does not count (glTF 2.0, 3.7.3.3).
+    /// The joints of a skin place each vertex, by their matrices from the mesh to the world. The node's own transform is
+    /// ignored (glTF 2.0, 3.7.3.3).
     Skin(Vec<DMat4>),
 }
 
 /// A mesh that a node places.
 pub(super) struct PlacedMesh<'a> {
-    /// What messages and labels call it.
+    /// Name in messages and labels.
     pub(super) name: &'a str,
     pub(super) placement: &'a MeshPlacement,
-    /// How far each morph target counts.
+    /// Weight of each morph target.
     pub(super) weights: &'a [f32],
-    /// What is taken from every place in the world, in metres.
+    /// Offset that is subtracted from every place in the world, in metres.
     pub(super) origin: DVec3,
 }
 
@@ -70,9 +71,9 @@ pub(super) struct PlacedMesh<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlacedVertex {
     pub(super) vertex: Vertex,
-    /// Its place before it is rounded.
+    /// Position before rounding to 32-bit floats.
     pub(super) position: DVec3,
-    /// −1 if its placement mirrors.
+    /// −1 if the placement mirrors.
     pub(super) sign: f64,
 }
 
@@ -82,7 +83,7 @@ impl Default for PlacedVertex {
     }
 }
 
-/// Vertices that were placed already. A primitive that draws a few vertices of many keeps only those.
+/// Vertices that were placed already. A primitive that draws few of many vertices keeps only these.
 pub(super) enum PlacedVertices {
     All(Vec<Option<PlacedVertex>>),
     Few(HashMap<u32, PlacedVertex>),
@@ -93,13 +94,13 @@ impl PlacedVertices {
         if count <= 12 * triangles { Self::All(vec![None; count]) } else { Self::Few(HashMap::new()) }
     }
 
-    /// The vertex of an index, which is placed when it is first asked for.
+    /// The vertex of an index, which is placed when it is first needed.
     pub(super) fn get(&mut self, index: u32, place: impl FnOnce() -> Result<PlacedVertex>) -> Result<PlacedVertex> {
         Ok(match self {
             Self::All(all) => match all.get_mut(index as usize) {
                 Some(Some(known)) => *known,
                 Some(new) => *new.insert(place()?),
-                // `place` says that there is no such vertex.
+                // `place` returns an error, since there is no such vertex.
                 None => place()?,
             },
             Self::Few(few) => match few.entry(index) {
@@ -117,7 +118,7 @@ struct Morph<'a> {
     normals: Option<Vectors<'a, 3>>,
 }
 
-/// The vertices of a primitive, as the file has them, and where they stand.
+/// The vertices of a primitive as the file has them, with their placement.
 pub(super) struct MeshVertices<'a> {
     data: &'a Data<'a>,
     mesh: &'a PlacedMesh<'a>,
@@ -146,7 +147,7 @@ impl<'a> MeshVertices<'a> {
         data.check_claim(accessor.index(), &positions.elements)?;
         let count = positions.len();
         let normals = attribute::<3>(data, primitive, Semantic::Normals, count)?;
-        // Without normals, tangents mean nothing (glTF 2.0, 3.7.2.1).
+        // Without normals, tangents have no meaning (glTF 2.0, 3.7.2.1).
         let tangents = match normals {
             Some(_) => attribute::<4>(data, primitive, Semantic::Tangents, count)?,
             None => None,
@@ -173,10 +174,11 @@ impl<'a> MeshVertices<'a> {
         }))
     }
 
-    /// A vertex in the world.
+    /// Places a vertex in the world.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) for an index of no vertex, and for places that are none.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for an index without a vertex, and for a position that is not
+    /// finite or out of range.
     pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
         let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));
         if i >= self.count {
@@ -208,21 +210,21 @@ impl<'a> MeshVertices<'a> {
         Ok(PlacedVertex { vertex, position, sign: placement.sign })
     }
 
-    /// A position in the mesh, with what morph targets add.
+    /// A position in the mesh, including morph targets.
     fn position(&self, i: usize) -> DVec3 {
         let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.positions.as_ref()?, i)));
         added.fold(vector(&self.positions, i), |sum, added| sum + added)
     }
 
-    /// A normal in the mesh, with what morph targets add; zero without one.
+    /// A normal in the mesh, including morph targets; zero if there is none.
     fn normal(&self, i: usize) -> DVec3 {
         let Some(normals) = &self.normals else { return DVec3::ZERO };
         let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.normals.as_ref()?, i)));
         added.fold(vector(normals, i), |sum, added| sum + added)
     }
 
-    /// Where a vertex stands: with a skin, the mean of its joints' matrices. Weights need not add up to 1, and without
-    /// any the first joint counts.
+    /// The transform of a vertex; with a skin, the mean of its joints' matrices. Weights need not add up to 1; without weights,
+    /// the first joint is used.
     fn placement(&self, i: usize) -> std::result::Result<ToWorld, String> {
         let joints = match self.mesh.placement {
             MeshPlacement::Node(node) => return Ok(*node),
@@ -251,7 +253,7 @@ fn vector(all: &Vectors<3>, i: usize) -> DVec3 {
     Vec3::from(all.get(i)).as_dvec3()
 }
 
-/// The morph targets that count.
+/// The morph targets whose weight is not 0.
 fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usize) -> Result<Vec<Morph<'a>>> {
     let mut morphs = Vec::new();
     for (target, &weight) in primitive.morph_targets().zip(weights) {
@@ -268,7 +270,7 @@ fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usi
     Ok(morphs)
 }
 
-/// The joints of a skinned primitive and their weights.
+/// The joints of a skinned primitive, with their weights.
 fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result<Vec<[Vectors<'a, 4>; 2]>> {
     let mut influences = Vec::new();
     for set in 0.. {
@@ -291,7 +293,7 @@ fn attribute<'a, const N: usize>(
     primitive.get(&semantic).map(|accessor| checked(data, &accessor, &semantic, count)).transpose()
 }
 
-/// The vectors of an accessor, as many as there are vertices.
+/// The vectors of an accessor, which must have one for each vertex.
 fn checked<'a, const N: usize>(
     data: &'a Data,
     accessor: &gltf::Accessor,

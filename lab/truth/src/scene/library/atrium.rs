@@ -21,7 +21,7 @@ pub const VASE: usize = 6;
 pub const RELIEF: usize = 7;
 pub const LEAF: usize = 8;
 pub const POLE: usize = 9;
-/// The first of three cloths.
+/// Index of the first of three cloths.
 pub const CLOTH: usize = 10;
 
 const FINISHES: [Finish; 13] = [
@@ -52,7 +52,7 @@ const SPRING: [f32; 2] = [2.3, 6.95];
 const UPPER_FLOOR: f32 = 4.16;
 pub const PARAPET: f32 = 5.08;
 const WALL_TOP: f32 = 13.0;
-/// How far geometry reaches into its neighbours, in metres, so that no light shows through the joints.
+/// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
 const ARCADE_M: f32 = 0.6;
 const HALF_PIER_M: f32 = 0.5;

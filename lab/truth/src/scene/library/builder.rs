@@ -8,7 +8,7 @@ use crate::scene::{Aabb, Mesh, Vertex};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Half the step, in the surface's parameters, of the differences that give a surface its normals.
+/// Half the step, in the surface's parameters, of the central differences that give a surface its normals.
 const STEP: f32 = 1.0 / 256.0;
 
 /// A mesh under construction.
@@ -17,7 +17,7 @@ pub struct MeshBuilder {
     material: usize,
     /// Width of surface in metres that one image covers.
     image_m: f32,
-    /// Whether images are turned by a quarter.
+    /// Whether images are turned by 90°.
     turned: bool,
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
@@ -37,7 +37,7 @@ impl MeshBuilder {
         Self { name: name.into(), material, image_m, turned: false, vertices: Vec::new(), indices: Vec::new() }
     }
 
-    /// Turns images by a quarter, so that their right direction points up.
+    /// Turns images by 90°, so that their right direction points up.
     pub fn turned(mut self) -> Self {
         self.turned = true;
         self
@@ -107,9 +107,9 @@ impl MeshBuilder {
         }
     }
 
-    /// A rectangle with rectangular holes in the plane through `origin` that the unit vectors `right` and `up`
-    /// span. Its sides are in metres along these vectors, and it faces a viewer who sees them pointing right
-    /// and up. It is cut along all edges of its holes, so that corners meet only at corners.
+    /// A rectangle with rectangular holes in the plane through `origin` that the unit vectors `right` and `up` span. Its sides
+    /// are in metres along these vectors, and it faces a viewer who sees `right` and `up` pointing right and up. The rectangle
+    /// is cut along all edges of its holes, so that corners meet only at corners.
     pub fn panel(&mut self, [origin, right, up]: [Vec3; 3], extent: Rect, holes: &[Rect]) {
         let cuts = |low: f32, high: f32, edges: &dyn Fn(&Rect) -> [f32; 2]| {
             let mut all = vec![low, high];
@@ -197,8 +197,8 @@ impl MeshBuilder {
         }
     }
 
-    /// A surface of revolution about the vertical through `base`. `profile` gives the radius and the height
-    /// above `base`; it must run upwards from t = 0 to t = 1 for the outside to be the front.
+    /// A surface of revolution about the vertical through `base`. `profile` gives the radius and the height above `base`; the
+    /// profile must run upwards from t = 0 to t = 1, so that the outside is the front.
     pub fn revolve(&mut self, base: Vec3, steps: [u32; 2], profile: impl Fn(f32) -> Vec2) {
         let points: Vec<Vec2> = (0..=32).map(|k| profile(k as f32 / 32.0)).collect();
         let length: f32 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
@@ -259,7 +259,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// From its range in x and its range in y.
+    /// A rectangle from its ranges in x and y.
     pub fn new(x: [f32; 2], y: [f32; 2]) -> Self {
         Self { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) }
     }

@@ -141,7 +141,7 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
     }
 }
 
-/// A disc with rounded shoulders whose axle is parallel to x. `width` is half its width.
+/// A disc with rounded shoulders whose axle is parallel to x. `width` is half the width of the disc.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
     let half = 0.5 * width;
     mesh.tube([24, 8], Vec3::Y, |t| {

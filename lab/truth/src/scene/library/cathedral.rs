@@ -287,7 +287,7 @@ fn choir() -> Vec<MeshBuilder> {
     vec![altar, gold]
 }
 
-/// A window: its wall, its position, and the design it shows.
+/// A window: its wall, its position, and the design that it shows.
 struct Window {
     wall: Face,
     rect: Rect,

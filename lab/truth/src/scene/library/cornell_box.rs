@@ -1,6 +1,6 @@
-//! `cornell-box`: the box of the thesis's figure 2.4 (after Goral et al. 1984), with two blocks, a red and a green wall, and
-//! a lamp in the ceiling. Its measures are those that Cornell University publishes, in decimetres instead of centimetres,
-//! so that the lens of the other scenes looks around in it. Nothing in it reflects.
+//! `cornell-box`: the box of the thesis's figure 2.4 (after Goral et al. 1984), with two blocks, a red and a green wall, and a
+//! lamp in the ceiling. The measures are those that Cornell University publishes, scaled from centimetres to decimetres, so
+//! that the box has a size for the lens of the other scenes. No surface reflects.
 
 use super::builder::{MeshBuilder, Rect};
 use super::{Finish, materials, probe, view};
@@ -24,7 +24,7 @@ const HEIGHT: f32 = 5.488;
 const DEPTH: f32 = 5.592;
 /// The x and z ranges of the lamp.
 const LAMP_AT: ([f32; 2], [f32; 2]) = ([2.13, 3.43], [2.27, 3.32]);
-/// How far the lamp hangs below the ceiling, and its light below the lamp, in metres.
+/// Distance of the lamp below the ceiling, and of its light below the lamp, in metres.
 const BELOW: f32 = 0.005;
 /// The corners of the two blocks on the floor (x and z), and their heights.
 const BLOCKS: [([[f32; 2]; 4], f32); 2] = [
@@ -96,7 +96,7 @@ fn blocks() -> MeshBuilder {
     blocks
 }
 
-/// The lamp, which shines whatever lights it.
+/// The lamp, which shines by its own emission.
 fn lamp() -> MeshBuilder {
     let ([left, right], [near, far]) = LAMP_AT;
     let corners = [[left, near], [right, near], [right, far], [left, far]];

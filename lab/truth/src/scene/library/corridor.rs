@@ -207,7 +207,7 @@ fn doors() -> Vec<MeshBuilder> {
     parts
 }
 
-/// Panels below the ceiling; the point lights below them light them.
+/// Panels below the ceiling, lit by the point lights below them.
 fn lamps() -> Vec<MeshBuilder> {
     let mut panels = mesh("lamps", LAMP);
     let mut cases = mesh("lamp-cases", METAL);

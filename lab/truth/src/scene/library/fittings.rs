@@ -4,8 +4,8 @@ use super::builder::{MeshBuilder, Rect};
 use super::portrait::ImpostorFrame;
 use glam::{Vec2, Vec3};
 
-/// The face of an upright wall along x or z. A point on it is `a` metres to the right of the origin (seen from
-/// the front), at a height, and a distance out of the wall.
+/// The face of an upright wall along x or z. A point is given by `a`, its metres to the right of the origin (seen from the
+/// front), a height, and a distance out of the wall.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
     /// A point of the face at height 0.
@@ -33,7 +33,7 @@ impl Face {
         mesh.panel([self.origin, self.right, Vec3::Y], extent, holes);
     }
 
-    /// A box on or in the face, between two distances out of it.
+    /// A box on or in the face, between two distances out of the face.
     pub fn block(&self, mesh: &mut MeshBuilder, rect: Rect, [from, to]: [f32; 2]) {
         let (p, q) = (self.at(rect.min.x, rect.min.y, from), self.at(rect.max.x, rect.max.y, to));
         mesh.cuboid(p.min(q), p.max(q));

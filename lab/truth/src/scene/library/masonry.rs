@@ -7,10 +7,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// The number of straight pieces in an arch.
 const ARCH_STEPS: u32 = 20;
 
-/// An upright wall. A point on it is `origin + a · along`, at a height above `origin`.
+/// An upright wall. A point is `origin + a · along`, at a height above `origin`.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
-    /// A point in the middle of its thickness, at height 0.
+    /// A point in the middle of the wall's thickness, at height 0.
     pub origin: Vec3,
     /// Horizontal unit vector along the wall.
     pub along: Vec3,
@@ -23,7 +23,7 @@ pub struct Wall {
 pub struct Arch {
     /// Middle of the opening along the wall.
     pub centre_m: f32,
-    /// Half its width.
+    /// Half the width of the opening.
     pub half_width_m: f32,
     /// Height where the curve begins.
     pub spring_m: f32,
@@ -96,8 +96,8 @@ pub fn soffit(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, bottom: f32) {
     }
 }
 
-/// A raised band of stones around an arch. It projects by `proud_m` from both faces, is `width_m` wide, and
-/// lines the arch.
+/// A raised band of stones around an arch. The band projects by `proud_m` from both faces, is `width_m` wide, and lines the
+/// arch.
 pub fn archivolt(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, width_m: f32, proud_m: f32) {
     let wall = wall.thickened(proud_m);
     let outer = arch.widened(width_m);
@@ -138,7 +138,7 @@ pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32,
             2 => (Vec3::NEG_X, Vec3::NEG_Z),
             _ => (Vec3::Z, Vec3::NEG_X),
         };
-        // s is the angle along the half ellipse; t runs outwards from the groin (|sine| of the depth).
+        // s is the angle along the half ellipse; t runs outwards from the groin, which lies at the share |sine| of the depth.
         mesh.surface(origin, steps, |s, t| {
             let (sin, cos) = (PI * s - FRAC_PI_2).sin_cos();
             let groin = sin.abs();

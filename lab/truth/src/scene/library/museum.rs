@@ -1,6 +1,5 @@
-//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1, figures
-//! 40 and 51b): a dinosaur skeleton in the middle, paintings, and an exit sign that is reflected in the
-//! polished wall beside it.
+//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1, figures 40 and 51b). The
+//! halls have a dinosaur skeleton in the middle, paintings, and an exit sign that is reflected in the polished wall beside it.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
@@ -138,7 +137,7 @@ fn left_wall() -> Face {
     Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z)
 }
 
-/// The wall at +x; along it, `a` is −z.
+/// The wall at +x; `a` along it is −z.
 fn right_wall() -> Face {
     Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)
 }

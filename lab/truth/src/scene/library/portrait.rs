@@ -1,5 +1,5 @@
-//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the
-//! scene's lights and transparent around them. An impostor therefore shows exactly the object it replaces.
+//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the scene's lights,
+//! and the image is transparent around the objects. An impostor therefore shows exactly the object that it replaces.
 
 use crate::math::{display_byte, srgb_to_linear};
 use crate::scene::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Samples along each side of a texel.
 const OVERSAMPLED: u32 = 2;
-/// The most texels, along each side, of a material's image that one sample averages.
+/// Greatest number of texels of a material's image, along each side, that one sample averages.
 const FOOTPRINT_MAX: f32 = 4.0;
 
 /// An impostor whose image has not been rendered yet.
@@ -177,8 +177,8 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without any
-/// get the mean colour of the image, so that filtering adds no dark seam.
+/// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without covered samples get
+/// the mean colour of the image, so that filtering adds no dark seam.
 fn reduced(samples: &[Option<(f32, Vec3)>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
     let texel = |x: u32, y: u32| {

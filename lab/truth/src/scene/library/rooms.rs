@@ -1,6 +1,6 @@
-//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9, with a
-//! tiled floor, stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected.
-//! Every material reflects, except for the windows, which show the sky.
+//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9. They have a tiled floor,
+//! stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected. Every material reflects,
+//! except for the windows, which show the sky.
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
@@ -29,11 +29,11 @@ const FINISHES: [Finish; 7] = [
 
 const FLOOR_Y: f32 = -1.0;
 const CEILING_Y: f32 = 1.0;
-/// How far floor and ceiling reach into the walls, in metres, so that no light shows through the corners.
+/// Overlap of floor and ceiling with the walls, in metres, so that no light shows through the corners.
 const OVERLAP: f32 = 0.02;
 /// The x of the left and right faces of the wall between the rooms.
 const PARTITION_X: [f32; 2] = [-2.23, -1.9];
-/// The z of the panes, outside the wall at z = 5.
+/// The z of the window panes, outside the wall at z = 5.
 const GLASS_Z: f32 = 5.158;
 
 /// The x and y ranges of the two windows in the wall at z = 5.
@@ -75,7 +75,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// The skylight and the two windows as area lights, as bright as the lights that stand for them.
+/// The skylight and the two windows as area lights, as bright as the point lights that represent them.
 fn area_lights() -> Vec<AreaLight> {
     let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
         shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
@@ -176,8 +176,8 @@ fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl F
 fn blocks() -> Vec<Mesh> {
     const WIDTH: f32 = 0.6575;
     const CORNER: Vec2 = Vec2::new(1.81, -3.59);
-    /// Heights in rows from −z to +z, each from −x to +x. The last of the first row stays below the eye of the
-    /// view `ceiling`.
+    /// Heights of the blocks in rows from −z to +z, each from −x to +x. The last block of the first row stays below the eye of
+    /// the view `ceiling`.
     const TOPS: [[f32; 4]; 4] = [
         [-0.30, -0.07, -0.80, -0.82],
         [-0.80, -0.80, -0.80, -0.80],

@@ -45,7 +45,7 @@ pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
     skull(bones, spine(1.0));
 }
 
-/// A bone that is a little thicker at both ends, where it is closed.
+/// A bone that is a little thicker at both ends, which are closed.
 fn bone(bones: &mut MeshBuilder, from: Vec3, to: Vec3, [thick, thin]: [f32; 2]) {
     let across = (to - from).normalize_or(Vec3::Y).any_orthonormal_vector();
     bones.tube([7, 8], across, |t| {
@@ -125,8 +125,8 @@ fn skull(bones: &mut MeshBuilder, back: Vec3) {
     bone(bones, back + Vec3::new(-0.06, -0.46, 0.86), back + Vec3::new(0.06, -0.46, 0.86), [0.045, 0.045]);
 }
 
-/// A smooth curve through points (a Catmull-Rom spline, uniform in the points' index), continued straight
-/// beyond its ends.
+/// A smooth curve through points (a Catmull-Rom spline, uniform in the points' index), extended by straight lines beyond both
+/// ends.
 fn spline(points: &[Vec3], t: f32) -> Vec3 {
     let last = points.len() - 1;
     let x = t * last as f32;

@@ -1,6 +1,6 @@
-//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section
-//! 5.1, figures 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car
-//! stands between them and the road.
+//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section 5.1, figures
+//! 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car stands between these and the
+//! road.
 
 mod house;
 
@@ -30,7 +30,7 @@ const LAMP: usize = 13;
 const NEON_PAINT: usize = 14;
 const RED_PAINT: usize = 16;
 const BLUE_PAINT: usize = 17;
-/// Used by cars and by the cinema's doors.
+/// Index of the dark glass of cars and of the cinema's doors.
 pub const DARK_GLASS: usize = 18;
 const RUBBER: usize = 19;
 const TAIL_LAMP: usize = 20;
@@ -115,7 +115,8 @@ const KERB_M: f32 = 0.14;
 const TOP: f32 = 14.2;
 const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
-/// Street lamps: x and z of their posts; then the height of their globes and how far these hang over the road.
+/// Street lamps: x and z of their posts; then the height of their globes and the distance by which the globes hang over the
+/// road.
 const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
 const GLOBE: [f32; 2] = [4.3, 0.55];
 const GLOBE_RADIUS: f32 = 0.19;
@@ -163,12 +164,12 @@ fn car_materials(paint: usize) -> car::Materials {
     car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
 }
 
-/// The house fronts at −x; along them, `a` is z.
+/// The house fronts at −x; `a` along them is z.
 fn left() -> Face {
     Face::new([-HOUSE_X, 0.0, 0.0], Vec3::Z)
 }
 
-/// The house fronts at +x; along them, `a` is −z.
+/// The house fronts at +x; `a` along them is −z.
 fn right() -> Face {
     Face::new([HOUSE_X, 0.0, 0.0], Vec3::NEG_Z)
 }
@@ -246,7 +247,7 @@ fn ground() -> Vec<MeshBuilder> {
     let mut road = mesh("road", ROAD);
     let z = [ENDS_Z[0] - 0.02, ENDS_Z[1] + 0.02];
     road.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([-KERB_X, 0.0], z), &[]);
-    // The second lane is turned by a quarter, so that it does not repeat the puddles of the first.
+    // The second lane is turned by a quarter, so that its puddles differ from those of the first lane.
     let mut lane = mesh("second-lane", ROAD).turned();
     lane.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([0.0, KERB_X], z), &[]);
     let mut pavement = mesh("pavement", PAVEMENT);
@@ -336,7 +337,7 @@ fn cafe_rect() -> Rect {
     centred_rect(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
-/// The signs on the houses; those that project across the street have a back side of their own.
+/// The signs on the houses; signs that project across the street also have a back side.
 fn signs() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     let mut rods = mesh("sign-rods", METAL);
@@ -385,8 +386,8 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![posts, globes]
 }
 
-/// Adds the impostors from the farthest from the road to the nearest, because Schmidt's listing keeps the last
-/// one that a ray hits.
+/// Adds the impostors from the farthest from the road to the nearest, because Schmidt's listing keeps the last impostor that a
+/// ray hits.
 fn add_impostors(scene: &mut Scene) {
     for front in fronts().iter().take(5) {
         let names = house::parts(front.name);

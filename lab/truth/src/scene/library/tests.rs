@@ -42,7 +42,7 @@ fn indices_materials_and_textures_exist() {
         for material in &scene.materials {
             let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
             assert!(maps.into_iter().flatten().all(|t| t < scene.textures.len()), "{material:?}");
-            // A material without images must have a colour of its own or be a window.
+            // A material without images must have a colour other than white, or be a window.
             let is_even = maps == [None; 4] && material.albedo != Vec3::ONE;
             assert!(is_even || maps[0].is_some() == (material.surface == Surface::Lit), "{material:?}");
         }
@@ -102,7 +102,7 @@ fn tangents_follow_the_texture() {
                 wrong += 1;
             }
         }
-        // Where a surface closes to a point, the texture is twisted within one triangle, so a few may differ.
+        // Where a surface closes to a point, the texture is twisted within one triangle, so that a few triangles may differ.
         assert!(wrong * 200 < all, "{}: {wrong} of {all}", scene.name);
     }
 }
@@ -135,8 +135,8 @@ fn is_near(point: Vec3, [a, b, c]: [Vec3; 3], reach: f32) -> bool {
     if point.cmplt(low).any() || point.cmpgt(high).any() {
         return false;
     }
-    // Ericson, Real-Time Collision Detection, 5.1.5, without the early outs: inside the triangle's prism the
-    // plane decides, outside it the nearest edge.
+    // Ericson, Real-Time Collision Detection, 5.1.5, without the early outs: inside the triangle's prism the distance to the
+    // plane counts, outside the distance to the nearest edge.
     let n = (b - a).cross(c - a);
     let inside = [(a, b), (b, c), (c, a)].iter().all(|&(p, q)| (q - p).cross(point - p).dot(n) >= 0.0);
     if inside {

@@ -1,4 +1,4 @@
-//! The maps of a material: images as they are, and those that are baked from several, as for glTF.
+//! The maps of a material: unchanged images, and images that are baked from several, as for glTF.
 
 use crate::scene::material_terms::roughness_of_perceptual;
 use crate::scene::metallic::{Factors, TexelInputs, grey, texels_of};
@@ -7,23 +7,23 @@ use glam::{DVec4, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// What a material is by its law.
+/// The material that results from its law.
 #[derive(Debug, Clone)]
 pub(super) struct MaterialReading {
     /// The material without its name, surface and images.
     pub material: Material,
-    /// The factors of which images are baked.
+    /// The factors from which images are baked.
     pub factors: Factors,
-    /// Whether the material has metalness, so that its images change what it reflects as those of glTF do.
+    /// Whether the material has metalness, so that its images change its reflection as in glTF.
     pub is_metallic: bool,
-    /// The factor on the perceptual roughness in the image of roughness.
+    /// The factor on the perceptual roughness in the image of the roughness.
     pub roughness_factor: f32,
 }
 
-/// The index of an image among those that were read.
+/// The index of an image in the list of images read.
 type Image = usize;
 
-/// What an image of the scene is made of. Materials that ask for the same share it.
+/// The inputs from which an image of the scene is made. Materials with equal inputs share the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ImageRecipe {
     Plain(Image),
@@ -32,11 +32,11 @@ enum ImageRecipe {
     Roughness { image: Image, factor: f32 },
 }
 
-/// The images that were read, and those that the scene's materials ask for.
+/// The images that were read, and the images that the scene's materials need.
 pub(super) struct Textures {
     read: Vec<Option<Texture>>,
     made: Vec<ImageRecipe>,
-    /// Where each is in the list, by its text: numbers of materials have no hash.
+    /// Index of each recipe in the list, by its text, since numbers of materials have no hash.
     index: HashMap<String, usize>,
 }
 
@@ -90,8 +90,8 @@ impl Textures {
         }
     }
 
-    /// Makes the images, which will stand behind `before` others, and moves the materials' indices there. Images that no
-    /// material shows as they are, are dropped.
+    /// Makes the images, which will follow `before` other images of the scene, and adds `before` to the materials' indices.
+    /// Images that were read only for baking are dropped.
     pub(super) fn finish(self, before: usize, materials: &mut [Material]) -> Vec<Texture> {
         for material in materials {
             let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
@@ -108,10 +108,10 @@ impl Textures {
     }
 }
 
-/// An image that is made of others; `None` for one that stays as it is.
+/// Bakes an image from others; `None` for an unchanged one.
 fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
     let input = |image: Option<Image>| read[image?].as_ref();
-    // Numbers stand in every channel of a grey image.
+    // A grey image has its numbers in every channel.
     Some(match *made {
         ImageRecipe::Plain(_) => return None,
         ImageRecipe::Albedo { base, metalness, emission, factors } => {

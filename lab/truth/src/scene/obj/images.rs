@@ -1,5 +1,4 @@
-//! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
-//! missing.
+//! Loads the images of materials: finds the files, decodes them in parallel, and replaces missing ones.
 
 use super::baked::{MaterialReading, Textures};
 use crate::error::{Error, Result};
@@ -59,7 +58,7 @@ impl MaterialImages {
     }
 }
 
-/// The images of a material, and what its numbers say; nothing for a material without a definition.
+/// The images of a material, with the material that its numbers give; empty for a material without a definition.
 #[derive(Default)]
 pub(super) struct Source {
     pub images: MaterialImages,
@@ -69,12 +68,12 @@ pub(super) struct Source {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum ImageRole {
     Albedo,
-    /// Holds the bits of the bump multiplier.
+    /// A normal map, with the bits of the bump multiplier.
     Normal(u32),
     Mask,
     Reflectivity,
     Emission,
-    /// Numbers: roughness, metalness, the level of specular.
+    /// Images of numbers: roughness, metalness, the level of specular.
     Data,
 }
 
@@ -87,8 +86,8 @@ struct Request {
 
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
 ///
-/// Each image that is missing or cannot be read adds one warning. A generated image replaces it if its file
-/// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or the value of its numbers alone.
+/// Each image that is missing or cannot be read adds one warning. A generated image replaces a missing one whose file name
+/// suggests a pattern. Otherwise the material has its plain colour, no normal map, no mask, or the value of its numbers alone.
 pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     let mut requests = Requests::default();
     let wanted: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
@@ -185,7 +184,7 @@ impl Requests {
         })
     }
 
-    /// The requests, each with a flag that says whether it still fits into [`MAX_TEXELS`] with sides of at most `side`.
+    /// The requests, each with a flag that says whether its image still fits into [`MAX_TEXELS`] with sides of at most `side`.
     fn within_budget(&self, side: u32) -> Vec<(&Request, bool)> {
         let mut texels = 0;
         let with_size = self.list.iter().map(|request| {
@@ -202,7 +201,7 @@ impl Requests {
 struct LoadedImage {
     path: PathBuf,
     texture: Option<Texture>,
-    /// Why the requested image is not used, and what replaces it.
+    /// Why the requested image is not used, and `instead` names the replacement.
     problem: Option<String>,
     instead: &'static str,
 }
@@ -251,9 +250,9 @@ fn forward_slashes(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }
 
-/// Finds the file that a name refers to, starting from `folder`. Backslashes separate folders, as slashes do.
-/// If the name does not exist as written, case is ignored; if its folders do not exist (for example, because
-/// the path comes from the author's own machine), only its last component is looked up.
+/// Finds the file that a name refers to, starting from `folder`. Backslashes and slashes separate folders. If the name does not
+/// exist as written, case is ignored. If its folders do not exist, as with a path from the author's own machine, only the last
+/// component is looked up.
 pub(in crate::scene) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = forward_slashes(name);
     let last = name.rsplit('/').next().unwrap_or(&name);
@@ -278,6 +277,6 @@ fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let wanted = name.to_lowercase();
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let matching = entries.filter(|e| e.file_name().to_string_lossy().to_lowercase() == wanted);
-    // The order of a folder's entries is arbitrary, so the first in order of name is taken.
+    // The order of a folder's entries is arbitrary, so that the first by name is taken.
     matching.map(|e| e.path()).min()
 }

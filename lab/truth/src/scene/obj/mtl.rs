@@ -12,8 +12,8 @@
 //! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on what `Ks` says, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 //!
-//! What else changes how a material looks is dropped, and a warning for each kind says so ([`lost_meaning`]). `sharpness` and
-//! what is unknown say nothing that the other statements would need.
+//! Other statements that change the look of a material are dropped, with a warning for each kind ([`lost_meaning`]).
+//! `sharpness` and unknown statements are ignored.
 
 mod laws;
 mod maps;
@@ -47,17 +47,17 @@ pub(super) struct Definition {
     /// The model of illumination (`illum`).
     model: Option<u32>,
     images: MaterialImages,
-    /// `map_Ns` and `refl`, whose meaning the law decides.
+    /// The images of `map_Ns` and `refl`, whose meaning the law decides.
     exponent_image: Option<ImageStatement>,
     reflection_image: Option<ImageStatement>,
-    /// The place of a positive `Tf` that filters nothing. Blender writes it for surfaces that let light through.
+    /// Place of a positive `Tf` that filters no colour, which Blender writes for transparent surfaces.
     transmission: Option<String>,
-    /// What was dropped, and the file and line where it was first met.
+    /// Warnings about dropped statements, with the file and line of the first one.
     dropped: BTreeMap<&'static str, String>,
 }
 
 impl Definition {
-    /// Adds a sentence for each kind of statement that was dropped.
+    /// Adds a warning for each kind of dropped statement.
     pub(super) fn warn(&self, warnings: &mut Vec<String>) {
         warnings.extend(self.dropped.iter().map(|(sentence, place)| format!("{place}: {sentence}")));
     }
@@ -102,16 +102,16 @@ pub(super) fn read_libraries(
     Ok(definitions)
 }
 
-/// Finds the files that a statement names, each with its path if it is there. The longest run of words that is a file counts as
-/// one name; a blank behind a backslash always belongs to a name.
+/// Finds the files that a statement names, each with its path if it exists. The longest run of words that names a file is one
+/// name; a blank after a backslash always belongs to a name.
 fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
-    /// Files are sought whose names have at most this many words, unless a name is the whole statement.
+    /// Greatest number of words in a name that is searched for, unless the whole statement is a name.
     const MOST_WORDS: usize = 16;
     let found = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
     if let Some(whole) = spellings(statement).iter().find_map(|name| found(name)) {
         return vec![whole];
     }
-    // No name contains a line end, so that one may stand for a blank that belongs to a name.
+    // No name contains a line end, which therefore marks a blank that belongs to a name.
     let marked = without_comment(statement).replace("\\ ", "\n");
     let words: Vec<String> =
         marked.split([' ', '\t']).filter(|word| !word.is_empty()).map(|word| word.replace('\n', " ")).collect();
@@ -131,7 +131,7 @@ fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>
 #[derive(Default)]
 pub(super) struct Definitions {
     named: HashMap<String, Definition>,
-    /// Their names without comments behind them.
+    /// Names without comments, with the names as written.
     bare: HashMap<String, String>,
 }
 
@@ -140,8 +140,7 @@ impl Definitions {
         self.named.is_empty()
     }
 
-    /// The material of a name, with or without a comment behind it, as some programs write one. A name may have a `#` of
-    /// its own.
+    /// The material of a name, with or without a comment after it, which some programs write. A name itself may contain a `#`.
     pub(super) fn get(&self, name: &str) -> Option<&Definition> {
         let bare = without_comment(name);
         let named = |name: &str| self.named.get(name);
@@ -149,22 +148,22 @@ impl Definitions {
     }
 }
 
-/// A statement without a comment that a blank separates from it.
+/// A statement without its comment, if a blank precedes the comment.
 fn without_comment(statement: &str) -> &str {
     let behind_blank = |(offset, _): &(usize, &str)| statement[..*offset].ends_with(char::is_whitespace);
     let comment = statement.match_indices('#').find(behind_blank);
     comment.map_or(statement, |(offset, _)| &statement[..offset]).trim_end()
 }
 
-/// The ways in which the rest of a statement may name one file, each once: as it stands, without a comment, and each with
-/// blanks that a backslash marks as parts of the name.
+/// The ways to read the rest of a statement as one file name, each once: unchanged and without a comment, then both with each
+/// backslash before a blank removed.
 fn spellings(statement: &str) -> Vec<Cow<'_, str>> {
     let plain = [statement, without_comment(statement)];
     let escaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
     distinct(plain.map(Cow::Borrowed).into_iter().chain(escaped))
 }
 
-/// What differs from all before it, of a few things.
+/// The distinct items, in order.
 fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for one in all {
@@ -175,7 +174,7 @@ fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
     found
 }
 
-/// Adds the materials of one MTL file; if a name occurs twice, the last definition counts.
+/// Adds the materials of one MTL file; if a name occurs twice, the last definition is used.
 fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
@@ -250,11 +249,12 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
     Ok(())
 }
 
-/// What is lost with a statement that is not read; `None` if it is nothing, as with the value that it has without one.
+/// Says what is lost because a statement is not read. `None` if nothing is lost, for example if the statement has the default
+/// value.
 fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
     let is_not = |usual: f32| numbers().any(|v| v != usual);
-    // The option -halo stands before the number.
+    // The option -halo precedes the number.
     let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
     match keyword {
         "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|v| v < 1.0) => Some(TRANSPARENCY),
@@ -281,12 +281,12 @@ impl Definition {
     }
 }
 
-/// The first number of a statement; `None` if it is none, or not finite.
+/// The first number of a statement; `None` if there is no number, or it is not finite.
 fn first_number(rest: &str) -> Option<f32> {
     rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
 }
 
-/// The colour of a statement: three numbers, or one for all channels; `None` if they are none.
+/// The colour of a statement: three numbers, or one for all channels; `None` if there are no numbers.
 fn stated_colour(rest: &str) -> Option<Vec3> {
     let number = |word: &str| word.parse().ok().filter(|v: &f32| v.is_finite());
     let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).take(3).collect();
@@ -300,7 +300,7 @@ fn stated_colour(rest: &str) -> Option<Vec3> {
 
 const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
 
-/// The first number of a statement; `None`, with a warning, if it is none.
+/// The first number of a statement; `None`, with a warning, if there is no number.
 fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
     let number = first_number(rest);
     if number.is_none() {
@@ -309,7 +309,7 @@ fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Opti
     number
 }
 
-/// The colour of a statement; `None`, with a warning, if it is none.
+/// The colour of a statement; `None`, with a warning, if there is no colour.
 fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
     let colour = stated_colour(rest);
     if colour.is_none() {

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// A part that is being built: a normal of zero is not known yet.
+/// A part that is being built; a normal of zero is not yet known.
 struct GroupPart {
     part: MeshPart,
     /// Smoothing group of each triangle.
@@ -72,7 +72,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
         Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
         Handedness::Left => Vec3::ONE,
     };
-    // Zero is added for the same reason as in `fill_normals`.
+    // Adding zero has the same reason as in `fill_normals`.
     let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
@@ -92,8 +92,8 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
 }
 
 impl GroupPart {
-    /// Adds a polygon's triangles, turned round if its stated normals point behind them. Returns how many had no area and were
-    /// left out.
+    /// Adds a polygon's triangles, with reversed winding if its stated normals point behind them. Returns the number of
+    /// triangles without area, which are left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
         let positions: Vec<DVec3> = polygon.iter().map(position).collect();
@@ -119,8 +119,8 @@ impl GroupPart {
 
 /// Gives every vertex that lacks a normal the normal of its smoothing group or of its face.
 ///
-/// Within a group, faces are weighted by their angle at the vertex. Weights by area would depend on which
-/// diagonal splits a quad.
+/// Within a group, faces are weighted by their angle at the vertex; weights by area would depend on the diagonal that splits a
+/// quad.
 fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
@@ -147,8 +147,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
                 // At a sharp fold, the mean may point behind the face.
                 if mean.dot(face) > 0.0 { mean } else { face }
             });
-            // Beside stated normals that lean behind the face, a mean along the face would let all of them together point to
-            // its back.
+            // If stated normals lean behind the face, a mean along the face could make all three together point to its back.
             if point_behind(triangle, face) {
                 fill(triangle, &|_| face);
             }
@@ -172,8 +171,8 @@ fn angle(triangle: &Triangle, corner: usize) -> f64 {
     (next - apex).angle_between(last - apex)
 }
 
-/// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off
-/// ears otherwise. The remainder of a polygon that crosses itself is cut as a fan.
+/// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off ears otherwise. If
+/// a polygon crosses itself, the remainder is cut as a fan.
 fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     let fan = |corners: &[usize]| -> Vec<[usize; 3]> {
         corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
@@ -202,8 +201,8 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
         };
         turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
     };
-    // Cutting an ear off changes, of a polygon that does not cross itself, whether its neighbours are ears, and no other
-    // corner. So the work grows with the square of the corners.
+    // In a polygon that does not cross itself, cutting off an ear can change only whether its two neighbours are ears. The work
+    // therefore grows with the square of the number of corners.
     let mut ears: Vec<bool> = (0..n).map(|i| is_ear(&corners, i)).collect();
     while corners.len() > 3 {
         let Some(ear) = ears.iter().position(|&ear| ear) else { break };
@@ -234,12 +233,13 @@ mod tests {
     use std::cell::Cell;
 
     thread_local! {
-        /// How often a cut asked to which side three corners turn.
+        /// Number of times that a cut computed the turn of three corners.
         pub static TURNS: Cell<u64> = const { Cell::new(0) };
     }
 
-    /// Two stated normals lean behind the face by 111 degrees, which an author may want. The mean at the third corner, with two
-    /// other faces, is almost perpendicular to the face, and all three together would point away by 126 degrees.
+    /// Tests a triangle with two stated normals lean behind the face by 111 degrees, which an author may want. The mean at the
+    /// third corner, with two other faces, is almost perpendicular to the face, and all three together would point away by 126
+    /// degrees.
     #[test]
     fn means_do_not_turn_a_face_to_its_back() {
         let corner =
@@ -248,9 +248,10 @@ mod tests {
         let shared = [0.0, 1.0, 0.0];
         let triangles = vec![
             [corner([0.0; 3], lean), corner(shared, none), corner([1.0, 1.0, -0.5], lean)],
-            // In the same plane, turned round, with an angle of a little less than 90 degrees at the shared corner.
+            // A face in the same plane, with reversed winding and an angle of a little less than 90 degrees at the shared
+            // corner.
             [corner(shared, none), corner([0.1, 0.0, -0.05], none), corner([1.0, 1.0, -0.5], none)],
-            // Perpendicular to both.
+            // A face perpendicular to both.
             [corner(shared, none), corner([0.447, 1.0, 0.894], none), corner([0.0, 2.0, 0.0], none)],
         ];
         let part = MeshPart { name: String::new(), material: 0, triangles, has_tangents: false };
@@ -316,7 +317,7 @@ mod tests {
             triangulate(&spiral(corners));
             TURNS.get()
         });
-        // Four times the corners are 16 times the work; 64 times would be the cube.
+        // Four times the corners take 16 times the work; a cubic algorithm would take 64 times the work.
         assert!(many < 20 * few, "{few} turns for 256 corners, {many} for 1024");
     }
 

@@ -1,9 +1,9 @@
 //! Checks the statements of an OBJ file and rewrites them into a form that tobj reads reliably.
 //!
-//! tobj reports no line numbers, accepts numbers that are not finite, loses track of corners that lack a
-//! texture coordinate or normal, and fails on short texture coordinates and on vertex colours. It is therefore
-//! given a plain file: three numbers per vertex, absolute indices that exist, and, where a corner lacks an
-//! attribute, the index of a NaN entry (which no file can contain itself).
+//! tobj reports no line numbers, accepts numbers that are not finite, loses track of corners that lack a texture coordinate or
+//! normal, and fails on short texture coordinates and on vertex colours. tobj therefore gets a plain file: three numbers per
+//! vertex, absolute indices that exist, and, where a corner lacks an attribute, the index of a NaN entry (which no file can
+//! contain itself).
 
 use crate::error::{Error, Result};
 use crate::scene::bounded::printable_name;
@@ -17,10 +17,11 @@ use std::path::Path;
 /// The name of the material of faces that precede any `usemtl`.
 pub(super) const NO_MATERIAL: &str = "default";
 
-/// The most vertices, texture coordinates, normals and triangles that a file may have.
+/// Greatest number of vertices, texture coordinates, normals and triangles that a file may have.
 const MAX_COUNT: usize = 1 << 24;
 
-/// The most corners that a face may have. The time to triangulate a concave face grows with the square of its corners.
+/// Greatest number of corners that a face may have. The time to triangulate a concave face grows with the square of its
+/// corners.
 const MAX_CORNERS: usize = 1024;
 
 /// A normalised OBJ file, and the information that tobj does not report.
@@ -39,18 +40,18 @@ pub(super) struct Statements {
     pub smoothing: Vec<u32>,
 }
 
-/// What a first reading of a file finds out, and the second one needs.
+/// Results of a first reading of a file, which the second reading needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FirstReading {
-    /// How many vertices, texture coordinates and normals there are at most.
+    /// Upper bounds of the numbers of vertices, texture coordinates and normals.
     counts: [usize; 3],
-    /// What is taken from every vertex, in units of the file.
+    /// Offset that is subtracted from every vertex, in units of the file.
     origin: DVec3,
 }
 
-/// Normalises the text of the file at `path`; errors and warnings name that path. From every vertex `origin` is taken, in
-/// units of the file. If it is none yet, and the vertices are too far from the file's origin for their size, it becomes
-/// their centre.
+/// Normalises the text of the file at `path`; errors and warnings name that path. `origin` is subtracted from every vertex, in
+/// units of the file. If it is `None`, and the vertices are too far from the file's origin for their size, `origin` becomes the
+/// centre of the vertices.
 pub(super) fn normalise(
     path: &Path,
     text: &str,
@@ -105,7 +106,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 #[derive(Debug, Default)]
 struct Counter {
     count: usize,
-    /// The highest index that a face uses, and the line where it does.
+    /// The highest index that a face uses, and the line of the face.
     highest: (usize, usize),
 }
 
@@ -115,18 +116,18 @@ struct Scan<'a> {
     line: usize,
     out: Statements,
     counters: [Counter; 3],
-    /// The least and the greatest coordinates of the vertices as the file has them.
+    /// The least and the greatest coordinates of the vertices, as written in the file.
     bounds: [DVec3; 2],
     triangles: usize,
     smoothing: u32,
     materials: HashMap<String, usize>,
-    /// What was dropped or replaced: a sentence for each kind, and the line where it was first met.
+    /// Warnings about dropped or replaced statements: one for each kind, with the line of the first.
     dropped: BTreeMap<&'static str, usize>,
 }
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Statements of curves and surfaces without corners.
+/// Statements of free-form curves and surfaces, which have no corners.
 const FREE_FORM: [&str; 21] = [
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
     "bzp", "bsp", "cdc", "cdp", "res", "mg",
@@ -153,7 +154,7 @@ impl<'a> Scan<'a> {
         Error::malformed(self.path, Some(self.line), message)
     }
 
-    /// Notes that something was dropped, of which the user is told once.
+    /// Notes a dropped statement; the user is told once about each kind.
     fn drop_kind(&mut self, sentence: &'static str) {
         let line = self.line;
         self.dropped.entry(sentence).or_insert(line);
@@ -185,8 +186,8 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Reads a vertex, texture coordinate or normal: it must have at least `needed` numbers, and `kept` of them
-    /// are kept, with 0 for missing ones. Further numbers (weights, colours) are ignored.
+    /// Reads a vertex, texture coordinate or normal. The statement must have at least `needed` numbers, of which `kept` are
+    /// kept; missing ones become 0. Further numbers (weights, colours) are ignored.
     fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
         let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
         let mut stated = ["0"; 3];
@@ -208,7 +209,7 @@ impl<'a> Scan<'a> {
         }
         let is_finite = |v: &f64| (*v as f32).is_finite();
         match numbers.iter().position(|v| !is_finite(v)) {
-            // Without it, a vertex has no place. Everything else can be found in another way.
+            // Without this number, a vertex has no place. Other missing numbers can be replaced.
             Some(i) if kind == 0 => {
                 let message =
                     format!("the position of a vertex is not a number: {:?} is not finite", printable_name(stated[i]));
@@ -231,7 +232,7 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Writes a statement as it was, or a vertex that is moved.
+    /// Writes a statement unchanged, or a vertex that is moved.
     fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
         self.out.vertices.push_str(["v", "vt", "vn"][kind]);
         if kind == 0 {
@@ -258,7 +259,7 @@ impl<'a> Scan<'a> {
         let mut corners = 0;
         for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
             let [v, vt, vn] = self.corner(word)?;
-            // Texture coordinates and normals are numbered after the NaN entry that stands for a missing one.
+            // Texture coordinates and normals are numbered after the NaN entry, which represents a missing one.
             let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
             corners += 1;
         }
@@ -331,7 +332,7 @@ impl<'a> Scan<'a> {
         let _ = writeln!(self.out.faces, "usemtl {index}");
     }
 
-    /// Whether faces refer to texture coordinates or normals that never came.
+    /// Whether faces refer to texture coordinates or normals that the file lacks.
     fn has_strays(&self) -> bool {
         self.counters[1..].iter().any(|c| c.highest.0 > c.count)
     }
@@ -351,8 +352,8 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The number that a word states, which need not be finite; `None` if it states none. Some programs write what is not a
-/// number as Windows prints it, like `-1.#IND`.
+/// The number that a word states, which need not be finite; `None` if the word is no number. Some programs write NaN as Windows
+/// prints it, like `-1.#IND`.
 pub(super) fn stated_number(word: &str) -> Option<f64> {
     let number = word.parse().ok();
     number.or_else(|| {

@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 /// A pattern at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Relief above an arbitrary plane, in metres.
+    /// Height of the relief above an arbitrary plane, in metres.
     pub height_m: f32,
     /// Linear albedo, 0…1.
     pub albedo: Vec3,

@@ -16,14 +16,14 @@ pub enum Picture {
     Painting(Painting),
     /// A window as seen from the street: four panes in a white frame.
     Pane {
-        /// Whether the room behind it is lit.
+        /// Whether the room behind the window is lit.
         lit: bool,
     },
     /// A shop window: shelves with goods in warm light, a counter on the right.
     Shop,
     /// A church window that ends in a pointed arch; transparent outside it.
     Lancet {
-        /// Which design and colours of glass.
+        /// Number of the design, which includes the colours of the glass.
         design: u32,
     },
     /// A round church window with twelve petals; transparent outside it.
@@ -155,7 +155,7 @@ impl Sign {
         let body = plate(half, p - half);
         match self.cut {
             SignOutline::Plate => body,
-            // The half planes that bound the tip: through the middle of the right edge, at 45°.
+            // Half planes bound the tip: they pass through the middle of the right edge, at 45°.
             SignOutline::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
             SignOutline::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
         }
@@ -414,7 +414,7 @@ mod tests {
 
     #[test]
     fn letters_are_placed_correctly() {
-        // The upright of an L is on its left, its foot at the bottom.
+        // The upright of an L is on its left, and its foot is at the bottom.
         let text = Text { letters: "LX", stacked: false };
         assert_eq!(text.size(), Vec2::new(9.9, 6.0));
         assert!(text.distance(Vec2::new(0.0, 3.0)) < 1e-6 && text.distance(Vec2::new(2.0, 6.0)) < 1e-6);

@@ -1,5 +1,5 @@
-//! What mirrors show to people: the ends of paths from an eye over a mirror. A path is as likely as its mirror
-//! reflects; ends that the screen itself would show are left out, because captures are for the others.
+//! The ends of paths that lead from a person's eye over a mirror. A path's probability is the reflectivity of its mirror. Ends
+//! that the screen itself would show are left out, because captures are needed only for the other ends.
 
 use super::sees;
 use super::space::{StandingPlace, front};
@@ -12,30 +12,30 @@ use rayon::prelude::*;
 /// The angle that a pixel of an image of 960×540 with the thesis's lens spans, in radians: 2 tan(37°) / 540.
 pub const PIXEL_RADIANS: f64 = 0.0028;
 
-/// The most ends, for a standard error of a share of at most 0.8 %.
+/// Greatest number of ends, which gives a share a standard error of at most 0.8 %.
 const ENDS: usize = 4096;
-/// The most paths that are tried.
+/// Greatest number of paths that are tried.
 const TRIES: u64 = 16 * ENDS as u64;
-/// Eyes look up and down by at most this sine, as an image of 74° from a level camera does.
+/// Greatest sine of the angle by which eyes look up or down, as in an image of 74° from a level camera.
 const PITCH_SINE: f64 = 0.65;
-/// The cosine of half the angle of such an image from corner to corner: what is nearer to its middle is on the screen.
+/// The cosine of half the diagonal angle of such an image; an end at a smaller angle from the middle is on the screen.
 const ON_SCREEN_COSINE: f64 = 0.7;
-/// Where something reflects, everything else counts as if it reflected this share: views and users change materials.
+/// Least reflectivity of a surface in the search, since views and users change materials.
 const DULL: f64 = 0.3;
 const SEED: u64 = 0x6361_7074;
 
-/// Where a mirror ray ends.
+/// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MirrorEnd {
     /// World position in metres.
     pub position: DVec3,
-    /// Unit normal of the triangle there, or zero if it has no area.
+    /// Unit normal of the triangle at the end, or zero if the triangle has no area.
     pub normal: DVec3,
     /// Length of the path from the eye over the mirror, in metres.
     pub path_m: f64,
 }
 
-/// The ends of paths from the places where people stand.
+/// The ends of paths from the places where people stand, chosen by their weights.
 pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));
@@ -52,8 +52,8 @@ pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     ends
 }
 
-/// The end of one path from an eye; `None` if it sees no mirror, if the mirror ray escapes, or if the screen shows
-/// the end.
+/// The end of one path from an eye; `None` if the eye sees no mirror, if the mirror ray escapes, or if the screen shows the
+/// end.
 fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd> {
     let y = PITCH_SINE * (2.0 * random.uniform(1) - 1.0);
     let (sine, cosine) = (std::f64::consts::TAU * random.uniform(2)).sin_cos();

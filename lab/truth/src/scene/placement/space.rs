@@ -1,8 +1,10 @@
-//! The space that people move in: the floors that they can stand on, and the places above them where captures may be.
+//! The space that people move in: the floors that they can stand on, and the possible places of captures above these floors.
 //!
-//! A floor is a level surface with head room. Of all floors, those count that are enclosed as well as most are, which
-//! roofs are not; whose surroundings show their fronts, which those inside a solid body do not; and to which light
-//! finds a way, which it does not into a void between two walls.
+//! A floor is a level surface with head room. A floor counts if all of these conditions hold:
+//!
+//! - The floor is at least half as enclosed as the most enclosed floors. Roofs are less enclosed.
+//! - The surroundings show their fronts. Inside a solid body they show their backs.
+//! - Light reaches the floor. No light reaches a void between two walls.
 
 use super::sees;
 use crate::math::constants;
@@ -14,38 +16,38 @@ use rayon::prelude::*;
 
 /// Height of the eyes above the floor, in metres.
 const EYE_M: f64 = 1.5;
-/// The least height above a floor that people can stand on, in metres.
+/// Least height above a floor that people can stand on, in metres.
 const HEAD_ROOM_M: f64 = 1.9;
-/// How large people are, where 1 is human: where nobody of one size can stand and see a mirror's image, the next
-/// counts, because a scene may be in units of its own.
+/// Sizes of people, where 1 is human. If nobody of one size can stand and see the image of a mirror, the next size is tried,
+/// because a scene may have its own units.
 pub const SIZES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
-/// The least vertical part of a floor's unit normal.
+/// Least vertical part of a floor's unit normal.
 const LEVEL: f64 = 0.7;
-/// The vertical lines that are searched for floors.
+/// Number of vertical lines that are searched for floors.
 const COLUMNS: u64 = 16384;
-/// The most floors of one vertical line.
+/// Greatest number of floors of one vertical line.
 const STOREYS: usize = 64;
-/// The most places to stand on.
+/// Greatest number of places to stand on.
 const STANDS: usize = 2048;
-/// The directions in which a person looks around.
+/// Number of directions in which a person looks around.
 const DIRECTIONS: usize = 128;
-/// The most of what a person sees that may show its back, where another sees less: single walls are seen from both
-/// sides, and from inside a solid body everything shows its back.
+/// Greatest share of a person's surroundings that may show its back, unless it is exceeded everywhere. Single walls are seen
+/// from both sides, and from inside a solid body everything shows its back.
 const BACKS_MAX: f64 = 0.5;
-/// The least free distance around the eyes of a person of size 1, in metres.
+/// Least free distance around the eyes of a person of size 1, in metres.
 const FREE_M: f64 = 0.1;
-/// A place counts as enclosed if at least this share is of the directions upwards that the best tenth of all places
-/// have enclosed. Roofs have 0 to 0.4 of it, streets 0.85, rooms and arcades 1.
+/// Least enclosure of a place, relative to the enclosure that the best tenth of all places reaches. Enclosure is the share of
+/// upward directions that meet a surface. Roofs have a relative enclosure of 0 to 0.4, streets of 0.85, rooms and arcades of 1.
 const ENCLOSED: f64 = 0.5;
-/// The pairs of places that are tried for sight: so many neighbours, and so many anywhere.
+/// Numbers of other places that are tested for visibility from each place: nearest neighbours, and random places.
 const NEIGHBOURS: [usize; 2] = [16, 32];
-/// The greatest step between neighbouring places of one floor, in metres.
+/// Greatest step between neighbouring places of one floor, in metres.
 const STEP_M: f64 = 0.6;
-/// The most places that get candidates above them.
+/// Greatest number of places that get candidates above them.
 const CANDIDATE_STANDS: usize = 256;
-/// Candidates stand above each other by this, in metres, and none higher than four of it.
+/// Vertical distance of candidates above each other, in metres; a place has at most four candidates.
 const RISE_M: f64 = 1.5;
-/// The least distance of a capture from every surface, in metres: more than twice what its near plane cuts off at the
+/// Least distance of a capture from every surface, in metres: more than twice the distance at which the near plane cuts the
 /// corners of the faces.
 const CLEARANCE_M: f64 = 0.25;
 const SEED: u64 = 0x7374_616e;
@@ -53,13 +55,13 @@ const SEED: u64 = 0x7374_616e;
 /// A place where a person stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StandingPlace {
-    /// The eyes, world, in metres.
+    /// Position of the eyes in world space, in metres.
     pub eye: DVec3,
-    /// How large people are here, where 1 is human.
+    /// Size of the people here, where 1 is human.
     size: f64,
     /// Free height above the floor in metres; infinite under the sky.
     height_m: f64,
-    /// The share of people who are here: the size of the floor that it is part of.
+    /// Share of people who stand here, which is the size of the place's floor.
     pub weight: f64,
 }
 
@@ -68,22 +70,22 @@ pub struct StandingPlace {
 pub struct Candidate {
     /// World position in metres.
     pub position: DVec3,
-    /// The distance in metres that it must have from every surface.
+    /// Distance in metres that the candidate must keep from every surface.
     clearance_m: f64,
 }
 
-/// What a person sees around.
+/// Surroundings of a person.
 struct Surroundings {
-    /// Share of the upper half of all directions that meet something.
+    /// Share of the upward directions that meet a surface.
     enclosed: f64,
-    /// Share of what is met that shows its back.
+    /// Share of the surfaces met that show their backs.
     backs: f64,
     nearest_m: f64,
-    /// Whether the sky, a window or a point light is seen.
+    /// Whether the person sees the sky, a window or a point light.
     lit: bool,
 }
 
-/// The places where people of a size stand; empty if the scene has no floor for them.
+/// The places where people of a size can stand; empty if the scene has no floor for them.
 pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
     let columns: Vec<Vec<StandingPlace>> =
         (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
@@ -92,7 +94,7 @@ pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPl
     inhabited(triangles, scene, found)
 }
 
-/// The candidates for captures: above places to stand on, at the height of the eyes and higher where there is room.
+/// The candidates for captures above places to stand on: at the height of the eyes, and higher if there is room.
 pub fn candidates(stands: &[StandingPlace]) -> Vec<Candidate> {
     let above = |stand: &StandingPlace| {
         let (eye, clearance_m) = (stand.eye, CLEARANCE_M * stand.size);
@@ -114,8 +116,8 @@ pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
     })
 }
 
-/// The distance of a point from a triangle: that from its plane where the point lies above its inside, else that from
-/// the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
+/// The distance of a point from a triangle: the distance from the plane if the point lies above the triangle's inside,
+/// otherwise the distance from the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
 fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     let edges = [(a, b), (b, c), (c, a)];
@@ -162,12 +164,12 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
     stands
 }
 
-/// The places that people use, with their weights.
+/// The places that people can reach, with their weights.
 fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
     let mut places: Vec<(StandingPlace, Surroundings)> =
         found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
     places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
-    // A file with all its triangles the wrong way round shows backs everywhere, and is none the worse for it.
+    // A file with all triangles reversed shows backs everywhere; its places are not excluded for this reason.
     if places.iter().any(|(_, around)| around.backs <= BACKS_MAX) {
         places.retain(|(_, around)| around.backs <= BACKS_MAX);
     }
@@ -188,7 +190,7 @@ fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) ->
     let mut area = vec![0.0; places.len()];
     floors.iter().for_each(|floor| area[*floor] += 1.0);
     let stands = places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: area[floor], ..*stand });
-    // Without any light, all rooms are alike.
+    // If no room is lit, all rooms count.
     stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
 }
 
@@ -213,7 +215,7 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
     around
 }
 
-/// Direction `index` of [`DIRECTIONS`] that fill the sphere evenly, on a Fibonacci spiral.
+/// Direction `index` of the [`DIRECTIONS`] that cover the sphere evenly, on a Fibonacci spiral.
 fn sphere(index: usize) -> DVec3 {
     let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
     let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
@@ -221,7 +223,7 @@ fn sphere(index: usize) -> DVec3 {
     DVec3::new(across * cosine, y, across * sine)
 }
 
-/// Pairs of eyes that see each other: of neighbours, and of any two.
+/// Pairs of eyes that see each other: among nearest neighbours, and among random pairs.
 fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
     let [close, anywhere] = NEIGHBOURS;
     let seen = |i: usize, others: Vec<usize>| {
@@ -247,7 +249,7 @@ fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
     [all().flat_map_iter(|i| seen(i, neighbours(i))).collect(), all().flat_map_iter(|i| seen(i, any(i))).collect()]
 }
 
-/// The group of each of `count` things, by any name, if pairs join them.
+/// The group of each of `count` things that pairs connect, named by one of its members.
 fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     fn root(parents: &mut [usize], mut i: usize) -> usize {
         while parents[i] != i {

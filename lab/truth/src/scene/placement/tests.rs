@@ -1,9 +1,9 @@
-//! Places in rooms of walls, and in the built-in scenes.
+//! Tests of places in rooms of walls, and in the built-in scenes.
 
 use super::*;
 use crate::scene::{Aabb, Material, Mesh, Vertex, View, library};
 
-/// The six sides of a box. `inwards` shows their fronts to the inside, as the walls of a room do, else to the outside.
+/// The six sides of a box. `inwards` turns their fronts to the inside, as in the walls of a room; otherwise they face outwards.
 fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
     let corner = |k: usize| Vec3::new([min.x, max.x][k & 1], [min.y, max.y][k >> 1 & 1], [min.z, max.z][k >> 2]);
     let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
@@ -59,7 +59,7 @@ fn two_rooms_get_captures_on_both_sides_of_the_wall() {
 
 #[test]
 fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
-    // Beside the rooms, which have a window, a closed chamber without light that is larger than they are.
+    // Beside the rooms, which have a window, there is a larger closed chamber without light.
     let mut scene = two_rooms();
     scene.meshes.push(cuboid(Vec3::new(20.0, 0.0, 0.0), Vec3::new(40.0, 3.0, 20.0), true));
     scene.meshes.push(cuboid(Vec3::new(2.0, 1.0, 5.9), Vec3::new(3.0, 2.0, 6.0), false));
@@ -82,14 +82,14 @@ fn views_and_threads_have_no_influence() {
     assert_eq!(place(&looked_at, WantedCaptures::Count(3)), first);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(pool.install(|| place(&scene, WantedCaptures::Count(3))), first);
-    // More captures only follow: the first ones are the same.
+    // More captures are only added after the first ones, which stay the same.
     let one = place(&scene, WantedCaptures::Count(1));
     assert_eq!((one.captures[0], one.seen[0]), (first.captures[0], first.seen[0]));
 }
 
 #[test]
 fn auto_stops_where_another_capture_gains_little() {
-    // An empty room is seen whole from anywhere in it.
+    // An empty room is completely visible from anywhere in it.
     let placement = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), true)]), WantedCaptures::Auto);
     assert_eq!((placement.captures.len(), placement.own), (1, 0));
     assert!(placement.seen[0] > 0.999, "{:?}", placement.seen);

@@ -1,5 +1,5 @@
-//! The section of a scene file that says where captures stand ([`crate::scene::capture`]), and the list of a folder of
-//! captures, which has that section alone ([`crate::scene::capture_file`]).
+//! The section of a scene file with the captures ([`crate::scene::capture`]), and the list of a folder of captures, which has
+//! this section alone ([`crate::scene::capture_file`]).
 
 use crate::error::{Error, Result};
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
@@ -13,17 +13,17 @@ use toml::Spanned;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ListOfCaptures {
-    /// The least and the greatest corner.
+    /// The least and the greatest corner of the scene's bounds.
     bounds: Option<Spanned<[[f32; 3]; 2]>>,
     #[serde(default)]
     capture: Vec<Spanned<CaptureSection>>,
 }
 
-/// Reads the captures of a file that has `[[capture]]` tables, at least one, all with one near plane, and before them
-/// perhaps `bounds`, outside of which nothing stands; without, [`Aabb::ALL`].
+/// Reads the captures of a file with at least one `[[capture]]` table, all with one near plane. `bounds` before the tables is a
+/// box outside of which there is no surface; the default is [`Aabb::ALL`].
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line if known, for any other fault.
 pub(in crate::scene) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
     let text = source_text::read(path, "a list of captures", crate::scene::source_text::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
@@ -55,11 +55,12 @@ pub(super) struct CaptureSection {
     near: Option<Spanned<f32>>,
 }
 
-/// The text of a scene file with other captures: its `[[capture]]` tables are left out, and those of `captures` stand at
-/// its end, in the coordinates of the file. All else stays as it is. `path` names the file in errors.
+/// The text of a scene file with other captures: its `[[capture]]` tables are replaced by tables of `captures` at the end, in
+/// the coordinates of the file. The other text is not changed. `path` names the file in errors.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or has captures that are written in another way.
+/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or has captures in another form than
+/// tables.
 pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
     let source = SourceText { path, text };
     let rest = |text: &str| {
@@ -94,7 +95,7 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
     Ok(made)
 }
 
-/// The coordinates of the places in a scene file, of which no more needs to be sound.
+/// The coordinates of the places in a scene file, whose other contents may be faulty.
 fn coordinates(file: &toml::Table) -> Handedness {
     let said = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
     let meshes = file.get("mesh").and_then(toml::Value::as_array).into_iter().flatten();

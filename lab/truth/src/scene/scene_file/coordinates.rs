@@ -1,28 +1,28 @@
-//! The coordinates in which a file states places, directions and paths, and the way from them to the program's own, which are
-//! left-handed. The way back is the same one, since z is negated.
+//! The coordinates in which a file states places, directions and paths, and their conversion to the program's own left-handed
+//! coordinates. The conversion back is the same, since it negates z.
 
 use crate::scene::obj::Handedness;
 use crate::scene::{Aabb, AreaLight, AreaShape, Capture, Impostor, Light, Probe, View};
 use glam::Vec3;
 
 impl Handedness {
-    /// The coordinates of the places in a scene file. What the file says of them goes first; else they are those of its OBJ
-    /// files, and else right-handed, as glTF is.
+    /// The coordinates of the places in a scene file. The file's own statement comes first, then the handedness of its OBJ
+    /// files; the default is right-handed, as in glTF.
     pub(super) fn of_places(said: Option<Self>, of_obj: Option<Self>, has_obj: bool) -> Self {
         said.or(of_obj.filter(|_| has_obj)).unwrap_or_default()
     }
 
-    /// A place or a direction in the program's own coordinates, given one in these; or the other way round.
+    /// Converts a place or a direction from these coordinates to the program's own, or back.
     #[must_use]
     pub fn mirrored(self, vector: Vec3) -> Vec3 {
         match self {
             Self::Left => vector,
-            // Not -z, so that 0 stays 0 where it is written.
+            // 0 − z is used instead of −z, so that 0 is written without a sign.
             Self::Right => vector.with_z(0.0 - vector.z),
         }
     }
 
-    /// An angle about a mirrored axis: a turn goes the other way where the axis is mirrored.
+    /// The angle of a turn about a mirrored axis, which has the opposite sign in mirrored coordinates.
     pub(super) fn turn(self, angle: f32) -> f32 {
         match self {
             Self::Left => angle,
@@ -30,7 +30,7 @@ impl Handedness {
         }
     }
 
-    /// The key that says it, as a scene file has it.
+    /// The key of these coordinates, as written in a scene file.
     pub(super) fn key(self) -> &'static str {
         match self {
             Self::Left => "coordinates = \"left\"",
@@ -62,7 +62,7 @@ impl Handedness {
         Impostor { centre, half_u, half_v, ..impostor }
     }
 
-    /// A capture, which is there and back the same.
+    /// Converts a capture to the program's coordinates, or back.
     #[must_use]
     pub fn capture(self, capture: Capture) -> Capture {
         Capture { position: self.mirrored(capture.position), ..capture }
@@ -75,7 +75,7 @@ impl Handedness {
             AreaShape::Capsule { a, b, radius } => AreaShape::Capsule { a: to(a), b: to(b), radius },
             AreaShape::Cylinder { a, b, radius } => AreaShape::Cylinder { a: to(a), b: to(b), radius },
             AreaShape::Rectangle { centre, half_u, half_v } => {
-                // The light shines to the side of half_u × half_v, which mirroring alone would turn round.
+                // The light shines to the side of half_u × half_v, which mirroring alone would reverse.
                 AreaShape::Rectangle { centre: to(centre), half_u: to(half_u), half_v: self.turned(to(half_v)) }
             }
             AreaShape::Cuboid { centre, half_u, half_v, half_w } => {
@@ -85,7 +85,7 @@ impl Handedness {
         AreaLight { shape, ..light }
     }
 
-    /// The opposite of a vector where coordinates are mirrored.
+    /// The opposite of a vector in mirrored coordinates; otherwise the vector itself.
     fn turned(self, vector: Vec3) -> Vec3 {
         match self {
             Self::Left => vector,

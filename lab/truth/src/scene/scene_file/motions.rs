@@ -1,4 +1,4 @@
-//! Motions that a scene file names: a mesh that is moved and turned from key frame to key frame.
+//! Motions in a scene file: a mesh is moved and turned from key frame to key frame.
 
 use crate::error::Result;
 use crate::scene::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
@@ -10,17 +10,17 @@ use serde::Deserialize;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// From one key frame to the next, a turn must be less than this, since turns go the shorter way.
+/// Greatest turn, exclusive, from one key frame to the next, since turns go the shorter way.
 const HALF_TURN_DEG: f32 = 180.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MotionSection {
-    /// The name of the meshes that move.
+    /// Name of the meshes that move.
     mesh: Spanned<String>,
-    /// The point that they turn about; by default the middle of their bounds.
+    /// Point that the meshes turn about; by default the middle of their bounds.
     pivot: Option<Spanned<[f32; 3]>>,
-    /// The axis of their turns; by default +y.
+    /// Axis of the turns; by default +y.
     axis: Option<Spanned<[f32; 3]>>,
     #[serde(default)]
     key: Vec<Spanned<KeySection>>,
@@ -35,7 +35,7 @@ struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// The motion of a section, of a scene whose meshes are known.
+    /// The motion of a section, in a scene whose meshes are loaded.
     ///
     /// # Errors
     /// [`Error::Malformed`](crate::error::Error::Malformed) with file and line.

@@ -23,7 +23,7 @@ pub(super) struct ProbeSection {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImpostorSection {
-    /// If absent, the file name is used.
+    /// Name of the impostor; the default is the file name.
     name: Option<String>,
     file: Spanned<String>,
     centre: Spanned<[f32; 3]>,

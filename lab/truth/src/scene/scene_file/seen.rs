@@ -1,5 +1,5 @@
-//! Warnings about views of a scene file that see next to nothing, which is mostly so where its places are in other coordinates
-//! than the file says: a view stands outside of a room, sees no surface, or nothing but one flat one.
+//! Warnings about views of a scene file that see almost nothing: a view is outside of a room, sees no surface, or sees one flat
+//! surface alone. The usual reason is that the places are in other coordinates than the file says.
 
 use crate::math::frustum::Frustum;
 use crate::scene::obj::Handedness;
@@ -7,18 +7,18 @@ use crate::scene::viewpoint::{self, Hit, Ray};
 use crate::scene::{Camera, Scene, Vertex, View};
 use glam::Vec3;
 
-/// Rays of a view across and down.
+/// Numbers of rays of a view, across and down.
 const ACROSS: u32 = 9;
 const DOWN: u32 = 5;
 
-/// Surfaces that are closer than this share of the scene's diagonal to one plane lie in it.
+/// Greatest distance of surfaces from a plane in which they lie, as a share of the scene's diagonal.
 const ONE_PLANE: f32 = 1e-3;
 
-/// Normals whose cosine is at least this are alike.
+/// Least cosine of the angle between normals that count as equal.
 const ALIKE: f32 = 0.9999;
 
-/// The warnings about the first `count` views of a scene, without the file. `unsaid` are the coordinates that the file's places
-/// are read in where it says nothing of them.
+/// The warnings about the first `count` views of a scene, without the file's name. `unsaid` are the coordinates in which places
+/// are read if the file does not name any.
 pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) -> Vec<String> {
     let views = &scene.views[..count.min(scene.views.len())];
     let found = wrong(scene, views).into_iter().zip(views);
@@ -28,8 +28,8 @@ pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) 
     found.filter_map(warning).collect()
 }
 
-/// For each view of a scene what is wrong with it, as the end of a sentence: that it sees nothing, nothing but one flat surface,
-/// or a room from outside. `None` for any other view.
+/// The fault of each view of a scene, as the end of a sentence: the view sees nothing, only one flat surface, or a room from
+/// outside. `None` for a view without a fault.
 pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
     let bounds = scene.bounds();
     let diagonal = (bounds.max - bounds.min).length();
@@ -49,7 +49,7 @@ pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
     views.iter().map(judged).collect()
 }
 
-/// What a sentence about a view of a file that does not name its coordinates ends with.
+/// The end of a warning about a view of a file that does not name its coordinates.
 fn hint(read_as: Handedness) -> String {
     let (word, other) = match read_as {
         Handedness::Left => ("left", Handedness::Right),
@@ -58,8 +58,8 @@ fn hint(read_as: Handedness) -> String {
     format!("; the file's places are read as {word}-handed: if they are not, write {}", other.key())
 }
 
-/// What is wrong with a view that sees nothing, or nothing but one flat surface; `None` for any other. `tolerance` is how far a
-/// plane's points may lie from it, in metres.
+/// The fault of a view that sees nothing, or one flat surface alone; `None` for any other view. `tolerance` is the greatest
+/// distance of points from their plane, in metres.
 fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'static str> {
     let camera = view.camera(scene, [16, 9]);
     let frustum = Frustum::new(&(camera.view_to_clip() * camera.world_to_view));
@@ -67,7 +67,7 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
         return Some("sees no surface of the scene");
     }
     let mut plane = None;
-    // Column by column, since most views show more than one surface in the first.
+    // Rays are traced column by column, since most views show more than one surface in the first column.
     for column in rays(&camera).chunks(DOWN as usize) {
         for (ray, hit) in column.iter().zip(viewpoint::first_hits(scene, column)) {
             let (point, normal) = (place(ray, &hit)?, hit.normal.normalize_or_zero());
@@ -83,7 +83,7 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
     scene.meshes.iter().flat_map(|m| &m.vertices).any(is_off).then_some("sees nothing but one flat surface")
 }
 
-/// Where a ray meets a surface, if it does.
+/// The point where a ray meets a surface, if any.
 fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
     hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
 }

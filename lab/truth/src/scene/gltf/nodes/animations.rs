@@ -1,5 +1,5 @@
-//! Animations of nodes: translation, rotation and scale, as motions of the scene. A faulty one is left out with a sentence,
-//! since a scene stands without it.
+//! Animations of nodes: translation, rotation and scale, as motions of the scene. A faulty animation is left out with a note,
+//! since the scene is complete without it.
 
 use super::Nodes;
 use crate::scene::gltf::Notes;
@@ -15,7 +15,7 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The most nodes on the ways to all things that move in a motion.
+/// Greatest number of nodes that a motion may have, counted on the way from each moving thing up to its root.
 const MAX_NODES: usize = 1 << 20;
 
 #[derive(Deserialize)]
@@ -35,7 +35,7 @@ struct ChannelJson {
 
 #[derive(Deserialize)]
 struct TargetJson {
-    /// An extension's target has none.
+    /// Node of the target; the target of an extension has none.
     node: Option<usize>,
     path: String,
 }
@@ -47,7 +47,7 @@ struct SamplerJson {
     interpolation: Option<String>,
 }
 
-/// The motions of a file's animations. `names` are those of the nodes' meshes, by the nodes' indices.
+/// The motions of a file's animations. `names` has the names of the nodes' meshes, by the nodes' indices.
 pub(super) fn motions(
     (data, animations): (&Data, &Value),
     (nodes, origin): (&Nodes, DVec3),
@@ -79,7 +79,7 @@ pub(super) fn motions(
     motions
 }
 
-/// What an animation changes about each node.
+/// The changes of each node by an animation.
 ///
 /// # Errors
 /// A clause that says what is wrong.
@@ -134,7 +134,7 @@ fn keys<const N: usize>(
     Keys::new(times, values, between).map(Arc::new).map_err(str::to_owned)
 }
 
-/// The nodes with meshes that something moves.
+/// The nodes with meshes that an animation moves.
 fn movers(
     data: &Data,
     nodes: &Nodes,
@@ -187,7 +187,7 @@ fn movers(
     movers
 }
 
-/// The nodes of a way from the top, those that nothing changes taken together.
+/// The nodes on the way from the root to a node; successive nodes that do not change are combined.
 fn chain<'a>(way: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
     let mut chain: Vec<MovingNode> = Vec::new();
     for (node, changes) in way {
@@ -211,7 +211,7 @@ fn rest(node: &Node) -> Rest {
     }
 }
 
-/// The meshes of a node, of which a large one is in parts.
+/// The meshes of a node; a large mesh is split into parts.
 fn meshes_of(name: &str, meshes: &[Mesh]) -> Vec<String> {
     let is_part = |rest: &str| {
         let part = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));

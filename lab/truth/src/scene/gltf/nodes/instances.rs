@@ -12,17 +12,17 @@ pub(in crate::scene::gltf) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension that hides nodes.
 pub(in crate::scene::gltf) const VISIBILITY: &str = "KHR_node_visibility";
 
-/// Whether a node hides itself and all below it.
+/// Whether a node hides itself and all nodes below it.
 pub(super) fn is_hidden(node: &Node) -> bool {
     let visible = node.extension_value(VISIBILITY).and_then(|v| v.get("visible"));
     visible.and_then(Value::as_bool) == Some(false)
 }
 
-/// Where the copies of a node's mesh stand, in the space of the node; one in the node's own place without the extension.
+/// The transforms of the copies of a node's mesh, in the space of the node; without the extension, a single identity.
 ///
 /// # Errors
-/// [`Error::Malformed`](crate::error::Error::Malformed) for accessors that are not there, have other elements, or differ in how
-/// many they have.
+/// [`Error::Malformed`](crate::error::Error::Malformed) for accessors that are missing, have other elements, or differ in their
+/// number of elements.
 pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DMat4::IDENTITY]) };
     let translations = attribute::<3>(data, node, extension, "TRANSLATION")?;
@@ -53,7 +53,7 @@ pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     Ok((0..count).map(matrix).collect())
 }
 
-/// The vectors of an attribute of the extension, whose integers are brought to −1…1 where the accessor says so.
+/// The vectors of an attribute of the extension, whose integers are converted to −1…1 if the accessor is normalized.
 fn attribute<'a, const N: usize>(
     data: &'a Data,
     node: &Node,

@@ -1,5 +1,5 @@
-//! Lights of `KHR_lights_punctual` in the world, at one exposure. Files have them in lux and candela: what Blender calls a sun of 3
-//! W/m² is one of 2049 lx, since it multiplies by 683 lumens for a watt.
+//! Lights of `KHR_lights_punctual` in the world, at one exposure. Files give brightness in lux and candela: a sun of 3 W/m² in
+//! Blender has 2049 lx, since Blender multiplies by 683 lumens for a watt.
 
 use super::Units;
 use crate::math::constants;
@@ -15,7 +15,7 @@ pub(super) struct PlacedLight {
     illuminance: f64,
 }
 
-/// A light in the world, or nothing if it gives no light.
+/// A light in the world, or `None` if it gives no light.
 pub(super) fn lamp(
     light: &gltf::khr_lights_punctual::Light,
     to_world: &DMat4,
@@ -42,10 +42,10 @@ pub(super) fn lamp(
             if light.range().is_some() {
                 notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
             }
-            // The file's unit of length is the metre; a light at the centre itself is judged from a metre away.
+            // The file's unit of length is the metre; the brightness of a light at the centre itself is taken one metre away.
             let scale = f64::from(units.scale);
             let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
-            // An energy is a length squared.
+            // An energy is scaled like a squared length.
             let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
             PlacedLight { light, illuminance: intensity / (away * away) }
         }
@@ -57,8 +57,8 @@ pub(super) fn lamp(
     sound.then_some(placed)
 }
 
-/// The lights at one exposure, at which the brightest gives 1 at the scene's centre. Far from a point light of energy e
-/// its attenuation is e / d², which is glTF's. Also returns a sentence about the exposure.
+/// The lights at one exposure, which makes the brightest give 1 at the scene's centre. Far from a point light of energy e the
+/// attenuation is e / d², as in glTF. Also returns a sentence about the exposure.
 pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<Light>, Option<String>) {
     placed.sort_by(|a, b| b.illuminance.total_cmp(&a.illuminance));
     let most = constants::MAX_LIGHTS as usize;

@@ -1,4 +1,4 @@
-//! The objects in the atrium: curtains and banners, vases and planters, and the lion's head at its end.
+//! The objects in the atrium: curtains and banners, vases and planters, and the lion's head at the atrium's end.
 
 use super::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
 use crate::math::atan2;
@@ -32,8 +32,8 @@ fn curtains() -> Vec<MeshBuilder> {
     parts
 }
 
-/// One of a pair of curtains, 2.7 m high, from its edge at the column over `width` (negative: towards −x): wide
-/// at the pole, gathered where it is tied, and hanging straight below.
+/// One of a pair of curtains, 2.7 m high, from its edge at the column over `width` (negative: towards −x). The curtain is wide
+/// at the pole, gathered where it is tied, and hangs straight below.
 fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     const HEIGHT: f32 = 2.7;
     const TIE: f32 = 0.42;
@@ -47,7 +47,7 @@ fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     };
     let right = width.signum();
     mesh.surface(foot, [48, 14], |s, t| {
-        // Mirrored, so that both curtains have their front on the same side.
+        // One curtain is mirrored, so that both have their front on the same side.
         let along = if right > 0.0 { s } else { 1.0 - s };
         let (p, cloth) = surface(along, t);
         (Vec3::new(p.x * width, p.y, p.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT))
@@ -144,7 +144,7 @@ fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
         let (sin, cos) = (PI * t).sin_cos();
         let (east, north) = (TAU * s).sin_cos();
         let lumps = fractal(Vec2::new(s * 10.0, t * 7.0), IVec2::new(10, 64), 2, 307);
-        // Smooth towards the poles, where all columns of the grid meet.
+        // The surface is smooth towards the poles, where all columns of the grid meet.
         let r = radius * (0.85 + 0.3 * lumps * sin.max(0.0));
         let position = Vec3::new(r * sin * north, -r * cos, r * sin * east);
         (position, Vec2::new(s * 2.4, t * PI * radius))
@@ -152,7 +152,7 @@ fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
     leaves
 }
 
-/// The relief on the end wall: a plate, a disc, and a lion's head on it.
+/// The relief on the end wall: a plate, a disc, and a lion's head on the disc.
 fn lion() -> Vec<MeshBuilder> {
     const WALL_X: f32 = LINES_X[7];
     const MIDDLE: Vec3 = Vec3::new(WALL_X - 0.12, 1.72, 0.375);

@@ -13,7 +13,7 @@ const STOREY_M: f32 = 3.15;
 const WINDOW: [f32; 3] = [1.15, 1.75, 0.85];
 const BAY_M: f32 = 2.55;
 const RECESS_M: f32 = 0.2;
-/// Depth of a house, for gables that rise above lower neighbours.
+/// Depth of a house; its gables show where they rise above lower neighbours.
 const DEPTH_M: f32 = 7.0;
 /// The share of windows with a lit room.
 const LIT: f32 = 0.3;
@@ -23,7 +23,7 @@ const LIT: f32 = 0.3;
 pub enum Ground {
     /// Shop windows with doors between.
     Shops,
-    /// Doors, and windows like those above.
+    /// Doors, and windows like those of the storeys above.
     Doors,
     /// An entrance with glass doors in the middle.
     Cinema,
@@ -31,13 +31,13 @@ pub enum Ground {
 
 /// A house as seen from the street.
 pub struct HouseFront {
-    /// The stem of its meshes' names.
+    /// First part of the names of the house's meshes.
     pub name: &'static str,
     pub face: Face,
-    /// Its extent along the face.
+    /// Extent of the house along the face.
     pub span: [f32; 2],
     pub height: f32,
-    /// An empty mesh of its wall's material.
+    /// An empty mesh of the wall's material.
     pub wall: MeshBuilder,
     pub ground: Ground,
 }
@@ -153,7 +153,7 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
     let mut floor = GROUND_M;
     while floor + WINDOW[1] + WINDOW[2] + 0.7 < front.height {
         for k in 0..count {
-            // The canopy of the cinema and its sign cover the lower part of this storey.
+            // The cinema's canopy and its sign cover the lower part of this storey.
             let rect = window(k, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });
             add(rect, Filling::Pane);
         }

@@ -1,8 +1,8 @@
-//! What the numbers of a material mean, which depends on the program that wrote them.
+//! The meaning of a material's numbers, which depends on the program that wrote the file.
 //!
-//! Wavefront's own law has a colour of highlights (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities under
-//! these names, and the PBR keys are those of glTF. docs/definitions.md, "Exporters of MTL", has the table and says how each law
-//! was found.
+//! Wavefront's own law has a colour of highlights (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities
+//! under these names, and the PBR keys have the meaning of glTF. docs/definitions.md, "Exporters of MTL", has the table and
+//! says how each law was found.
 
 use super::{Definition, TRANSPARENCY};
 use crate::scene::Material;
@@ -18,21 +18,21 @@ const BLENDER_EXPONENT: f32 = 1000.0;
 /// The roughness of Blender's default material.
 const BLENDER_ROUGHNESS: f32 = 0.5;
 
-/// The first version of Blender in which the level of specular counts beside the index of refraction.
+/// The first version of Blender in which the level of specular is used together with the index of refraction.
 const BLENDER_WITH_IOR: u32 = 4;
 
-/// Who wrote an MTL file, as far as it changes what the file means.
+/// The program that wrote an MTL file, if it changes the meaning of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Exporter {
-    /// Nobody whose numbers are known to mean something else than Wavefront's.
+    /// A program whose numbers have Wavefront's meaning, as far as known.
     #[default]
     Unknown,
-    /// Blender, of this major version. Files that name no version are older than 3.3, and their laws differ.
+    /// Blender, of this major version. Files without a version are older than 3.3, and follow other laws.
     Blender(u32),
 }
 
 impl Exporter {
-    /// Reads who wrote a file from one of its comments.
+    /// Finds the program that wrote a file in one of the file's comments.
     pub(super) fn from_comment(line: &str) -> Option<Self> {
         let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
         let (version, rest) = rest.split_once(' ')?;
@@ -41,20 +41,20 @@ impl Exporter {
     }
 }
 
-/// By which law a material is read.
+/// The law by which a material's numbers are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Law {
-    /// Wavefront's: `Ks` is what a surface reflects, `Ns` the exponent of its lobe, unless there is a roughness.
+    /// Wavefront's law: `Ks` is the reflectivity, and `Ns` the exponent of the lobe, unless a roughness is given.
     #[default]
     Wavefront,
     /// Blender's `Ns`, `Ks`, `Ka` and `Ni`, without PBR keys.
     Blender(u32),
-    /// Metalness and roughness; Blender's `Ks` is the level of specular, that of others does not count.
+    /// Metalness and roughness; Blender's `Ks` is the level of specular, and the `Ks` of other programs is ignored.
     Pbr(Exporter),
 }
 
 impl Definition {
-    /// Finds by which law the material is read, once all of its statements are known, and notes what is dropped by that law.
+    /// Chooses the law of the material, after all of its statements were read, and notes what the law drops.
     pub(super) fn settle(&mut self, exporter: Exporter) {
         let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
         let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
@@ -63,7 +63,7 @@ impl Definition {
             exporter if has_metalness => Law::Pbr(exporter),
             Exporter::Blender(_) if has_roughness => Law::Pbr(exporter),
             Exporter::Blender(major) => Law::Blender(major),
-            // Whoever states a roughness and what is reflected, and no metalness, means both.
+            // A file that gives a roughness and a specular colour, but no metalness, means both.
             Exporter::Unknown if has_roughness && !has_specular => Law::Pbr(exporter),
             Exporter::Unknown => Law::Wavefront,
         };
@@ -89,7 +89,7 @@ impl Definition {
         }
     }
 
-    /// What the material is by its law.
+    /// The material that results from its law.
     pub(in crate::scene::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
             base: self.base(),
@@ -110,7 +110,7 @@ impl Definition {
         MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
     }
 
-    /// Black under an image counts as white, as exporters mean it.
+    /// A black colour together with an image counts as white, as exporters mean it.
     fn base(&self) -> Vec3 {
         let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
@@ -124,8 +124,8 @@ impl Definition {
     fn metallic(&self) -> f32 {
         let stated = match self.law {
             Law::Wavefront => 0.0,
-            // The exporter writes the metalness as the ambient colour, but white where there is none. Only for metals does it
-            // state the model of a mirror.
+            // Blender writes the metalness as the ambient colour, and white without metalness. The illumination model of a
+            // mirror is written for metals alone.
             Law::Blender(_) => {
                 self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map_or(0.0, |ambient| ambient.x)
             }
@@ -134,9 +134,9 @@ impl Definition {
         if stated == 0.0 && self.images.metalness.is_some() { 1.0 } else { stated.clamp(0.0, 1.0) }
     }
 
-    /// What a surface that is no metal reflects along its normal.
+    /// The reflection along the normal of the part that is no metal.
     fn f0(&self) -> f32 {
-        // The exporter writes an index of 1 for materials without one.
+        // Blender writes an index of 1 for materials without an index of refraction.
         let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
         let of_ior = ior.map_or(F0, f0_of_ior);
         let has_image = self.images.reflectivity.is_some();
@@ -151,7 +151,7 @@ impl Definition {
         }
     }
 
-    /// The perceptual roughness, as glTF's, without images; `None` where the material states none, or an exponent.
+    /// The perceptual roughness, as in glTF, without images; `None` if the material gives no roughness, or an exponent.
     fn perceptual(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));

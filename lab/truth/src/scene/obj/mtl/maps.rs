@@ -1,22 +1,22 @@
-//! The lines of maps in MTL files: options, and a name that may have blanks.
+//! The statements of maps in MTL files: options, followed by a name that may contain blanks.
 
 use super::{Place, distinct, without_comment};
 use crate::scene::obj::images::{ImageStatement, resolve};
 use std::path::Path;
 
-/// What the options of a map say.
+/// The options of a map that are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct MapOptions {
     multiplier: f32,
     transformed: bool,
 }
 
-/// Takes the options at the beginning of a text; gives what follows them.
+/// Takes the options at the beginning of a text; returns the text after them.
 fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
     let mut rest = text;
     while rest.starts_with('-') {
         let (option, mut after) = take_word(rest);
-        // The most words that belong to the option, and whether they must be numbers.
+        // Greatest number of words of the option, and whether they must be numbers.
         let (most, numeric) = match option {
             "-bm" | "-boost" | "-texres" => (1, true),
             "-mm" => (2, true),
@@ -45,9 +45,9 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
 
 /// Parses the options and the file name of a map; `None` if there is no file name.
 ///
-/// Names have blanks, hyphens and `#` of their own, so that the longest text of which there is a file counts: all that
-/// follows the options, then without a comment, then without options behind it, then its last word, behind options that are
-/// unknown. If there is no such file, it is the third.
+/// Names may contain blanks, hyphens and `#`. Several readings of the text are tried, and the first that names an existing file
+/// is used. These are everything after the options, the same without a comment, the same without options after the name, and
+/// the last word, which may follow unknown options. If no file exists, the third reading is the name.
 pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
     let mut options = MapOptions { multiplier: 1.0, transformed: false };
     let whole = take_options(rest, &mut options);
