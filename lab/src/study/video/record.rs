@@ -83,7 +83,7 @@ impl VideoRecord {
         format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
     }
 
-    /// The file of an animated picture that was measured.
+    /// The file of an animated picture from this record's measurement.
     pub(super) fn clip_file(&self, name: &str) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
         let stem = cell_name(scene, &format!("{view}-{}", self.way), [*width, *height], self.head.roughness);

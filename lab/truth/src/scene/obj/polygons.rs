@@ -237,9 +237,9 @@ mod tests {
         pub static TURNS: Cell<u64> = const { Cell::new(0) };
     }
 
-    /// Tests a triangle with two stated normals lean behind the face by 111 degrees, which an author may want. The mean at the
-    /// third corner, with two other faces, is almost perpendicular to the face, and all three together would point away by 126
-    /// degrees.
+    /// Tests a triangle with two stated normals that lean behind the face by 111 degrees, which an author may want. The mean at
+    /// the third corner, with two other faces, is almost perpendicular to the face, and all three together would point away by
+    /// 126 degrees.
     #[test]
     fn means_do_not_turn_a_face_to_its_back() {
         let corner =
