@@ -30,7 +30,7 @@ pub struct TriangleWants {
     pub reflection: bool,
     /// Where each ray ended.
     pub hits: bool,
-    /// Where each ray of a glossy pixel ended, for a history.
+    /// True if the pass stores, for the history, where each ray of a glossy pixel ended.
     pub tells: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,

@@ -53,7 +53,7 @@ pub struct ListedResult {
     pub device: usize,
     /// The key of the result in the journal, or the common beginning of the keys of its samples.
     pub key: String,
-    /// The fields of the result's record that are missing in the journal.
+    /// The head of the result's record, which its samples in the journal do not repeat; null if the journal keeps the whole record.
     #[serde(rename = "of", default, skip_serializing_if = "Value::is_null")]
     pub record_head: Value,
 }

@@ -76,7 +76,8 @@ pub struct RayInWorld {
     /// Where the ray ends: at its hit, at a point far along it for the sky, or where the screen lost it if no image sees its
     /// end.
     pub end: Vec3,
-    /// How the ray ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
+    /// How the ray ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Triangle`], [`PathCode::Sky`] or
+    /// [`PathCode::Unknown`].
     pub code: PathCode,
     /// The capture in which the ray hit, counted from 0.
     pub capture: Option<usize>,

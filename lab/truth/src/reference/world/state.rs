@@ -95,7 +95,8 @@ impl WorldState {
         self.sums.first()
     }
 
-    /// Number of samples of every glossy pixel so far; in a part of the samples, the number after its last sample's.
+    /// One past the number of the last sample. In a whole state, whose first sample is 0, that is how many samples each glossy pixel
+    /// has so far.
     pub fn samples(&self) -> u32 {
         self.sums.end()
     }

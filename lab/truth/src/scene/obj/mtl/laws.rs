@@ -151,7 +151,8 @@ impl Definition {
         }
     }
 
-    /// The perceptual roughness, as in glTF, without images; `None` if the material gives no roughness, or an exponent.
+    /// The perceptual roughness of glTF, or the factor on an image of roughness. Under every law but Blender's it is `None` if the
+    /// material gives no roughness.
     fn perceptual(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
