@@ -71,7 +71,7 @@ fn run() -> Result<(), String> {
             let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
             let binary = modules.join(format!("{}.spv", program.name));
             std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
-            let interface = Interface::of(&words, &file)?;
+            let interface = Interface::from_words(&words, &file)?;
             collect(&interface, &file, &mut structs)?;
             Ok(interface)
         };

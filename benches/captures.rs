@@ -44,7 +44,7 @@ fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len(
         .flatten()
         .filter_map(|r| {
             let ray = WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY };
-            let end = ray.at(world.closest(&ray)?.t);
+            let end = ray.point_at(world.closest(&ray)?.t);
             let sees = |from: Vec3| sees(&triangles, from.as_dvec3(), end);
             if on_screen(&camera, end) && sees(view.eye) {
                 return Some(Some(0));

@@ -333,7 +333,7 @@ impl MethodInfo {
 
     /// Whether the method is set up for a second layer of depth.
     pub fn takes_second_layer(&self, setup: &Setup) -> bool {
-        self.own_parameters().iter().any(|p| p.name == "layers") && setup.of::<LayerParams>().has_second()
+        self.own_parameters().iter().any(|p| p.name == "layers") && setup.parameters::<LayerParams>().has_second()
     }
 
     /// Every parameter that the method reads: parameters of the effect around it, and its own.
@@ -367,7 +367,7 @@ impl MethodInfo {
                 let tried = row
                     .sweep
                     .iter()
-                    .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.of(row) != *value);
+                    .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.value(row) != *value);
                 all.extend(tried.map(|(_, value)| {
                     let mut setup = of_preset.clone();
                     setup.values.set(row, *value);

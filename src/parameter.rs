@@ -143,7 +143,7 @@ impl Parameter {
     }
 
     /// The value of a preset.
-    pub fn of(&self, preset: Preset) -> Value {
+    pub fn preset_value(&self, preset: Preset) -> Value {
         match preset {
             Preset::Published => self.published,
             Preset::Author => self.author,
@@ -256,7 +256,7 @@ pub trait Parameters: Sized {
     /// The descriptions of the parameters, in the order of the fields.
     fn table() -> Vec<Parameter>;
     /// Makes the struct from given values, and from their preset for parameters that are not given.
-    fn of(values: &Values) -> Self;
+    fn from_values(values: &Values) -> Self;
     /// Each value, in the order of the fields.
     fn list(&self) -> Vec<Value>;
 }
@@ -271,9 +271,9 @@ pub struct Values {
 
 impl Values {
     /// The value of a parameter.
-    pub fn of(&self, parameter: &Parameter) -> Value {
+    pub fn value(&self, parameter: &Parameter) -> Value {
         let given = self.given.get(parameter.name).copied().filter(|v| parameter.domain.has(*v));
-        given.unwrap_or_else(|| parameter.of(self.preset))
+        given.unwrap_or_else(|| parameter.preset_value(self.preset))
     }
 
     /// Gives a parameter a value.
@@ -289,7 +289,7 @@ impl Values {
     /// Returns these values after a function changed some parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
-        let mut all = P::of(self);
+        let mut all = P::from_values(self);
         let before = all.list();
         change(&mut all);
         let mut changed = self.clone();
@@ -305,7 +305,7 @@ impl Values {
 /// Used by [`parameters!`](crate::parameter::parameters): the value of a named parameter in a field's type.
 #[doc(hidden)]
 pub fn take<T: Field>(values: &Values, parameter: &Parameter) -> T {
-    let taken = T::from_value(values.of(parameter));
+    let taken = T::from_value(values.value(parameter));
     // The published value was made from a T.
     taken.or_else(|| T::from_value(parameter.published)).unwrap_or_else(|| unreachable!("{}", parameter.name))
 }
@@ -330,7 +330,7 @@ macro_rules! parameters {
                 [$($crate::parameter::parameters!(@row $field $type, concat!($($help),+) $(, $row)?)),*].concat()
             }
 
-            fn of(values: &$crate::parameter::Values) -> Self {
+            fn from_values(values: &$crate::parameter::Values) -> Self {
                 Self { $($field: $crate::parameter::parameters!(@of values $field $type $(, $row)?),)* }
             }
 
@@ -341,7 +341,7 @@ macro_rules! parameters {
     };
     (@row $field:ident $type:ty, $help:expr) => { <$type as $crate::parameter::Parameters>::table() };
     (@row $field:ident $type:ty, $help:expr, $row:expr) => { vec![$row.named(stringify!($field), $help)] };
-    (@of $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::of($values) };
+    (@of $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::from_values($values) };
     (@of $values:ident $field:ident $type:ty, $row:expr) => {
         $crate::parameter::take::<$type>($values, &$row.named(stringify!($field), ""))
     };

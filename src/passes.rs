@@ -185,7 +185,7 @@ impl Reflectors {
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
     /// The kinds that can occur in a frame, given its reflectivity and roughness if they are constant.
-    pub fn of(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
+    pub fn for_constants(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
         let reflects = reflectivity.is_none_or(|r| f64::from(r) > constants::REFLECTS_ABOVE);
         let may = |is: fn(f32) -> bool| reflects && roughness.is_none_or(is);
         Self {

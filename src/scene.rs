@@ -106,13 +106,13 @@ impl Mesh {
     /// Moves the mesh by an offset in metres.
     pub fn translate(&mut self, offset: Vec3) {
         self.vertices.iter_mut().for_each(|v| v.position = (Vec3::from(v.position) + offset).to_array());
-        self.bounds = Aabb::of(&self.vertices);
+        self.bounds = Aabb::around(&self.vertices);
     }
 
     /// Moves the mesh to where a placement has it.
     pub fn place(&mut self, placement: &Placement) {
         self.vertices.iter_mut().for_each(|v| placement.place_vertex(v));
-        self.bounds = Aabb::of(&self.vertices);
+        self.bounds = Aabb::around(&self.vertices);
     }
 }
 
@@ -269,7 +269,7 @@ impl Aabb {
     }
 
     /// The box around some vertices; empty for none.
-    pub fn of(vertices: &[Vertex]) -> Self {
+    pub fn around(vertices: &[Vertex]) -> Self {
         vertices.iter().fold(Self::default(), |b, v| {
             let p = Vec3::from(v.position);
             Self { min: b.min.min(p), max: b.max.max(p) }
@@ -388,7 +388,7 @@ impl Scene {
             for v in vertices.iter_mut() {
                 v.position = moved(v.position.into()).to_array();
             }
-            *bounds = Aabb::of(vertices);
+            *bounds = Aabb::around(vertices);
         }
         for View { name: _, eye, look_at, lens: _, materials: _ } in views {
             (*eye, *look_at) = (moved(*eye), moved(*look_at));

@@ -265,7 +265,7 @@ fn sound_scene(scene: &Scene) {
 
 fn sound_path(path: &CameraPath) {
     for step in 0..=8 {
-        let (eye, look_at) = path.at(step as f32 / 8.0);
+        let (eye, look_at) = path.eye_and_look_at(step as f32 / 8.0);
         assert!(eye.is_finite() && look_at.is_finite(), "{step}: {eye} {look_at}");
     }
     let again = path::parse(&path::to_toml(path), Path::new("a.toml"));

@@ -57,7 +57,7 @@ use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
 /// Runs the command line of `ssct` and returns the exit status: 0 if all is done, 1 if the run failed or missed a bar, 2 if the arguments
-/// are wrong.
+/// are wrong, and 128 + n if signal n stopped it.
 pub fn run() -> ExitCode {
     program(help::command, |cli: &Cli| match &cli.command {
         Command::Render(options) => render::run(options),

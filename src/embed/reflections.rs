@@ -156,7 +156,7 @@ enum WorldInput {
 }
 
 impl WorldInput {
-    fn of(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
+    fn from_inputs(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
         match (captures, triangles) {
             (None, None) => Ok(Self::Nothing),
             (Some(side), None) => Ok(Self::Captures(side)),
@@ -208,7 +208,7 @@ impl Reflections {
         }
         let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
         let import = ImportPass::new(gpu, info.extent)?;
-        let beyond = WorldInput::of(info.captures, info.triangles)?;
+        let beyond = WorldInput::from_inputs(info.captures, info.triangles)?;
         let effect = effect(&mut frames, method, &setup, wants, beyond)?;
         Ok(Self { frames, import, effect, method, setup, wants, beyond })
     }
@@ -218,7 +218,7 @@ impl Reflections {
     /// # Errors
     /// Errors of [`Self::new`]; the old size stays then.
     pub fn resize(&mut self, extent: [u32; 2]) -> Result<()> {
-        let setup = self.setup.at(extent);
+        let setup = self.setup.with_extent(extent);
         let import = ImportPass::new(self.frames.gpu(), extent)?;
         let effect = effect(&mut self.frames, self.method, &setup, self.wants, self.beyond)?;
         (self.setup, self.import, self.effect) = (setup, import, effect);
@@ -342,7 +342,7 @@ impl Reflections {
         if let Some(motion) = &input.motion {
             motion.check(extent)?;
         }
-        let given = WorldInput::of(input.captures.map(|c| c.extent()[0]), input.triangles)?;
+        let given = WorldInput::from_inputs(input.captures.map(|c| c.extent()[0]), input.triangles)?;
         if !self.beyond.takes(given) {
             return Err(Error::Usage(format!(
                 "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",

@@ -71,7 +71,7 @@ impl Interface {
     ///
     /// # Errors
     /// A sentence about a part of the module that has no twin in Rust.
-    pub fn of(words: &[u32], name: &str) -> Result<Self, String> {
+    pub fn from_words(words: &[u32], name: &str) -> Result<Self, String> {
         let (words, local_size) = without_local_size_ids(words);
         let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
         Reflection::new(&module, name, local_size).interface()

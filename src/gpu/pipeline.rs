@@ -165,7 +165,7 @@ impl<F: Fragment> GraphicsPipeline<F> {
 
     /// Makes a pipeline that draws a full-screen triangle, for a program with specialization constants.
     pub fn fullscreen_with(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
-        Self::of(gpu, constants, Geometry::Triangles(None), targets, None)
+        Self::with_geometry(gpu, constants, Geometry::Triangles(None), targets, None)
     }
 
     /// Makes a pipeline of a fragment program that marks each pixel that it doesn't discard, in the stencil of a depth target, and writes
@@ -175,14 +175,14 @@ impl<F: Fragment> GraphicsPipeline<F> {
         F: Fragment<Outputs<vk::Format> = [vk::Format; 0]> + Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
-        Self::of(gpu, &(), Geometry::Triangles(None), [], Some(depth))
+        Self::with_geometry(gpu, &(), Geometry::Triangles(None), [], Some(depth))
     }
 }
 
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
     /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone.
     pub fn points(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
-        Self::of(gpu, constants, Geometry::Points, targets, None)
+        Self::with_geometry(gpu, constants, Geometry::Points, targets, None)
     }
 
     /// Makes a pipeline that draws both sides of triangles, with reversed depth (greater wins). The viewport has negative height. A
@@ -193,7 +193,7 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         F: Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        Self::of(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::with_geometry(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// Makes the pipeline of [`Self::mesh`] that draws only where a [`GraphicsPipeline::marking`] pipeline marked the
@@ -208,10 +208,10 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         F: Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        Self::of(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::with_geometry(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
-    fn of(
+    fn with_geometry(
         gpu: &Gpu,
         constants: &F::Constants,
         geometry: Geometry,

@@ -27,7 +27,7 @@ impl Pixels {
     }
 
     /// The channels of a texel.
-    pub fn at(&self, x: u32, y: u32) -> &[f32] {
+    pub fn texel(&self, x: u32, y: u32) -> &[f32] {
         let i = (y as usize * self.width as usize + x as usize) * self.channels;
         &self.values[i..i + self.channels]
     }

@@ -48,7 +48,7 @@ impl Sources {
 /// A sentence on what differs.
 pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc<[u8]>, String> {
     let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
-    let (built, now) = (Interface::of(&built, shader.name)?, Interface::of(words, shader.name)?);
+    let (built, now) = (Interface::from_words(&built, shader.name)?, Interface::from_words(words, shader.name)?);
     if built == now {
         return Ok(words.iter().flat_map(|word| word.to_le_bytes()).collect());
     }

@@ -167,19 +167,19 @@ pub struct ImageUse {
 
 impl ImageUse {
     /// Drawn into as a colour attachment.
-    pub const COLOR_ATTACHMENT: Self = Self::of(Access::ColorAttachment);
+    pub const COLOR_ATTACHMENT: Self = Self::for_access(Access::ColorAttachment);
     /// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
-    pub const DEPTH_ATTACHMENT: Self = Self::of(Access::DepthAttachment);
+    pub const DEPTH_ATTACHMENT: Self = Self::for_access(Access::DepthAttachment);
     /// Sampled in fragment shaders, in `SHADER_READ_ONLY_OPTIMAL`.
-    pub const FRAGMENT_SAMPLED: Self = Self::of(Access::FragmentSampled);
+    pub const FRAGMENT_SAMPLED: Self = Self::for_access(Access::FragmentSampled);
     /// Sampled in compute shaders, in `SHADER_READ_ONLY_OPTIMAL`.
-    pub const COMPUTE_SAMPLED: Self = Self::of(Access::ComputeSampled);
+    pub const COMPUTE_SAMPLED: Self = Self::for_access(Access::ComputeSampled);
     /// Copied or blitted from.
-    pub const TRANSFER_SOURCE: Self = Self::of(Access::TransferRead);
+    pub const TRANSFER_SOURCE: Self = Self::for_access(Access::TransferRead);
     /// Copied, blitted or cleared.
-    pub const TRANSFER_TARGET: Self = Self::of(Access::TransferWrite);
+    pub const TRANSFER_TARGET: Self = Self::for_access(Access::TransferWrite);
 
-    const fn of(access: Access) -> Self {
+    const fn for_access(access: Access) -> Self {
         let AccessInfo { stages, access, layout, .. } = access.info();
         Self { layout, stages, access }
     }

@@ -129,7 +129,7 @@ pub(super) fn captures_taken(
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
     if effect.captures_wanted() == CaptureCount::Camera {
         // Each frame moves this capture to the camera.
-        return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
+        return Ok((vec![sized(&Capture::placed_at(Vec3::ZERO))], 0.0));
     }
     let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(WantedCaptures::Auto));
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))

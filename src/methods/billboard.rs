@@ -24,7 +24,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "ray-traced impostor quads",
         "Schmidt 2013, §5.3, listings 2 and 3",
         |gpu, request| {
-            let parameters: BillboardParams = request.setup.of();
+            let parameters: BillboardParams = request.setup.parameters();
             let pass =
                 BillboardPass::new(gpu, request.setup.stage(), request.setup.extent, parameters.billboard_glow > 0.0)?;
             Ok(Box::new(BillboardMethod { pass, parameters }))

@@ -75,7 +75,7 @@ struct DdaMethod {
 
 impl DdaMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
-        let (setup, p) = (&request.setup, request.setup.of::<DdaParams>());
+        let (setup, p) = (&request.setup, request.setup.parameters::<DdaParams>());
         let [fade_start, fade_end] = p.border.ends();
         Ok(Self {
             trace: DdaTracePass::new(

@@ -283,7 +283,7 @@ impl Effect {
                 })
                 .transpose()?,
             second_layer: has_layers
-                .then(|| SecondLayer::new(&gpu, stage, extent, divisor, setup.of::<LayerParams>()))
+                .then(|| SecondLayer::new(&gpu, stage, extent, divisor, setup.parameters::<LayerParams>()))
                 .transpose()?,
             scaled,
             fallback: fallback.transpose()?,

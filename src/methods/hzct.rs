@@ -16,7 +16,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hi-Z tracing and cone tracing; rays towards the camera fade out",
         "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
         |gpu, request| {
-            let HzctParams { hi_z, cone, border, camera_fade, drawn } = request.setup.of();
+            let HzctParams { hi_z, cone, border, camera_fade, drawn } = request.setup.parameters();
             let fill = move |block| {
                 let block = border.fill(cone.fill(hi_z.fill(block)));
                 ThesisBlock { fade_towards_camera: camera_fade, ..block }

@@ -30,7 +30,7 @@ pub const INFO: MethodInfo = MethodInfo {
         |gpu, request| {
             Ok(Box::new(IbrMethod {
                 pass: BillboardPass::new(gpu, request.setup.stage(), request.setup.extent, false)?.labelled("planes"),
-                parameters: request.setup.of(),
+                parameters: request.setup.parameters(),
                 images: Vec::new(),
                 captured: Vec::new(),
             }))

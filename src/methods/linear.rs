@@ -52,7 +52,7 @@ struct LinearMethod {
 impl LinearMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let (extent, stage) = (request.setup.extent, request.setup.stage());
-        let parameters: LinearParams = request.setup.of();
+        let parameters: LinearParams = request.setup.parameters();
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, stage, extent)?,
             trace: LinearTracePass::new(

@@ -62,7 +62,7 @@ struct PlanarMethod {
 
 impl PlanarMethod {
     fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let parameters: PlanarParams = setup.of();
+        let parameters: PlanarParams = setup.parameters();
         let scene = match parameters.planar_variant {
             MirrorDrawing::Stencil => GBufferPass::where_marked(gpu, setup.extent)?,
             MirrorDrawing::Target => GBufferPass::new(gpu, setup.extent)?,

@@ -39,11 +39,11 @@ parameters! {
             Parameter::new(0.001).above(0.0, 1.0).unit("screen sides").source("not printed; the author's program"),
         /// Steps of the march at most.
         march_steps: u32 = Parameter::new(100).within(1, 65536).source("Hermanns and Franke 2014"),
-        /// What each step of the march is longer by than the one before, as a factor.
+        /// Length of each step of the march, divided by that of the step before.
         march_increase: f32 = Parameter::new(1.5).between(1.0, 16.0).source("Hermanns and Franke 2014"),
         /// Steps of the search for the surface after the march, at most.
         search_steps: u32 = Parameter::new(30).within(0, 65536).source("Hermanns and Franke 2014"),
-        /// What each step of the search is shorter by than the one before, as a factor.
+        /// Length of each step of the search, divided by that of the step before.
         search_decrease: f32 = Parameter::new(0.5).above(0.0, 1.0).source("Hermanns and Franke 2014"),
         /// How near to a surface the search ends.
         search_tolerance: f32 =
@@ -70,7 +70,7 @@ struct PosterMethod {
 
 impl PosterMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
-        let (setup, p) = (&request.setup, request.setup.of::<PosterParams>());
+        let (setup, p) = (&request.setup, request.setup.parameters::<PosterParams>());
         let layers = p.layers.has_second();
         let [fade_start, fade_end] = p.border.ends();
         let steps = MarchSteps {

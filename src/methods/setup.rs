@@ -354,7 +354,7 @@ impl Setup {
 
     /// Returns this setup at another size.
     #[must_use]
-    pub fn at(&self, extent: [u32; 2]) -> Self {
+    pub fn with_extent(&self, extent: [u32; 2]) -> Self {
         Self { extent, ..self.clone() }
     }
 
@@ -373,13 +373,13 @@ impl Setup {
     }
 
     /// The parameters of a method.
-    pub fn of<P: Parameters>(&self) -> P {
-        P::of(&self.values)
+    pub fn parameters<P: Parameters>(&self) -> P {
+        P::from_values(&self.values)
     }
 
     /// The parameters of the effect around a method.
     pub fn effect(&self) -> EffectParams {
-        self.of()
+        self.parameters()
     }
 
     /// The stage of passes that are published as fragment shaders.
@@ -393,7 +393,7 @@ impl Setup {
         let rows = EffectParams::table().into_iter().chain(own);
         let [width, height] = self.extent;
         let size = [("width", width.value()), ("height", height.value()), ("preset", self.values.preset.value())];
-        size.into_iter().chain(rows.map(|row| (row.name, self.values.of(&row)))).collect()
+        size.into_iter().chain(rows.map(|row| (row.name, self.values.value(&row)))).collect()
     }
 }
 

@@ -23,7 +23,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
         "Hermanns 2015, ch. 4",
         |gpu, request| {
-            let parameters: SsctParams = request.setup.of();
+            let parameters: SsctParams = request.setup.parameters();
             let march = Some(parameters.march.numbers());
             Ok(Box::new(ThesisMethod::new(gpu, request, parameters.drawn, march, parameters.filling())?))
         },
@@ -115,7 +115,7 @@ impl ThesisMethod {
     /// # Errors
     /// Errors of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let parameters: SsctParams = setup.of();
+        let parameters: SsctParams = setup.parameters();
         let request = MethodRequest {
             setup: setup.clone(),
             hits: true,

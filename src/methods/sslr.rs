@@ -65,7 +65,7 @@ struct SslrMethod {
 impl SslrMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let (extent, stage) = (request.setup.extent, request.setup.stage());
-        let parameters: SslrParams = request.setup.of();
+        let parameters: SslrParams = request.setup.parameters();
         let trace = SslrTracePass::new(gpu, stage, extent, parameters.march.uniform_steps, request.hits)?;
         Ok(Self {
             depth: HiZPass::depth_alone(gpu, stage, extent)?,

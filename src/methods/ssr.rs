@@ -19,7 +19,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "march along the reflection in screen space, a sample a pixel; mirrors only",
         "Schmidt 2013, §5.4, listing 4",
         |gpu, request| {
-            let SsrParams { pixel_step, .. } = request.setup.of();
+            let SsrParams { pixel_step, .. } = request.setup.parameters();
             Ok(Box::new(SchmidtMethod::new(gpu, request, SchmidtMarch::PerPixel, pixel_step, None)?))
         },
     )
@@ -60,7 +60,7 @@ impl SchmidtMethod {
         blur: Option<ChainFilter>,
     ) -> Result<Self> {
         let (extent, fade, stage) = (request.setup.extent, request.setup.effect().fade, request.setup.stage());
-        let layers = request.setup.of::<LayerParams>().has_second();
+        let layers = request.setup.parameters::<LayerParams>().has_second();
         let chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
             chain: chain()?,

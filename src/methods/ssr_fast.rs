@@ -16,7 +16,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "the same in steps of ten pixels forward and a tenth back; mirrors only",
         "Schmidt 2013, §5.4, listing 5",
         |gpu, request| {
-            let SsrFastParams { pixel_step, distance_blur, chain_filter, .. } = request.setup.of();
+            let SsrFastParams { pixel_step, distance_blur, chain_filter, .. } = request.setup.parameters();
             let blur = distance_blur.then_some(chain_filter);
             Ok(Box::new(SchmidtMethod::new(gpu, request, SchmidtMarch::Optimized, pixel_step, blur)?))
         },

@@ -99,7 +99,7 @@ enum Walk {
 impl StochasticMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let (setup, extent, stage) = (&request.setup, request.setup.extent, request.setup.stage());
-        let parameters: StochasticParams = setup.of();
+        let parameters: StochasticParams = setup.parameters();
         let effect = setup.effect();
         let walk = match parameters.stochastic_walk {
             StochasticWalk::Exact => {
@@ -109,7 +109,7 @@ impl StochasticMethod {
                 Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
             StochasticWalk::Thesis => {
-                let ssct: SsctParams = setup.of();
+                let ssct: SsctParams = setup.parameters();
                 let trace =
                     StochasticTrace::<StochasticThesis>::new(gpu, stage, extent, ssct.march.numbers(), request.hits)?;
                 Walk::Thesis(HiZPass::new(gpu, stage, extent, false)?, ssct, trace)

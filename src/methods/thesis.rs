@@ -42,11 +42,11 @@ parameters! {
         march_stride: f32 = Parameter::new(0.001).above(0.0, 1.0).unit("screen sides").source(UNPRINTED),
         /// Steps of the march at most.
         march_steps: u32 = Parameter::new(100).within(1, 65536).source("§4.2.2, listings 1 and 2"),
-        /// What each step of the march is longer by than the one before, as a factor.
+        /// Length of each step of the march, divided by that of the step before.
         march_increase: f32 = Parameter::new(1.5).between(1.0, 16.0).source("§4.2.2, listing 2"),
         /// Steps of the search for the surface after the march, at most.
         search_steps: u32 = Parameter::new(32).author(30).within(0, 65536).source("§4.2.2, listing 2"),
-        /// What each step of the search is shorter by than the one before, as a factor.
+        /// Length of each step of the search, divided by that of the step before.
         search_decrease: f32 = Parameter::new(0.5).above(0.0, 1.0).source("§4.2.2, listing 2"),
         /// The search's first step over the march's next one. The author's is a quarter of the march's last; the
         /// listing's stride has grown since.
@@ -145,7 +145,7 @@ parameters! {
 impl Default for FadeParams {
     /// The published fade.
     fn default() -> Self {
-        Self::of(&Values::default())
+        Self::from_values(&Values::default())
     }
 }
 

@@ -197,7 +197,7 @@ pub struct UnifiedMethod {
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
-        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = request.setup.of();
+        let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = request.setup.parameters();
         let screen = match (request.triangles, first) {
             (None, _) | (_, FirstTraced::Screen) => true,
             (Some(_), FirstTraced::Triangles) => false,
@@ -264,7 +264,7 @@ impl UnifiedMethod {
             None => ListContent::Nothing,
         };
         Ok(Self {
-            pyramid: PyramidPass::of(gpu, extent, projection)?,
+            pyramid: PyramidPass::for_projection(gpu, extent, projection)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
@@ -279,7 +279,7 @@ impl UnifiedMethod {
             reflection: reflection.then(|| image("reflection")).transpose()?,
             // Rays go on where the screen ends, so that nothing fades there.
             fade: effect.fade && !followed,
-            border: request.setup.of(),
+            border: request.setup.parameters(),
             max_point_offset_px: max_point_offset_px(gpu.precision(), effect.divisor()),
         })
     }

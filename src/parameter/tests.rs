@@ -37,15 +37,15 @@ fn a_declaration_gives_a_table_and_values_by_name() {
     assert_eq!(names, ["how_many", "colour", "share", "whether"]);
     assert_eq!((table[1].help.as_str(), table[0].typed_name()), ("What colour it has.", "how-many".to_owned()));
     let mut values = Values::default();
-    assert_eq!(Outer::of(&values).inner.how_many, 7);
+    assert_eq!(Outer::from_values(&values).inner.how_many, 7);
     values.preset = Preset::Author;
-    assert_eq!(Outer::of(&values).inner.how_many, 9);
+    assert_eq!(Outer::from_values(&values).inner.how_many, 9);
     for (parameter, text) in table.iter().zip(["64", "red", "1", "on"]) {
         values.set(parameter, parameter.parse(text).expect("a value"));
     }
     let all = Outer { inner: Inner { how_many: 64 }, colour: Colour::Red, share: 1.0, whether: true };
-    assert_eq!(Outer::of(&values), all);
-    assert_eq!(all.list(), table.iter().map(|p| values.of(p)).collect::<Vec<_>>());
+    assert_eq!(Outer::from_values(&values), all);
+    assert_eq!(all.list(), table.iter().map(|p| values.value(p)).collect::<Vec<_>>());
 }
 
 #[test]

@@ -25,7 +25,7 @@ choices! {
 }
 
 choices! {
-    /// What the Gaussian leaves out of a level: where its mask says so, it takes the colour of the texel in the middle.
+    /// The texels that the Gaussian leaves out of a level: the colour of the texel in the middle stands in their place.
     pub enum ChainMask {
         /// Nothing: there is no mask.
         None = "none",

@@ -104,10 +104,10 @@ impl GBufferImages {
     }
 
     fn with_depth(gpu: &Gpu, extent: [u32; 2], depth: vk::Format) -> Result<Self> {
-        Self::of(gpu, extent, depth, [NORMAL, LIT_COLOR])
+        Self::with_formats(gpu, extent, depth, [NORMAL, LIT_COLOR])
     }
 
-    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, [normal, color]: [vk::Format; 2]) -> Result<Self> {
+    fn with_formats(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, [normal, color]: [vk::Format; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
             depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
@@ -148,7 +148,7 @@ impl GBufferImages {
         let wide = |v: &[Vec3], w: f32| -> Vec<u8> {
             v.iter().flat_map(|p| p.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
         };
-        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
+        let images = Self::with_formats(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
         images.filled(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
     }
 
@@ -219,7 +219,7 @@ fn image_of(
 impl GBufferPass {
     /// Makes the pass and its images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, DEPTH, false)
+        Self::with_depth(gpu, extent, DEPTH, false)
     }
 
     /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device numbers triangles.
@@ -239,15 +239,15 @@ impl GBufferPass {
 
     /// Makes a pass that draws what lies behind the surfaces of another pass: the next layer of depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, DEPTH, true)
+        Self::with_depth(gpu, extent, DEPTH, true)
     }
 
     /// Makes a pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
     pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, DEPTH_STENCIL, false)
+        Self::with_depth(gpu, extent, DEPTH_STENCIL, false)
     }
 
-    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, peeled: bool) -> Result<Self> {
+    fn with_depth(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, peeled: bool) -> Result<Self> {
         let input = vertex_input();
         let targets = [ALBEDO, NORMAL, MATERIAL];
         let pipeline = if peeled {

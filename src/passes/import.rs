@@ -110,7 +110,7 @@ impl ImportPass {
             color_image: self.color.level(0),
         };
         frame.compute(self.label, self.pipeline(kind, projection)?, &program, [width, height, 1])?;
-        let of_constants = Reflectors::of(from.material[0].constant(), from.material[1].constant());
+        let of_constants = Reflectors::for_constants(from.material[0].constant(), from.material[1].constant());
         let reflectors = from.reflectors.and(of_constants);
         Ok(GBuffer {
             triangle: None,

@@ -63,7 +63,7 @@ pub fn levels(image: &Pixels, extent: [u32; 2]) -> Vec<Pixels> {
         let [width, height] = extent.map(|side| side.div_ceil(1 << n));
         let row = strips - (strips >> n);
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let cell = |(x, y): (u32, u32)| image.at((y << strip) | (x % (1 << strip)), (x >> strip) + row);
+        let cell = |(x, y): (u32, u32)| image.texel((y << strip) | (x % (1 << strip)), (x >> strip) + row);
         Pixels { width, height, channels: 2, values: cells.flat_map(cell).copied().collect() }
     };
     (0..=top_level(extent)).map(level).collect()
@@ -72,11 +72,11 @@ pub fn levels(image: &Pixels, extent: [u32; 2]) -> Vec<Pixels> {
 impl PyramidPass {
     /// Makes the pass for perspective images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, ProjectionKind::Perspective)
+        Self::for_projection(gpu, extent, ProjectionKind::Perspective)
     }
 
     /// Makes the pass for images of a size in pixels and a kind of projection.
-    pub fn of(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
+    pub fn for_projection(gpu: &Gpu, extent: [u32; 2], kind: ProjectionKind) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let strip = strip(extent);
         let constants = programs::PyramidConstants { strip: strip as i32, orthographic: kind.is_orthographic() };
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(sizes, [[13, 6], [7, 3], [4, 2], [2, 1], [1, 1]]);
         for (n, level) in found.iter().enumerate() {
             for (x, y) in (0..level.height).flat_map(|y| (0..level.width).map(move |x| (x, y))) {
-                assert_eq!(level.at(x, y), [n as f32, (100 * x + y) as f32], "level {n}, cell {x}, {y}");
+                assert_eq!(level.texel(x, y), [n as f32, (100 * x + y) as f32], "level {n}, cell {x}, {y}");
             }
         }
     }

@@ -222,7 +222,7 @@ impl TriangleGeometry {
         for (offset, part) in places.of_moving(moving) {
             vectors[offset..offset + part.len()].copy_from_slice(&part);
         }
-        let made = Self::of(tree, records, uploaded(context, "triangles", &vectors)?);
+        let made = Self::from_buffer(tree, records, uploaded(context, "triangles", &vectors)?);
         let [_, _, count, nodes] = made.counts;
         let counts = [places.corners as i32, places.attributes as i32, count, nodes];
         made.moves(&places, moving);
@@ -292,7 +292,7 @@ impl TriangleGeometry {
     }
 
     /// Makes the geometry of a buffer that holds its vectors.
-    pub(super) fn of(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
+    pub(super) fn from_buffer(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
         let attributes = tree.nodes.len() + records.corners.len();
         let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];

@@ -37,10 +37,10 @@ impl UnlitTriangles {
         let (of_geometry, geometry) = staged(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
         let (words, maps) = TriangleImages::words(textures.iter().map(|texture| (texture, levels(texture))));
         let (of_images, images) = staged(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
-        let images = TriangleImages::of(maps, images);
+        let images = TriangleImages::from_buffer(maps, images);
         let (of_table, table) = staged(gpu, "colours", bytemuck::cast_slice(&images.rows(materials)), VECTORS)?;
         Ok(Self {
-            geometry: TriangleGeometry::of(tree, records, geometry),
+            geometry: TriangleGeometry::from_buffer(tree, records, geometry),
             images,
             table: TriangleTable(table),
             staging: [of_geometry, of_images, of_table],

@@ -47,7 +47,7 @@ impl Capture {
     pub const RESOLUTION: u32 = 512;
 
     /// A capture at a place, with the default near plane and resolution.
-    pub fn at(position: Vec3) -> Self {
+    pub fn placed_at(position: Vec3) -> Self {
         Self { position, near_m: Self::NEAR_M, resolution: Self::RESOLUTION }
     }
 

@@ -100,7 +100,7 @@ impl<const N: usize> Keys<N> {
     }
 
     /// The value at a time. Before the first key frame it is the first value, and after the last key frame the last value.
-    fn at(&self, time_s: f32) -> [f64; N] {
+    fn value_at(&self, time_s: f32) -> [f64; N] {
         let cubic = self.between == Interpolation::Cubic;
         let value = |k: usize, part: usize| self.values[if cubic { 3 * k + part } else { k }].map(f64::from);
         let last = self.times_s.len() - 1;
@@ -152,14 +152,14 @@ impl MovingNode {
         [offset, size, turn].into_iter().flatten().flatten()
     }
 
-    fn at(&self, time_s: f32) -> DMat4 {
+    fn matrix_at(&self, time_s: f32) -> DMat4 {
         match self.rest {
             Rest::Matrix(matrix) => matrix,
             Rest::Parts(offset, turn, size) => {
                 let changed = &self.changes;
-                let offset = changed.offset.as_ref().map_or(offset, |keys| DVec3::from_array(keys.at(time_s)));
-                let turn = changed.turn.as_ref().map_or(turn, |keys| DQuat::from_array(keys.at(time_s)));
-                let size = changed.size.as_ref().map_or(size, |keys| DVec3::from_array(keys.at(time_s)));
+                let offset = changed.offset.as_ref().map_or(offset, |keys| DVec3::from_array(keys.value_at(time_s)));
+                let turn = changed.turn.as_ref().map_or(turn, |keys| DQuat::from_array(keys.value_at(time_s)));
+                let size = changed.size.as_ref().map_or(size, |keys| DVec3::from_array(keys.value_at(time_s)));
                 Rest::Parts(offset, turn, size).matrix()
             }
         }
@@ -182,13 +182,13 @@ impl Mover {
         let ends = self.nodes.iter().flat_map(MovingNode::ends);
         let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
         let looks = 16;
-        (0..=looks).all(|k| self.at(first + (last - first) * (k as f32 / looks as f32)).is_some())
+        (0..=looks).all(|k| self.placement_at(first + (last - first) * (k as f32 / looks as f32)).is_some())
     }
 
     /// The placement of the meshes at a time, relative to where they stand in the scene; `None` if there is no such placement, for
     /// example if a size differs between axes.
-    pub fn at(&self, time_s: f32) -> Option<Placement> {
-        let to_world = self.nodes.iter().fold(self.root, |matrix, node| matrix * node.at(time_s));
+    pub fn placement_at(&self, time_s: f32) -> Option<Placement> {
+        let to_world = self.nodes.iter().fold(self.root, |matrix, node| matrix * node.matrix_at(time_s));
         placement(&(to_world * self.rest.inverse()))
     }
 }
@@ -211,9 +211,9 @@ fn placement(matrix: &DMat4) -> Option<Placement> {
 impl Motion {
     /// Returns the names and placements of moving meshes at a time in seconds. An object rests before its first key frame and after
     /// its last.
-    pub fn at(&self, time_s: f32) -> impl Iterator<Item = (&str, Placement)> {
+    pub fn placements_at(&self, time_s: f32) -> impl Iterator<Item = (&str, Placement)> {
         self.movers.iter().flat_map(move |mover| {
-            let placement = mover.at(time_s).unwrap_or_default();
+            let placement = mover.placement_at(time_s).unwrap_or_default();
             mover.meshes.iter().map(move |name| (name.as_str(), placement))
         })
     }
@@ -230,7 +230,7 @@ impl Motion {
 impl Scene {
     /// Moves the meshes to where a motion has them at a time in seconds.
     pub fn pose(&mut self, motion: &Motion, time_s: f32) {
-        let placed: Vec<(&str, Placement)> = motion.at(time_s).collect();
+        let placed: Vec<(&str, Placement)> = motion.placements_at(time_s).collect();
         self.place_meshes(&placed);
     }
 
@@ -258,16 +258,17 @@ mod tests {
         let values = [[0.0, 1.0, 2.0], [4.0, 1.0, 0.0]];
         let linear = keys(&[1.0, 3.0], &values, Interpolation::Linear);
         let step = keys(&[1.0, 3.0], &values, Interpolation::Step);
-        assert_eq!([0.0, 1.5, 3.0, 9.0].map(|t| linear.at(t)[0]), [0.0, 1.0, 4.0, 4.0]);
-        assert_eq!([0.0, 1.5, 3.0].map(|t| step.at(t)[0]), [0.0, 0.0, 4.0]);
+        assert_eq!([0.0, 1.5, 3.0, 9.0].map(|t| linear.value_at(t)[0]), [0.0, 1.0, 4.0, 4.0]);
+        assert_eq!([0.0, 1.5, 3.0].map(|t| step.value_at(t)[0]), [0.0, 0.0, 4.0]);
         // x² from 0 to 2, whose slopes are 0 and 4.
         let square = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0; 3]];
         let cubic = keys(&[0.0, 2.0], &square, Interpolation::Cubic);
         for x in [0.0, 0.3, 1.0, 1.7] {
-            assert!((cubic.at(x)[0] - f64::from(x * x)).abs() < 1e-6, "{x}");
+            assert!((cubic.value_at(x)[0] - f64::from(x * x)).abs() < 1e-6, "{x}");
         }
         // Half of the shorter way round, whatever the sign of the quaternion.
-        let half = keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Interpolation::Linear).at(0.5);
+        let half =
+            keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Interpolation::Linear).value_at(0.5);
         let turned = DQuat::from_array(half) * DVec3::X;
         assert!(turned.dot(DVec3::X).abs() < 1e-6, "{turned}");
     }
@@ -295,16 +296,16 @@ mod tests {
             MovingNode { rest: foot, changes: Changes { turn: Some(Arc::new(turn)), ..Changes::default() } },
             MovingNode { rest: held, changes: Changes { offset: Some(Arc::new(slide)), ..Changes::default() } },
         ];
-        let rest = nodes.iter().fold(DMat4::IDENTITY, |m, node| m * node.at(0.0));
+        let rest = nodes.iter().fold(DMat4::IDENTITY, |m, node| m * node.matrix_at(0.0));
         let mut mover = Mover { meshes: vec!["held".into()], root: DMat4::IDENTITY, nodes, rest };
-        assert_eq!(mover.at(0.0), Some(Placement::HERE));
-        let there = mover.at(1.0).expect("a placement").place(Vec3::new(1.0, 0.0, 5.0));
+        assert_eq!(mover.placement_at(0.0), Some(Placement::HERE));
+        let there = mover.placement_at(1.0).expect("a placement").place(Vec3::new(1.0, 0.0, 5.0));
         assert!(there.distance(Vec3::new(0.0, 2.0, 5.0)) < 1e-5, "{there}");
         let mut motion = Motion { name: "wave".into(), movers: vec![mover.clone()] };
         motion.transform(&DMat4::from_scale(DVec3::splat(2.0)));
-        let there = motion.at(1.0).next().expect("a mesh").1.place(Vec3::new(2.0, 0.0, 10.0));
+        let there = motion.placements_at(1.0).next().expect("a mesh").1.place(Vec3::new(2.0, 0.0, 10.0));
         assert!(there.distance(Vec3::new(0.0, 4.0, 10.0)) < 1e-5, "{there}");
         mover.nodes[1].changes.size = Some(Arc::new(keys(&[0.0], &[[1.0, 2.0, 1.0]], Interpolation::Step)));
-        assert_eq!(mover.at(1.0), None, "a size that differs between axes is no placement");
+        assert_eq!(mover.placement_at(1.0), None, "a size that differs between axes is no placement");
     }
 }

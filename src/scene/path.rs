@@ -136,7 +136,7 @@ impl CameraPath {
     }
 
     /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
-    pub fn at(&self, share: f32) -> (Vec3, Vec3) {
+    pub fn eye_and_look_at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let time = first + share.clamp(0.0, 1.0) * (last - first);
         let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
@@ -210,14 +210,14 @@ mod tests {
         let keys = eyes.iter().zip(times).map(|(e, t)| key(*e, Some(t))).collect();
         let timed = CameraPath::new("p", keys).expect("a path");
         for (eye, time) in eyes.iter().zip(times) {
-            let (found, look_at) = timed.at((time - 2.0) / 5.0);
+            let (found, look_at) = timed.eye_and_look_at((time - 2.0) / 5.0);
             assert!(found.distance(Vec3::from(*eye)) < 1e-5 && look_at.distance(found + Vec3::Z) < 1e-5, "{found}");
         }
-        assert_eq!(timed.at(-1.0), timed.at(0.0));
-        assert_eq!(timed.at(2.0), timed.at(1.0));
+        assert_eq!(timed.eye_and_look_at(-1.0), timed.eye_and_look_at(0.0));
+        assert_eq!(timed.eye_and_look_at(2.0), timed.eye_and_look_at(1.0));
         // Without times, the first segment gets its share of the distance: √5 of √5 + √10.
         let share = 5_f32.sqrt() / (5_f32.sqrt() + 10_f32.sqrt());
-        assert!(path(&eyes).at(share).0.distance(Vec3::from(eyes[1])) < 1e-4);
+        assert!(path(&eyes).eye_and_look_at(share).0.distance(Vec3::from(eyes[1])) < 1e-4);
     }
 
     #[test]
@@ -225,7 +225,7 @@ mod tests {
         let line = path(&[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [6.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
         for n in 0..=20 {
             let share = n as f32 / 20.0;
-            assert!(line.at(share).0.distance(Vec3::new(9.0 * share, 0.0, 0.0)) < 1e-4, "{share}");
+            assert!(line.eye_and_look_at(share).0.distance(Vec3::new(9.0 * share, 0.0, 0.0)) < 1e-4, "{share}");
         }
     }
 
@@ -237,7 +237,7 @@ mod tests {
             prop_assume!(points.windows(2).all(|p| Vec3::from(p[0]).distance(Vec3::from(p[1])) > 0.05));
             let path = path(&points);
             for n in 0..=60 {
-                let eye = path.at(n as f32 / 60.0).0;
+                let eye = path.eye_and_look_at(n as f32 / 60.0).0;
                 let near = points.windows(2).map(|p| {
                     let (a, b) = (Vec3::from(p[0]), Vec3::from(p[1]));
                     eye.distance(a.lerp(b, ((eye - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0))) / a.distance(b)

@@ -41,7 +41,7 @@ fn frames_make_no_programs() {
     let mut scene = built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
     let places = [view.eye + 0.2 * Vec3::Y, view.eye - Vec3::new(0.3, 0.0, 0.2), view.eye + 0.3 * Vec3::X];
-    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
+    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::placed_at(place) }).to_vec();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
 
     let plain = Setup::new(EXTENT);

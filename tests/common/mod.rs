@@ -8,6 +8,7 @@ pub mod folder;
 pub mod hang;
 pub mod html;
 pub mod images;
+pub mod sources;
 
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
@@ -206,7 +207,7 @@ impl Builder {
             .collect();
         // The winding agrees with the normal.
         let indices = if right.cross(up).dot(normal) > 0.0 { vec![0, 1, 2, 0, 2, 3] } else { vec![0, 2, 1, 0, 3, 2] };
-        let bounds = Aabb::of(&vertices);
+        let bounds = Aabb::around(&vertices);
         self.0.meshes.push(Mesh { name: "quad".into(), vertices, indices, material, bounds });
     }
 
@@ -371,7 +372,7 @@ pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
     let (fx, fy) = (x - x.floor(), y - y.floor());
     let texel = |dx: i32, dy: i32| {
         let clamp = |v: f32, d: i32, side: u32| (v.floor() as i32).saturating_add(d).clamp(0, side as i32 - 1) as u32;
-        image.at(clamp(x, dx, image.width), clamp(y, dy, image.height))
+        image.texel(clamp(x, dx, image.width), clamp(y, dy, image.height))
     };
     // A share has one channel; it is the same in all three.
     [0, 1, 2].map(|c| c.min(image.channels - 1)).map(|c| {

@@ -7,6 +7,7 @@
 mod doors;
 
 use crate::common::repository;
+use crate::common::sources::{GLSL, texts};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -131,21 +132,9 @@ fn code(text: &str) -> String {
 }
 
 /// The files below a folder of the repository with one of some extensions: their paths in it, and their texts.
-fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
-    let root = repository().join(folder);
-    let (mut folders, mut found) = (vec![root.clone()], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
-                let text = std::fs::read_to_string(&path).unwrap();
-                found.push((path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/"), text));
-            }
-        }
-    }
-    found
+fn files(folder: &str, extensions: &[&str]) -> impl Iterator<Item = (String, String)> {
+    let below = move |(path, text): (String, String)| (path[folder.len() + 1..].to_owned(), text);
+    texts(&[folder], extensions).into_iter().map(below)
 }
 
 fn sources() -> Vec<Source> {
@@ -153,7 +142,7 @@ fn sources() -> Vec<Source> {
     let package_sources = |(package, _): &(&'static str, _)| {
         let package = *package;
         let source = move |(path, text): (String, String)| Source { package, path, code: code(&text) };
-        let found: Vec<_> = files(package, &["rs"]).into_iter().filter(shipped).map(source).collect();
+        let found: Vec<_> = files(package, &["rs"]).filter(shipped).map(source).collect();
         assert!(found.len() > 25, "only {} sources found in {package}", found.len());
         found
     };
@@ -163,7 +152,7 @@ fn sources() -> Vec<Source> {
 /// The shaders' sources, without comments.
 fn shaders() -> Vec<Source> {
     let source = |(path, text): (String, String)| Source { package: "shaders-glsl", path, code: code(&text) };
-    let found: Vec<_> = files("shaders-glsl", &["glsl", "vert", "frag", "comp"]).into_iter().map(source).collect();
+    let found: Vec<_> = files("shaders-glsl", &GLSL).map(source).collect();
     assert!(found.len() > 50, "only {} shaders found", found.len());
     found
 }

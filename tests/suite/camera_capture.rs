@@ -73,7 +73,7 @@ fn it_follows_the_camera() {
             assert_eq!((places[0].position, images.places[0].get()), (camera.eye(), camera.eye()), "{method}");
             assert_eq!(images.color.extent(), [SIDE; 2]);
 
-            stage.set_captures(vec![Capture::at(camera.eye())]);
+            stage.set_captures(vec![Capture::placed_at(camera.eye())]);
             let standing = setup(CaptureCount::Auto, fallback);
             let standing = shot(&mut stage, &scene, method, camera, &standing, Wants::REFLECTION);
             let (expected, others) = frame(&mut stage, &standing);
@@ -148,7 +148,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
                 let place = to_world.transform_point3(place).as_vec3();
                 let along = (place - eye) * Vec3::new(1.0, 1.0, -1.0);
                 let truth = place + along * ((BEHIND_Z - place.z) / along.z);
-                let code = PathCode::from_channel(hits.at(i as u32 % data.width, i as u32 / data.width)[3]);
+                let code = PathCode::from_channel(hits.texel(i as u32 % data.width, i as u32 / data.width)[3]);
                 let RayEnd::Place(found) = end else { panic!("{method}: {code:?}, not on the wall") };
                 let apart = found.as_vec3().distance(truth);
                 assert!(code == Some(PathCode::Capture) && apart < 0.05, "{method}: {code:?}, {apart} m off");

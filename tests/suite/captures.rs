@@ -58,12 +58,12 @@ fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<Captur
         height: side,
         camera: face_camera(place, layer as usize % 6, near),
         depth: texels()
-            .map(|(x, y)| blocks.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0].max(0.0))
+            .map(|(x, y)| blocks.texel((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0].max(0.0))
             .collect(),
-        normal: texels().map(|(x, y)| Vec3::from_slice(normals.at(x, layer * side + y))).collect(),
+        normal: texels().map(|(x, y)| Vec3::from_slice(normals.texel(x, layer * side + y))).collect(),
         reflectivity: vec![0.0; (side * side) as usize],
         roughness: vec![0.0; (side * side) as usize],
-        color: texels().map(|(x, y)| Vec3::from_slice(colors.at(x, layer * side + y))).collect(),
+        color: texels().map(|(x, y)| Vec3::from_slice(colors.texel(x, layer * side + y))).collect(),
         surface: vec![Surface::Lit; (side * side) as usize],
     };
     let faces = |(k, c): (usize, &Capture)| CaptureData {
@@ -88,7 +88,7 @@ fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
 
 /// A scene with captures of some resolution at some places.
 fn with_captures(mut scene: Scene, places: &[Vec3], resolution: u32) -> Scene {
-    scene.captures = places.iter().map(|p| Capture { resolution, ..Capture::at(*p) }).collect();
+    scene.captures = places.iter().map(|p| Capture { resolution, ..Capture::placed_at(*p) }).collect();
     scene
 }
 
@@ -193,7 +193,7 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let twin = CaptureTraversal::new(&data.camera, &drawn.captures).with_bounds(drawn.bounds);
     let check = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
-        let found = drawn.hits.at(x, y);
+        let found = drawn.hits.texel(x, y);
         if !data.reflects(i) || !matches!(twin.trace_screen(&screen, x, y), ScreenRayEnd::Lost(_)) {
             return None;
         }
@@ -354,8 +354,8 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
         let t = 8.0 / d.z;
         let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
         let inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
-        let code = PathCode::from_channel(drawn.hits.at(x, y)[3])?;
-        let found = drawn.reflection.at(x, y);
+        let code = PathCode::from_channel(drawn.hits.texel(x, y)[3])?;
+        let found = drawn.reflection.texel(x, y);
         let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];
         let off = [0, 1].map(|c| (f64::from(found[c]) - truth[c]).abs());
         (drawn.data.reflects(i) && inside).then_some((wall, code, off[0].max(off[1])))
@@ -401,7 +401,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
             let allowed = (texel_m * slope + footprint_m) / WALL[1] + ROUNDING;
             worst[usize::from(code == PathCode::Capture)] = worst[usize::from(code == PathCode::Capture)].max(off);
             assert!(off <= allowed, "{wall}, {code:?}: off by {off}, {allowed} allowed");
-            let blue = f64::from(drawn.reflection.at((i % width) as u32, (i / width) as u32)[2]);
+            let blue = f64::from(drawn.reflection.texel((i % width) as u32, (i / width) as u32)[2]);
             let place = (wall + DVec2::new(20.0, 0.0)) / CELL;
             let edge = ((place - place.round()).abs().min_element() * CELL).abs();
             // The coarser of two levels of the colour's chain has texels up to twice as wide as the footprint.
@@ -419,8 +419,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 let is_seam = code != other_code;
                 let between_faces = code == PathCode::Capture && code == other_code && face(wall) != face(other);
                 if is_seam || between_faces {
-                    let colors = [i, next].map(|i| drawn.reflection.at((i % width) as u32, (i / width) as u32));
-                    let hit = [i, next].map(|i| drawn.hits.at((i % width) as u32, (i / width) as u32));
+                    let colors = [i, next].map(|i| drawn.reflection.texel((i % width) as u32, (i / width) as u32));
+                    let hit = [i, next].map(|i| drawn.hits.texel((i % width) as u32, (i / width) as u32));
                     assert!(
                         off + other_off <= 2.0 * allowed,
                         "{wall}, {other}: off by {off}, {other_off}, {colors:?}, {hit:?}"

@@ -40,7 +40,7 @@ fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
 }
 
 fn min_max(pixels: &Pixels) -> Level<MinMax> {
-    let texels = pixels.texels().map(MinMax::of).collect();
+    let texels = pixels.texels().map(MinMax::from_texel).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
@@ -186,10 +186,10 @@ fn blits_of_even_levels_are_box_averages() {
                     // A side of 1 has no second texel.
                     let texel = |dx: u32, dy: u32| {
                         let (x, y) = ((2 * x + dx).min(below.width - 1), (2 * y + dy).min(below.height - 1));
-                        below.at(x, y)[c]
+                        below.texel(x, y)[c]
                     };
                     let box_average = 0.25 * (texel(0, 0) + texel(1, 0) + texel(0, 1) + texel(1, 1));
-                    let found = here.at(x, y)[c];
+                    let found = here.texel(x, y)[c];
                     assert!(
                         (found - box_average).abs() <= half_step(box_average),
                         "{extent:?}, level {n}, ({x}, {y}): {found} against {box_average}"
@@ -248,7 +248,7 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
             let [below, here] = [level - 1, level].map(|level| context.read(chain.level(level)).unwrap());
             for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
                 let (u, v) = ((x as f32 + 0.5) / here.width as f32, (y as f32 + 0.5) / here.height as f32);
-                for (found, twin) in here.at(x, y).iter().zip(bilinear(&below, u, v)) {
+                for (found, twin) in here.texel(x, y).iter().zip(bilinear(&below, u, v)) {
                     assert!(
                         (found - twin).abs() <= half_step(twin),
                         "{extent:?}, level {level}, ({x}, {y}): {found} against {twin}"
@@ -286,7 +286,7 @@ fn a_chain_without_sky_is_made_of_what_is_lit() {
         let coarser = context.read(chain.level(1)).unwrap();
         for (y, x) in (0..coarser.height).flat_map(|y| (0..coarser.width).map(move |x| (y, x))) {
             let (u, v) = ((x as f32 + 0.5) / coarser.width as f32, (y as f32 + 0.5) / coarser.height as f32);
-            for (found, twin) in coarser.at(x, y).iter().zip(bilinear(&finest, u, v)) {
+            for (found, twin) in coarser.texel(x, y).iter().zip(bilinear(&finest, u, v)) {
                 // Both round a place to a part of a texel, between colours of up to 1.
                 let bound = half_step(twin) + extent[0] as f32 * f32::EPSILON;
                 assert!((found - twin).abs() <= bound, "{extent:?}, ({x}, {y}): {found} against {twin}");
@@ -336,7 +336,7 @@ fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx
     let mut values = Vec::new();
     for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
         let sample = |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
-        let deep = |x: i32, y: i32| depth.at(x.clamp(0, w - 1) as u32, y.clamp(0, h - 1) as u32)[0];
+        let deep = |x: i32, y: i32| depth.texel(x.clamp(0, w - 1) as u32, y.clamp(0, h - 1) as u32)[0];
         let mut sum = [0.0; 3];
         for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
             let (tap_x, tap_y) = (x + tap * dx, y + tap * dy);

@@ -72,15 +72,15 @@ fn reflections_are_those_of_the_closed_form_circles() {
         let (hits, reflection, material) = (shown.get("hits"), shown.get("reflection"), shown.get("material"));
         let (mut compared, mut worst, mut sum) = (0, 0.0_f64, 0.0);
         for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
-            let hit = hits.at(x, y);
+            let hit = hits.texel(x, y);
             if !PathCode::from_channel(hit[3]).is_some_and(PathCode::is_hit) {
                 continue;
             }
-            let stored = f64::from(material.at(x, y)[1]);
+            let stored = f64::from(material.texel(x, y)[1]);
             let size = DVec2::new(f64::from(extent[0]), f64::from(extent[1]));
             let origin = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
             let hit = DVec2::new(f64::from(hit[0]), f64::from(hit[1]));
-            let found = reflection.at(x, y);
+            let found = reflection.texel(x, y);
             let apart = |p: &[f64; 3]| (0..3).map(|c| (f64::from(found[c]) - p[c]).abs()).fold(0.0, f64::max);
             let error = predict(&shown, origin, hit, stored, preset).iter().map(apart).fold(f64::INFINITY, f64::min);
             assert!(error < 2.0 * FILTER, "{method}, {preset:?}, {roughness}, ({x}, {y}): {found:?} is {error} off");
@@ -121,7 +121,7 @@ fn one_colour_stays_that_colour_at_any_roughness() {
         let setup = Setup::new(extent).of_preset(preset);
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let shown = show(&gpu, &b.0, view, "ssct", &setup, &globals);
-        let lit = shown.get("color").at(0, 0);
+        let lit = shown.get("color").texel(0, 0);
         assert!(shown.get("color").texels().all(|c| c == lit), "the scene has one colour");
         assert!(shown.levels("visibility")[4].values.iter().any(|v| *v < 0.95), "visibility varies");
         let mut hits = 0;

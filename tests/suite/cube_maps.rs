@@ -90,7 +90,7 @@ fn faces_show_what_lies_in_their_directions() {
         let (u, v) = ((x as f32 + 0.5) / FACE_SIZE as f32, ((y % FACE_SIZE) as f32 + 0.5) / FACE_SIZE as f32);
         let face = (y / FACE_SIZE) as usize;
         let Some(right) = seen(place.as_dvec3(), sky::face_direction(face, u, v).as_dvec3(), 0.05) else { continue };
-        assert!(is_color(faces.at(x, y), right), "face {face} ({u}, {v}): {:?}, not {right}", faces.at(x, y));
+        assert!(is_color(faces.texel(x, y), right), "face {face} ({u}, {v}): {:?}, not {right}", faces.texel(x, y));
         clear += 1;
     }
     assert!(clear * 10 > 9 * 6 * FACE_SIZE * FACE_SIZE, "{clear} texels");
@@ -105,7 +105,7 @@ fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec
     let eye = camera.eye().as_dvec3();
     let mut rays = Vec::new();
     for (y, x) in (0..material.height).flat_map(|y| (0..material.width).map(move |x| (y, x))) {
-        if material.at(x, y)[0] > 1e-4 {
+        if material.texel(x, y)[0] > 1e-4 {
             let size = DVec2::new(f64::from(material.width), f64::from(material.height));
             let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
             let d = to_world.transform_vector3(unproject(uv.extend(0.5), &inverse)).normalize();
@@ -130,11 +130,11 @@ fn in_its_own_box_a_corrected_map_is_exact() {
         let (mut clear, mut all) = (0, 0);
         for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
             all += 1;
-            assert_eq!(reflection.at(x, y)[3], 1.0, "nothing fades");
+            assert_eq!(reflection.texel(x, y)[3], 1.0, "nothing fades");
             // A texel is 0.006 rad: 0.04 m at 6 m, and more on a wall that is seen at an angle.
             let Some(right) = seen(from, direction, 0.25) else { continue };
-            assert!(is_color(reflection.at(x, y), right), "{count}, ({x}, {y}): {:?}", reflection.at(x, y));
-            assert!(is_color(composite.at(x, y), right), "the mirror is black itself");
+            assert!(is_color(reflection.texel(x, y), right), "{count}, ({x}, {y}): {:?}", reflection.texel(x, y));
+            assert!(is_color(composite.texel(x, y), right), "the mirror is black itself");
             clear += 1;
         }
         println!("{count} maps: {clear} of {all} pixels compared");
@@ -156,11 +156,11 @@ fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
         // By direction alone: as a ray from the map's own place sees the room, wherever the pixel is.
         let Some(right) = seen(place.as_dvec3(), direction, 0.25) else { continue };
-        assert!(is_color(reflection.at(x, y), right), "({x}, {y}): {:?}, not {right}", reflection.at(x, y));
+        assert!(is_color(reflection.texel(x, y), right), "({x}, {y}): {:?}, not {right}", reflection.texel(x, y));
         clear += 1;
         // Which is not what the pixel sees.
         let truth = seen(from, direction, 0.25);
-        wrong += usize::from(truth.is_some_and(|truth| !is_color(reflection.at(x, y), truth)));
+        wrong += usize::from(truth.is_some_and(|truth| !is_color(reflection.texel(x, y), truth)));
     }
     println!("{clear} pixels compared, {wrong} show what is not there");
     assert!(clear > 5000 && wrong * 5 > clear, "{wrong} of {clear}");
@@ -179,7 +179,7 @@ fn the_environment_is_the_sky_in_the_mirror_direction() {
     assert!(rays.len() > 20_000);
     let error = |turn: fn(Vec3) -> Vec3| {
         let difference = |(x, y, _, d): &(u32, u32, DVec3, DVec3)| {
-            let (found, right) = (shown.get("reflection").at(*x, *y), sky::radiance(turn(d.as_vec3())));
+            let (found, right) = (shown.get("reflection").texel(*x, *y), sky::radiance(turn(d.as_vec3())));
             (0..3).map(|c| f64::from((found[c] - right[c]).abs())).sum::<f64>() / 3.0
         };
         rays.iter().map(difference).sum::<f64>() / rays.len() as f64
@@ -228,7 +228,7 @@ fn levels_are_blurred_by_the_lobe_of_their_roughness() {
         let (size, mut worst) = (faces.width, 0.0_f32);
         for (y, x) in (0..faces.height).flat_map(|y| (0..size).map(move |x| (y, x))) {
             let right = 0.5 + 0.5 * shrunk * direction((y / size) as usize, x, y % size, size);
-            let found = faces.at(x, y);
+            let found = faces.texel(x, y);
             worst = (0..3).fold(worst, |w, c| w.max((found[c] - right[c]).abs()));
         }
         println!("level {level}, {size} texels, roughness {}: {shrunk}, worst {worst}", level_roughness(level));

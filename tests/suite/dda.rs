@@ -110,7 +110,8 @@ fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
     let apart = |hits: &Pixels| {
         let x = EXTENT[0] / 2;
         let is_hit = |t: &[f32]| PathCode::from_channel(t[3]).unwrap().is_hit();
-        let pairs = (0..EXTENT[1]).map(|y| (hits.at(x, y), hits.at(x + 1, y))).filter(|(a, b)| is_hit(a) && is_hit(b));
+        let pairs =
+            (0..EXTENT[1]).map(|y| (hits.texel(x, y), hits.texel(x + 1, y))).filter(|(a, b)| is_hit(a) && is_hit(b));
         pairs.map(|(a, b)| (a[1] - b[1]).abs() * EXTENT[1] as f32).collect::<Vec<_>>()
     };
     let (with, without) = (apart(&jittered), apart(&plain));

@@ -29,6 +29,7 @@ mod own_rays;
 mod published;
 mod readme_numbers;
 mod records;
+mod sentences;
 mod stochastic;
 mod stress;
 mod thesis;
@@ -180,7 +181,19 @@ fn links_lead_to_files_and_headings_that_exist() {
 
 /// Whether a piece of code in a page is the path of a file of the repository.
 fn is_path(code: &str) -> bool {
-    let folders = ["benches/", "docs/", "lab/", "scripts/", "shaders-glsl/", "src/", "tests/"];
+    let folders = [
+        "benches/",
+        "c/",
+        "docs/",
+        "examples/",
+        "findings/",
+        "fuzz/",
+        "lab/",
+        "scripts/",
+        "shaders-glsl/",
+        "src/",
+        "tests/",
+    ];
     folders.iter().any(|f| code.starts_with(f)) && code.contains('.') && !code.contains([' ', '*', '<', '{'])
 }
 

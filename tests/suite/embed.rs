@@ -287,7 +287,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals::default().materials(&scene, scene.view("corridor").unwrap());
     let eye = data.camera.eye();
-    let capture = Capture { resolution: 64, ..Capture::at(eye + Vec3::new(0.3, 0.1, 0.2)) };
+    let capture = Capture { resolution: 64, ..Capture::placed_at(eye + Vec3::new(0.3, 0.1, 0.2)) };
     let mut faces = Vec::new();
     gbuffer::draw_captures(&mut stage, &materials, &[capture], |_, _, face| {
         faces.push(face);

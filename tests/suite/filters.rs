@@ -93,12 +93,12 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
         let (levels, reflection) = (shown.levels("ray-trace-color"), shown.get("reflection"));
         let (mut hits, mut between) = (0, 0);
         for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
-            let found = reflection.at(x, y);
-            if shown.get("mask").at(x, y)[0] == 0.0 {
+            let found = reflection.texel(x, y);
+            if shown.get("mask").texel(x, y)[0] == 0.0 {
                 assert_eq!(found, [0.0; 4], "a miss is black");
                 continue;
             }
-            let spreading = levels[0].at(x, y)[3] * factor;
+            let spreading = levels[0].texel(x, y)[3] * factor;
             let level = (levels.len() as f32 * roughness * spreading).clamp(0.0, levels.len() as f32 - 1.0);
             let (u, v) = ((x as f32 + 0.5) / extent[0] as f32, (y as f32 + 0.5) / extent[1] as f32);
             let low = bilinear(levels[level as usize], u, v);
@@ -161,7 +161,7 @@ fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
     let same = |a: f32, b: f32| (a - b).abs() <= tolerance * a.min(b);
     let texel = |(x, y): (u32, u32)| {
         let places = range(y, h, below.height).flat_map(|j| range(x, w, below.width).map(move |i| (i, j)));
-        let depths: Vec<f32> = places.map(|(i, j)| below.at(i, j)[0]).collect();
+        let depths: Vec<f32> = places.map(|(i, j)| below.texel(i, j)[0]).collect();
         let agree = |d: f32| depths.iter().filter(|other| same(d, **other)).count();
         let mut sorted = depths.clone();
         sorted.sort_by(|a, b| agree(*b).cmp(&agree(*a)).then(a.total_cmp(b)));

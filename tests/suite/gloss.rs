@@ -86,7 +86,7 @@ fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
         // A pixel sees the rays of two cells around its own, and a cell's neighbour.
         let reach = x.saturating_sub(8)..=(x + 8).min(194);
         if reach.into_iter().all(|near| stripe(near) == stripe(x)) {
-            assert_eq!(found.at(x, y), expected[stripe(x)].at(x, y), "({x}, {y})");
+            assert_eq!(found.texel(x, y), expected[stripe(x)].texel(x, y), "({x}, {y})");
             compared += usize::from(varied.reflects(varied.index(x, y)));
         }
     }

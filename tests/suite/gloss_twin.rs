@@ -65,7 +65,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         trace: ShaderStage::Fragment,
         resolve: ShaderStage::Fragment,
     };
-    let pyramid = PyramidPass::of(gpu, extent, setup.projection).unwrap();
+    let pyramid = PyramidPass::for_projection(gpu, extent, setup.projection).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();
     let gloss = UnifiedGlossPass::new(gpu, &setup).unwrap();
@@ -271,7 +271,7 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
             let twin = |aim: &AimedRay| NeighbourRay::unpack_record(gloss.trace_narrow_pixel(aim).pack_record());
             check_ray(&gloss, aim, &drawn.narrow.at_clamped(x, y), narrow_error, twin, narrow);
         }
-        let shown = [&drawn.reflection, &drawn.composite].map(|image| Vec4::from_slice(image.at(x, y)));
+        let shown = [&drawn.reflection, &drawn.composite].map(|image| Vec4::from_slice(image.texel(x, y)));
         let (twin, count) = match gloss.resolve_narrow(&drawn.narrow, p) {
             Some(twin) => (Some(twin), &mut *resolve_narrow),
             None => (gloss.resolve_wide(&drawn.cells, p), &mut *resolve_wide),

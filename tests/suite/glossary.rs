@@ -1,8 +1,8 @@
 //! The page of words (`docs/glossary.md`): what its tables name in the code is there, and each word stands once.
 
 use crate::common::repository;
+use crate::common::sources::{GLSL, texts};
 use std::collections::BTreeSet;
-use std::path::Path;
 
 /// Folders of code.
 const CODE: [&str; 5] = ["build.rs", "c", "lab", "shaders-glsl", "src"];
@@ -10,21 +10,14 @@ const CODE: [&str; 5] = ["build.rs", "c", "lab", "shaders-glsl", "src"];
 /// Cells of a row: the term, its meaning, its unit, its names in the code, and what others call it.
 const COLUMNS: usize = 5;
 
-/// Adds the words of all sources below a path.
-fn add_words(path: &Path, words: &mut BTreeSet<String>) {
-    if path.is_dir() {
-        std::fs::read_dir(path).unwrap().for_each(|entry| add_words(&entry.unwrap().path(), words));
-    } else if path.extension().is_some_and(|e| ["rs", "glsl", "comp", "frag", "vert"].iter().any(|known| e == *known)) {
-        let text = std::fs::read_to_string(path).unwrap();
-        words.extend(text.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_owned));
-    }
-}
-
 #[test]
 fn what_the_glossary_names_is_in_the_code() {
     let page = std::fs::read_to_string(repository().join("docs/glossary.md")).unwrap();
-    let mut words = BTreeSet::new();
-    CODE.iter().for_each(|folder| add_words(&repository().join(folder), &mut words));
+    let code = texts(&CODE, &[&["rs"][..], &GLSL].concat());
+    let words_of = |(_, text): &'_ (String, String)| -> Vec<String> {
+        text.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_owned).collect()
+    };
+    let words: BTreeSet<String> = code.iter().flat_map(words_of).collect();
     let mut terms = BTreeSet::new();
     let is_row = |line: &&str| line.starts_with("| ") && !line.starts_with("| term |");
     for row in page.lines().filter(is_row) {

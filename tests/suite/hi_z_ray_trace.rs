@@ -33,23 +33,27 @@ fn every_ray_ends_where_the_shader_says() {
         let chain: Vec<Level<MinMax>> = all
             .iter()
             .filter(|(_, kind, _)| *kind == Content::StandardDepth)
-            .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::of).collect() })
+            .map(|(.., p)| Level {
+                width: p.width,
+                height: p.height,
+                texels: p.texels().map(MinMax::from_texel).collect(),
+            })
             .collect();
         assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
-        let published: HiZParams = setup.of();
+        let published: HiZParams = setup.parameters();
         let numbers = published.fill(thesis::block(&camera, SIZE, chain.len() as u32, true));
         let constants = hi_z_constants(&numbers);
         let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
         let (mut rays, mut same, mut hit) = (0, 0, 0);
         for y in 0..SIZE[1] {
             for x in 0..SIZE[0] {
-                let found = hits.at(x, y);
+                let found = hits.texel(x, y);
                 let path = PathCode::from_channel(found[3]).unwrap();
                 if path.by_hi_z() != Some(true) {
                     continue;
                 }
                 let p_ss = ((Vec2::new(x as f32, y as f32) + 0.5) / size).extend(chain[0].at_clamped(x, y).min);
-                let normal = Vec3::from_slice(normals.at(x, y)).normalize();
+                let normal = Vec3::from_slice(normals.texel(x, y)).normalize();
                 let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);
                 let traced = trace(&chain, p_ss, v_ss, &constants);
                 let end = match path {

@@ -26,7 +26,7 @@ struct Moment {
 }
 
 impl Moment {
-    fn of(view: &View) -> Self {
+    fn from_view(view: &View) -> Self {
         Self { view: view.clone(), ball: Placement::HERE, shift: [0.0; 2] }
     }
 }
@@ -72,13 +72,13 @@ fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
         let aside = right * (0.02 * n.min(moving) as f32);
         View { eye: view.eye + aside, look_at: view.look_at + aside, ..view.clone() }
     };
-    (0..=moving + resting).map(|n| Moment::of(&place(n))).collect()
+    (0..=moving + resting).map(|n| Moment::from_view(&place(n))).collect()
 }
 
 /// A camera at rest, before which the ball rolls after some frames.
 fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
     let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
-    (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::of(view) }).collect()
+    (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::from_view(view) }).collect()
 }
 
 fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -134,7 +134,7 @@ fn mean(images: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
 fn a_jittered_camera_at_rest_is_at_rest() {
     let (scene, view) = rooms();
     let phases = [[0.0, -0.17], [-0.25, 0.17], [0.25, -0.39], [-0.38, -0.06], [0.13, 0.28]];
-    let jittered = |n: usize| Moment { shift: phases[n % phases.len()], ..Moment::of(&view) };
+    let jittered = |n: usize| Moment { shift: phases[n % phases.len()], ..Moment::from_view(&view) };
     for (roughness, most) in [(0.1, 0.6), (0.4, 0.7)] {
         // Each phase by itself at rest, over more directions.
         let long = with_history().with(|p: &mut EffectParams| p.history_frames = 5 * AVERAGED);
@@ -176,7 +176,7 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     let rolled = film(&scene, 0.1, &with_history(), &moments);
     // Frames that never saw the ball elsewhere.
     let still: Vec<Moment> =
-        (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::of(&view) }).collect();
+        (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::from_view(&view) }).collect();
     let there = film(&scene, 0.1, &with_history(), &still);
     let alone = film(&scene, 0.1, &Setup::new(EXTENT), &still[..1]);
     let begun = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
@@ -209,7 +209,7 @@ fn a_curved_mirror_finds_what_it_showed() {
         let aside = right * (0.05 * n.min(8) as f32 - 0.4);
         let look_at = middle.with_y(middle.y + radius) + aside;
         let view = View { eye: view.eye + aside, look_at, ..view.clone() };
-        Moment { ball: placed, ..Moment::of(&view) }
+        Moment { ball: placed, ..Moment::from_view(&view) }
     };
     let moments: Vec<Moment> = (0..8 + 3 * AVERAGED).map(moment).collect();
     let camera = moments[8].view.camera(&scene, EXTENT);

@@ -52,7 +52,7 @@ fn three_thousand_materials_are_drawn() {
     for n in 0..3000 {
         // A texel in the middle of the quad's four by four; rows of the picture run down.
         let [x, y] = [4 * (n % grid[0]) + 2, 4 * (grid[1] - 1 - n / grid[0]) + 2];
-        let color = Vec3::from_slice(&shown.image.composite.at(x, y)[..3]);
+        let color = Vec3::from_slice(&shown.image.composite.texel(x, y)[..3]);
         let expected = albedo(n);
         assert!(color.distance(expected) < 0.02, "material {n}: {color} instead of {expected}");
     }

@@ -65,7 +65,7 @@ fn reflecting(shown: &Shown) -> impl Iterator<Item = (u32, u32, DVec2)> {
     let (w, h) = (material.width, material.height);
     let pixels = (0..h).flat_map(move |y| (0..w).map(move |x| (x, y)));
     pixels
-        .filter(|&(x, y)| material.at(x, y)[0] > 1e-4)
+        .filter(|&(x, y)| material.texel(x, y)[0] > 1e-4)
         .map(move |(x, y)| (x, y, DVec2::new((f64::from(x) + 0.5) / f64::from(w), (f64::from(y) + 0.5) / f64::from(h))))
 }
 

@@ -253,7 +253,7 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
 fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let gpu = gpu();
     let mut seen = clutter_from_above();
-    seen.0.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::at(place.into())).to_vec();
+    seen.0.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::placed_at(place.into())).to_vec();
     let brightness_of =
         |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &seen, (method, 0.0), change));
     let truth = brightness_of("traced", |_| ());

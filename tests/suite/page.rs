@@ -50,16 +50,16 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     let pass = |name: &&str| PassRecord {
         name: (*name).to_owned(),
         counted: true,
-        stats: Stats::of(&[ms / 7.0]),
+        stats: Stats::from_samples(&[ms / 7.0]),
         noise_floor: None,
         work: None,
     };
     TimeRecord {
         head: head("time", method, roughness),
         passes: passes.iter().map(pass).collect(),
-        total: Stats::of(&[ms]),
+        total: Stats::from_samples(&[ms]),
         noise_floor: None,
-        frame: Stats::of(&[ms]),
+        frame: Stats::from_samples(&[ms]),
         drawn: DrawnCounts::default(),
         recorded: passes.map(str::to_owned).to_vec(),
         skipped: Vec::new(),
@@ -106,7 +106,7 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
 fn rows_of_table_5_8_carry_the_drift_between_them() {
     let of_scene = |method: &str, roughness, ms: f64, scene_ms: f64| {
         let mut record = time_record(method, roughness, ms);
-        let stats = Stats::of(&[scene_ms]);
+        let stats = Stats::from_samples(&[scene_ms]);
         record
             .passes
             .insert(0, PassRecord { name: "g-buffer".into(), counted: false, stats, ..record.passes[0].clone() });

@@ -30,7 +30,7 @@ fn scene() -> Scene {
     b.light(Vec3::new(0.1, -0.3, -1.0));
     b.0.views = vec![View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.2, 5.0), ..View::default() }];
     b.0.captures = [Vec3::new(0.0, 1.5, 1.0), Vec3::new(-1.5, 1.0, 2.5)]
-        .map(|place| Capture { resolution: 33, ..Capture::at(place) })
+        .map(|place| Capture { resolution: 33, ..Capture::placed_at(place) })
         .to_vec();
     b.0
 }
@@ -65,7 +65,7 @@ fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
     for (face, level) in (0..faces).flat_map(|face| (0..=pyramid::top_level(extent)).map(move |level| (face, level))) {
         let first = face * rows + strips - (strips >> level);
         for (x, y) in (0..height >> level).flat_map(|y| (0..width >> level).map(move |x| (x, y))) {
-            let cell = pyramids.at((y << strip) | (x % (1 << strip)), first + (x >> strip));
+            let cell = pyramids.texel((y << strip) | (x % (1 << strip)), first + (x >> strip));
             bits.extend(cell.iter().map(|v| v.to_bits()));
         }
     }
@@ -282,7 +282,7 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
 fn captures_are_renewed_in_a_scene_of_many_meshes() {
     let gpu = gpu();
     let mut scene = crate::common::built_in("rooms");
-    scene.captures = vec![Capture { resolution: 64, ..Capture::at(scene.views[0].eye) }];
+    scene.captures = vec![Capture { resolution: 64, ..Capture::placed_at(scene.views[0].eye) }];
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let (still, renewed) = (shot(&mut stage, &scene, &unified::INFO, 0), shot(&mut stage, &scene, &unified::INFO, 2));
     let truth = frame(&mut stage, &still).0;

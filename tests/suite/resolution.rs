@@ -15,7 +15,7 @@ const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, norma
 fn moved(image: &Pixels, dx: i32, dy: i32) -> Vec<f32> {
     let shifted = |v: u32, d: i32, side: u32| (v as i32 - d).clamp(0, side as i32 - 1) as u32;
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
-    pixels.flat_map(|(x, y)| image.at(shifted(x, dx, image.width), shifted(y, dy, image.height)).to_vec()).collect()
+    pixels.flat_map(|(x, y)| image.texel(shifted(x, dx, image.width), shifted(y, dy, image.height)).to_vec()).collect()
 }
 
 /// Half and quarter resolution, by full pixels a side of a traced one.

@@ -47,7 +47,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
         let size = DVec2::new(f64::from(extent[0]), f64::from(extent[1]));
         let (mut found, mut far, mut through, mut self_hits) = (0, 0, 0, 0);
         for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
-            if shown.get("material").at(x, y)[0] < 0.5 {
+            if shown.get("material").texel(x, y)[0] < 0.5 {
                 continue;
             }
             let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
@@ -68,7 +68,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
                 through += 1;
                 continue;
             }
-            let hit = hits.at(x, y);
+            let hit = hits.texel(x, y);
             assert_eq!(path(hit), PathCode::Linear, "({x}, {y})");
             let hit_point = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2]));
             let beyond = (hit_point - end).dot(advance.normalize()) / step;
@@ -81,7 +81,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             assert!(beyond < 1.1, "({x}, {y}): {beyond} steps beyond the wall");
             let fade = 16.0 * hit_point.x * (1.0 - hit_point.x) * hit_point.y * (1.0 - hit_point.y);
             // At the sample before, as printed: a step away, where the slope is at most 4 a side.
-            let difference = (f64::from(reflection.at(x, y)[3]) - fade).abs();
+            let difference = (f64::from(reflection.texel(x, y)[3]) - fade).abs();
             assert!(difference <= 4.0 * 2.0 * step + 1.0 / 1024.0, "({x}, {y}): {difference}");
             found += 1;
         }
@@ -109,7 +109,7 @@ fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
             count += 1;
             assert_eq!(reflection[3], 1.0, "without fade");
             let texel = |v: f32, side: u32| ((v * side as f32) as u32).min(side - 1);
-            let surface = 1.0 - f64::from(depth.at(texel(hit[0], extent[0]), texel(hit[1], extent[1]))[0]);
+            let surface = 1.0 - f64::from(depth.texel(texel(hit[0], extent[0]), texel(hit[1], extent[1]))[0]);
             let behind = linear_depth(f64::from(hit[2])) - linear_depth(surface);
             // Nearest depth: a hit on the border of two texels may be the other's.
             let on_border = [hit[0] * extent[0] as f32, hit[1] * extent[1] as f32].iter().any(|v| v.fract() < 1e-3);

@@ -160,7 +160,7 @@ fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();
     let mut scene: Scene = built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
-    let place = Capture { resolution: 33, ..Capture::at(view.eye + 0.2 * Vec3::Y) };
+    let place = Capture { resolution: 33, ..Capture::placed_at(view.eye + 0.2 * Vec3::Y) };
     scene.captures = vec![place];
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &view);

@@ -49,10 +49,10 @@ fn without_normal_maps_the_geometry_is_what_shades() {
 fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
     let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));
     let [width, height] = [reflection.width, reflection.height];
-    let normal = |image: &Pixels, x, y| Vec3::from_slice(&image.at(x, y)[..3]);
+    let normal = |image: &Pixels, x, y| Vec3::from_slice(&image.texel(x, y)[..3]);
     let (mut moved, mut right) = (0, 0);
     for (x0, y0) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        if material.at(x0, y0)[0] <= 1e-4 {
+        if material.texel(x0, y0)[0] <= 1e-4 {
             continue;
         }
         let traced = normal(geometric, x0, y0);
@@ -61,9 +61,9 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
             ((coordinate as f32 + 0.5 + by).floor().clamp(0.0, end as f32 - 1.0)) as u32
         };
         let (x, y) = (to(x0, shift.x, width), to(y0, -shift.y * y, height));
-        if (x, y) != (x0, y0) && material.at(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
+        if (x, y) != (x0, y0) && material.texel(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
             moved += 1;
-            right += usize::from(bumped.get("reflection").at(x0, y0) == reflection.at(x, y));
+            right += usize::from(bumped.get("reflection").texel(x0, y0) == reflection.texel(x, y));
         }
     }
     assert!(moved > 5000, "only {moved} pixels are displaced");

@@ -82,7 +82,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
             (None, code) => code == Some(PathCode::Sky),
             (Some(hit), Some(PathCode::Triangle)) => {
                 let place = (eye + Vec3::from_slice(found)).as_dvec3();
-                place.distance(ray.at(hit.t)) <= 0.02 + 0.005 * hit.t
+                place.distance(ray.point_at(hit.t)) <= 0.02 + 0.005 * hit.t
             }
             _ => false,
         };

@@ -90,7 +90,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let kind = data.camera.kind();
-    let pass = PyramidPass::of(gpu, extent, kind).unwrap();
+    let pass = PyramidPass::for_projection(gpu, extent, kind).unwrap();
     let method = unified::INFO.alone(gpu, &setup(extent, oracle).seen_by(kind), Wants::HITS).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
     let parameters = unified::parameters(&data.camera, extent, true);
@@ -113,7 +113,7 @@ pub(crate) fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -
         let first = strips - (strips >> n);
         for (i, block) in level.texels.iter().enumerate() {
             let (x, y) = (i as u32 % level.width, i as u32 / level.width);
-            let found = pyramid.at((y << strip) | (x % (1 << strip)), first + (x >> strip));
+            let found = pyramid.texel((y << strip) | (x % (1 << strip)), first + (x >> strip));
             let what = || format!("{}x{}, level {n}, cell ({x}, {y}): {found:?}, {block:?}", data.width, data.height);
             assert!(
                 found[0].to_bits() == block.front.to_bits() && found[1].to_bits() == block.back.to_bits(),

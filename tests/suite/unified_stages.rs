@@ -158,7 +158,7 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let mut scene = crate::common::built_in("street");
     let eye = scene.view("puddles").unwrap().eye;
     let places = [eye + Vec3::Y, eye - Vec3::new(1.0, 0.0, 2.0)];
-    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
+    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::placed_at(place) }).to_vec();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     type Change = fn(&mut EffectParams);
     let cases: [(&str, Change, usize); 5] = [

@@ -83,7 +83,7 @@ fn main() -> Result<()> {
     if let Some(file) = &options.truth {
         write(file, options.size, &truth.iter().map(|(color, _)| *color).collect::<Vec<_>>())?;
     }
-    let figures = Figures::of(&shown, &truth);
+    let figures = Figures::compare(&shown, &truth);
     let device = &app.world().resource::<RenderAdapterInfo>().name;
     println!(
         "{{\"device\": {device:?}, \"with\": {:?}, \"size\": [{width}, {height}], \"mirrors\": {}, \"rmse\": {:.5}, \
@@ -286,7 +286,7 @@ struct Figures {
 }
 
 impl Figures {
-    fn of(shown: &[Vec3], truth: &[(Vec3, Seen)]) -> Self {
+    fn compare(shown: &[Vec3], truth: &[(Vec3, Seen)]) -> Self {
         let errors = |condition: fn(Seen) -> bool| -> Vec<Vec3> {
             let pixels = shown.iter().zip(truth).filter(|(_, (_, seen))| condition(*seen));
             pixels.map(|(shown, (truth, _))| (*shown - *truth).abs()).collect()

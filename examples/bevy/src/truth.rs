@@ -120,14 +120,14 @@ impl Met<'_> {
             Look::Mirror => Vec3::ZERO,
             Look::Texture(texture) => {
                 let [a, b, c] = self.triangle.places;
-                texture.at(self.weights.x * a + self.weights.y * b + self.weights.z * c)
+                texture.color_at(self.weights.x * a + self.weights.y * b + self.weights.z * c)
             }
         }
     }
 }
 
 impl Texture {
-    fn at(&self, place: Vec2) -> Vec3 {
+    fn color_at(&self, place: Vec2) -> Vec3 {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let position = (place - place.floor()) * size - 0.5;
         let (low, part) = (position.floor(), position - position.floor());

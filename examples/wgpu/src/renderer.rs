@@ -21,7 +21,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    fn of(texture: wgpu::Texture) -> Self {
+    fn from_texture(texture: wgpu::Texture) -> Self {
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Self { texture, view }
     }
@@ -36,7 +36,7 @@ impl Renderer {
 
     /// An image of the library's that is in the state `RESOURCE`.
     pub fn adopt(&self, image: &ssct::OutputImage) -> Result<Picture> {
-        Ok(Picture::of(embed_wgpu::adopt(&self.device, "composite", image)?))
+        Ok(Picture::from_texture(embed_wgpu::adopt(&self.device, "composite", image)?))
     }
 }
 // ---------------------
@@ -67,7 +67,7 @@ impl Renderer {
     pub fn picture(&self, name: &str, [width, height]: [u32; 2], format: TextureFormat) -> Picture {
         use wgpu::TextureUsages as U;
         let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC;
-        Picture::of(self.device.create_texture(&description(name, [width, height, 1], format, usage)))
+        Picture::from_texture(self.device.create_texture(&description(name, [width, height, 1], format, usage)))
     }
 
     /// Draws the scene, and leaves all images in the state `RESOURCE`.

@@ -115,7 +115,7 @@ impl OwnScene {
             return Err(Error::Usage(format!("--scene {file}: there is no such file")));
         }
         let scene = resolve::load(&[path.to_owned()], &LoadOptions::default())?;
-        let Some(printed) = PrintedScene::of(&scene) else {
+        let Some(printed) = PrintedScene::from_scene(&scene) else {
             let named = |p: PrintedScene| p.views().join(", ");
             return Err(Error::Usage(format!(
                 "--scene {file}: no figure is drawn in this scene, as it has neither the views of the thesis's rooms ({}) nor \

@@ -45,7 +45,7 @@ const RAYS: u32 = 64;
 /// Rays a pixel of the references of a quick study.
 const QUICK_RAYS: u32 = 16;
 
-/// Width and height in pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
+/// Width and height in pixels of the images that are kept for other machines: odd, so that halving rounds.
 const KEPT_SIZE: [u32; 2] = [97, 55];
 /// Roughness values of the kept images: a mirror, whose hits can be compared, and a glossy surface.
 const KEPT_ROUGHNESS: [f32; 2] = [0.0, 0.1];
@@ -112,15 +112,16 @@ impl Plan {
         // The method `captures` shows nothing without captures, nor does a method that lacks what it needs of the scene.
         let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
         let plain: Vec<_> = METHODS.iter().filter(shows).collect();
-        let variants = Variant::of(&plain, &setup).into_iter().chain([triangles_variant(&setup, FirstTraced::Auto)]);
-        let captured = Variant::of(&[&unified::INFO, &captures::INFO], &captured);
+        let variants =
+            Variant::for_methods(&plain, &setup).into_iter().chain([triangles_variant(&setup, FirstTraced::Auto)]);
+        let captured = Variant::for_methods(&[&unified::INFO, &captures::INFO], &captured);
         let variants = variants.chain(captured).flat_map(|variant| in_its_stages(&variant)).collect();
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
     /// The thesis's table 5.8.
     fn table<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
-        let variants = Variant::of(&table_5_8::methods(), &Setup::new(self.size));
+        let variants = Variant::for_methods(&table_5_8::methods(), &Setup::new(self.size));
         let globals = table_5_8::ROUGHNESS.map(|roughness| table_5_8::factors(roughness, 1.0)).to_vec();
         self.time(gpu, place, variants, self.table_sizes.clone(), globals)
     }
@@ -366,7 +367,7 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
         Variant { method: &unified::INFO, setup: setup.with(|p: &mut EffectParams| p.history = HistoryUse::On) };
     let in_compute = setup.with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);
     let all: Vec<_> = METHODS.iter().collect();
-    let methods = [&setup, &in_compute].into_iter().flat_map(|setup| Variant::of(&all, setup));
+    let methods = [&setup, &in_compute].into_iter().flat_map(|setup| Variant::for_methods(&all, setup));
     let staged = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage));
     let mut stage = Stage::new(&compiler, &place.0)?;
     let mut all = Vec::new();

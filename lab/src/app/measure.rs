@@ -48,7 +48,7 @@ pub trait StudyOptions: Sized {
 
     /// The mergers for shards of every study that the flags can ask for.
     fn mergers() -> Vec<Merger> {
-        vec![Merger::of::<Self::Study>()]
+        vec![Merger::for_study::<Self::Study>()]
     }
 
     /// Writes further files that the flags ask for, next to the study's own files.

@@ -34,7 +34,7 @@ pub struct Merging<'a> {
 
 impl Merger {
     /// The merger of a study.
-    pub fn of<S: Study>() -> Self {
+    pub fn for_study<S: Study>() -> Self {
         let results = ResultKind {
             read: |list, listed, journal| {
                 let is_whole = S::Row::is_whole(list, listed, journal);

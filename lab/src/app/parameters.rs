@@ -82,7 +82,7 @@ impl TypedVariant {
         }
         for name in self.values.given() {
             if let Some((row, _)) = methods::parameters().iter().find(|(p, _)| p.name == name) {
-                setup.values.set(row, self.values.of(row));
+                setup.values.set(row, self.values.value(row));
             }
         }
         Ok(Variant { method, setup })
@@ -300,7 +300,7 @@ mod tests {
                 for value in values {
                     let flag = format!("--{}={value}", row.typed_name());
                     let options = parse(&[&flag]).unwrap_or_else(|e| panic!("{flag}: {e}"));
-                    assert_eq!(options.values.of(&row), value, "{flag}");
+                    assert_eq!(options.values.value(&row), value, "{flag}");
                     let recorded = options.setup([8, 8]).recorded(Some(method));
                     assert_eq!(recorded[row.name], value, "{flag}");
                 }
@@ -333,7 +333,7 @@ mod tests {
             let name = format!("--{}", row.typed_name());
             let value = |flags: &[&str]| {
                 let options = parse(flags).unwrap_or_else(|e| panic!("{flags:?}: {e}"));
-                options.values.of(&row).to_string()
+                options.values.value(&row).to_string()
             };
             assert_eq!(value(&[&name, "--preset", "author"]), "on");
             for wanted in ["on", "off"] {

@@ -94,7 +94,10 @@ impl StudyOptions for ShadersOptions {
         let view = resolve::view(&scene, place, None)?;
         let base = self.common.method_options.setup(self.size);
         let variants = if self.variant.is_empty() {
-            Variant::of(&resolve::methods(&self.method, &base, &[&scene], &resolve::lenses(&scene, [&view]))?, &base)
+            Variant::for_methods(
+                &resolve::methods(&self.method, &base, &[&scene], &resolve::lenses(&scene, [&view]))?,
+                &base,
+            )
         } else {
             resolve::typed_variants(&self.variant, &base)?
         };

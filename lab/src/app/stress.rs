@@ -57,7 +57,7 @@ impl StudyOptions for StressOptions {
     }
 
     fn mergers() -> Vec<Merger> {
-        vec![Merger::of::<StressStudy>(), Merger::of::<ComplaintStudy>()]
+        vec![Merger::for_study::<StressStudy>(), Merger::for_study::<ComplaintStudy>()]
     }
 }
 

@@ -129,7 +129,8 @@ impl Plan {
         let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(None) };
         let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
         let views = rooms.views.iter().take(QUICK_VIEWS).cloned().collect();
-        let (scenes, variants) = (vec![(rooms.clone(), views)], Variant::of(&self.methods, &Setup::new(QUICK_SIZE)));
+        let (scenes, variants) =
+            (vec![(rooms.clone(), views)], Variant::for_methods(&self.methods, &Setup::new(QUICK_SIZE)));
         let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays));
         let list = engine::list(&study, gpu, self.command.clone(), None);
         Ok(Some(Part::Errors(Box::new((RefCell::new(study), list)))))
@@ -145,7 +146,7 @@ impl Plan {
         sizes: Vec<[u32; 2]>,
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
-        let variants = Variant::of(methods, &Setup::new(self.size));
+        let variants = Variant::for_methods(methods, &Setup::new(self.size));
         // The frame in which work is counted serves as the warm-up.
         TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 0, samples: self.samples, a_a: false }
     }
@@ -287,7 +288,7 @@ impl<'a> Study<'a> {
             Part::Pictures(scene, view) => {
                 let methods = self.plan.methods_in(scene);
                 let shown = ShownView { scene, view, size: self.plan.size, methods: &methods };
-                let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
+                let stage = last.get_or_make(&scene.name, || Stage::new(self.gpu, scene))?;
                 made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
@@ -300,7 +301,7 @@ impl<'a> Study<'a> {
                 engine::measure(&mut *study.borrow_mut(), list, &mut bench)?;
             }
             Part::Figures(scene) => {
-                let stage = last.of(&scene.name, || Stage::new(self.gpu, scene))?;
+                let stage = last.get_or_make(&scene.name, || Stage::new(self.gpu, scene))?;
                 made.figures = study_pictures::of_thesis(stage, scene, folder, self.plan.size)?;
                 step()?;
             }

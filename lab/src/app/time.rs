@@ -126,10 +126,10 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let sizes = sizes(options, is_table)?;
     let base = common.method_options.setup(sizes[0]);
     let variants = match &options.variant[..] {
-        [] if is_table && options.method.is_empty() => Variant::of(&table_5_8::methods(), &base),
+        [] if is_table && options.method.is_empty() => Variant::for_methods(&table_5_8::methods(), &base),
         [] => {
             let lenses = resolve::lenses(&scene, [&view]);
-            Variant::of(&resolve::methods(&options.method, &base, &[&scene], &lenses)?, &base)
+            Variant::for_methods(&resolve::methods(&options.method, &base, &[&scene], &lenses)?, &base)
         }
         typed => {
             resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?
@@ -187,7 +187,7 @@ fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
         Ok(TimeJob {
             scene: Rc::clone(scene),
             view: resolve::with_lens(scene, scene.view(caption.view)?.clone(), place)?,
-            variants: Variant::of(&methods, &options.common.method_options.setup(caption.size)),
+            variants: Variant::for_methods(&methods, &options.common.method_options.setup(caption.size)),
             sizes: vec![caption.size],
             globals: globals.clone(),
             has_reference,

@@ -95,7 +95,8 @@ impl StudyOptions for VideoOptions {
         resolve::meshes(&scene, "--held", &self.held)?;
         let play =
             self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
-        let played: Vec<&str> = play.iter().flat_map(|motion| motion.at(0.0)).map(|(name, _)| name).collect();
+        let played: Vec<&str> =
+            play.iter().flat_map(|motion| motion.placements_at(0.0)).map(|(name, _)| name).collect();
         let moves = |name: &String| self.moving.contains(name) || played.contains(&name.as_str());
         if let Some(name) = self.held.iter().find(|name| moves(name)) {
             return Err(Error::Usage(format!("--held {name}: it moves by itself, by --moving or --play")));

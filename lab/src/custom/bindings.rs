@@ -187,7 +187,7 @@ impl PassShader<'_> {
             self.is_unfed(format!("the {kind} {}", v.name));
             return Ok(None);
         };
-        let is = |what: String| self.wrong(input.at(), &format!("{} of {} is {what}", v.name, self.file));
+        let is = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
         let images = &self.manifest.images;
         Ok(Some(match (&v.kind, &input.what) {
             (VariableKind::Storage(bytes), InputKind::Buffer(buffer)) => {
@@ -247,7 +247,7 @@ pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     };
     let all = 0..manifest.passes.len();
     let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {
-        let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.at().clone()));
+        let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.span().clone()));
         inputs.chain(pass.values.iter().map(|(name, (_, span))| (name.clone(), span.clone()))).collect()
     };
     for pass in &manifest.passes {

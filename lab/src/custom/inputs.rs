@@ -131,7 +131,7 @@ impl Inputs {
                 self.add(gpu, extent, &ImageSource::ThesisHiZ, conventions)?;
                 SourceMaker::Visibility(VisibilityPass::new(gpu, ShaderStage::Fragment, extent)?)
             }
-            ImageSource::Pyramid => SourceMaker::Pyramid(PyramidPass::of(gpu, extent, self.projection)?),
+            ImageSource::Pyramid => SourceMaker::Pyramid(PyramidPass::for_projection(gpu, extent, self.projection)?),
             ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => SourceMaker::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
@@ -233,8 +233,8 @@ impl Inputs {
         Ok(())
     }
 
-    /// The images that this frame made from the G-buffer. The chain of the lit colour, which is in the G-buffer itself, and copies of the
-    /// frame before are left out.
+    /// The images that this frame made from the G-buffer. Left out are the chain of the lit colour, copies of the frame before,
+    /// noise, and images that are there without being made.
     pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
         self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
             let (content, image) = match made {

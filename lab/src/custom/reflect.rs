@@ -181,7 +181,7 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
                 bound.push((place, id, variable));
             }
             class::PUSH_CONSTANT => {
-                let layout = BlockLayout::of(&code, pointee, id)?;
+                let layout = BlockLayout::from_type(&code, pointee, id)?;
                 let name = code.name(pointee);
                 found.push = Some((if name.is_empty() { NAMELESS_PUSH.to_owned() } else { name.to_owned() }, layout));
             }
@@ -255,7 +255,7 @@ fn resource(
         },
         Some((op::TYPE_STRUCT, _)) if class != class::UNIFORM_CONSTANT => match is_storage {
             true => VariableKind::Storage(BlockLayout::least_bytes(code, element)),
-            false => VariableKind::Uniform(BlockLayout::of(code, element, id)?),
+            false => VariableKind::Uniform(BlockLayout::from_type(code, element, id)?),
         },
         Some((op::TYPE_SAMPLER, _)) => return Err(separate()),
         _ => return Err(format!("binds {name} as something that is neither an image nor a block")),

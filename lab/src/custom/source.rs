@@ -97,7 +97,7 @@ const ENCODINGS: [(&str, NormalEncoding); 4] = [
 ];
 
 impl Depth {
-    fn of(name: &str) -> Option<Self> {
+    fn named(name: &str) -> Option<Self> {
         [("reversed", Self::Reversed), ("standard", Self::Standard), ("linear", Self::Linear)]
             .into_iter()
             .find(|(known, _)| *known == name)
@@ -131,7 +131,7 @@ impl ImageSource {
             ["lit-colour"] => Self::LitColour,
             ["lit-colour-chain"] => Self::LitColourChain { gaussian: false },
             ["lit-colour-chain", "gaussian"] => Self::LitColourChain { gaussian: true },
-            ["depth", which] => Self::Depth(Depth::of(which).ok_or_else(unknown)?),
+            ["depth", which] => Self::Depth(Depth::named(which).ok_or_else(unknown)?),
             ["normal", space @ ("view" | "world"), ref rest @ ..] if rest.len() < 2 => {
                 let name = rest.first().copied().unwrap_or("float");
                 let (_, encoding) = *ENCODINGS.iter().find(|(known, _)| *known == name).ok_or_else(unknown)?;
@@ -140,7 +140,7 @@ impl ImageSource {
             ["position", space @ ("view" | "world")] => Self::Position { world: space == "world" },
             ["material"] => Self::Material,
             ["hi-z", which @ ("min" | "max"), depth, ref rest @ ..] if matches!(rest, [] | ["padded"]) => {
-                let depth = Depth::of(depth).ok_or_else(unknown)?;
+                let depth = Depth::named(depth).ok_or_else(unknown)?;
                 Self::DepthChain(DepthChain { maximum: which == "max", depth, padded: !rest.is_empty() })
             }
             ["thesis-hi-z"] => Self::ThesisHiZ,

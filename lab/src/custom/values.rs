@@ -239,7 +239,7 @@ impl Feed {
 impl FrameState<'_> {
     fn parameter(&self, name: &str) -> f64 {
         let Some(row) = self.parameters.iter().find(|p| p.name == name) else { return 0.0 };
-        match self.values.of(row) {
+        match self.values.value(row) {
             Value::Switch(on) => f64::from(u8::from(on)),
             Value::Count(n) => f64::from(n),
             Value::Number(n) => f64::from(n),

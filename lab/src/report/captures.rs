@@ -201,7 +201,7 @@ mod tests {
     }
 
     fn placement() -> Placement {
-        let capture = |x: f32| Capture::at(Vec3::new(x, 1.5, 2.0));
+        let capture = |x: f32| Capture::placed_at(Vec3::new(x, 1.5, 2.0));
         Placement {
             captures: vec![capture(1.0), capture(-3.0)],
             own: 1,

@@ -242,7 +242,7 @@ impl Arrays<'_> {
         let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
         self.i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
         self.i32s(&format!("{name}_triangle"), from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect())?;
-        let ends = hits.iter().zip(rays).flat_map(|(h, ray)| h.map_or(DVec3::NAN, |h| ray.at(h.t)).to_array());
+        let ends = hits.iter().zip(rays).flat_map(|(h, ray)| h.map_or(DVec3::NAN, |h| ray.point_at(h.t)).to_array());
         self.f64s(&format!("{name}_position"), 3, ends.collect())
     }
 

@@ -98,7 +98,7 @@ pub fn reflect(
 ) -> Result<ReflectedImages> {
     let mut context = FrameContext::new(gpu)?;
     let images = GBufferImages::upload(&mut context, data)?;
-    let setup = setup.at([data.width, data.height]).seen_by(data.camera.kind());
+    let setup = setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
     let wants = Wants::REFLECTION;
     let sky = captures.map(CaptureFolder::sky).transpose()?.flatten();
     let sky = sky.map(|sky| scene_data::upload_sky(&mut context, &sky)).transpose()?;
@@ -135,7 +135,7 @@ pub fn reflect_in(
     let (context, scene_data) = stage.parts();
     let images = GBufferImages::upload(context, data)?;
     let seen = SceneInput { data: scene_data, materials: &scene.materials };
-    let setup = setup.at([data.width, data.height]).seen_by(data.camera.kind());
+    let setup = setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
     let effect = Effect::new(context, method, &setup, Wants::REFLECTION, Some(&seen))?;
     let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
     let input = Input { scene: Some(seen), sky: Some(scene_data.sky()), ..of_screen };

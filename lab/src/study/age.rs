@@ -110,7 +110,7 @@ impl Row for AgeRecord {
         let first = |r: &Self| r.frames.first().map(|f| f.rmse);
         let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
         let median = |r: &Self, value: fn(&AgeFrame) -> f64| {
-            Stats::of(&r.frames.iter().map(value).collect::<Vec<_>>()).median_ms
+            Stats::from_samples(&r.frames.iter().map(value).collect::<Vec<_>>()).median_ms
         };
         let more = [
             Column::derived("rmse first", 4, first),
@@ -175,7 +175,7 @@ impl Study for AgeStudy {
         let mut cells = Vec::new();
         for &method in &self.methods {
             for &size in &self.sizes {
-                let setup = self.setup.at(size);
+                let setup = self.setup.with_extent(size);
                 cells.extend(self.globals.iter().map(|&globals| {
                     let set = json!([method.name, setup.recorded(Some(method)), globals, format!("{:?}", self.view)]);
                     let name = cell_name(&self.scene.name, &self.view.name, size, globals.roughness);

@@ -170,7 +170,7 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     let materials = spec.globals.materials(spec.scene, spec.view);
     let uploaded = GBufferImages::upload(context, data)?;
     let gbuffer: GBuffer = uploaded.gbuffer();
-    let setup = spec.setup.at([data.width, data.height]).seen_by(data.camera.kind());
+    let setup = spec.setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
     let mut all = Vec::new();
     for method in &spec.methods {
         let beside = SceneInput { data: scene, materials: &materials };
@@ -197,7 +197,7 @@ pub fn compare(
 ) -> Vec<AgreementRecord> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
     let extent = [data.width, data.height];
-    let setup = spec.setup.at(extent);
+    let setup = spec.setup.with_extent(extent);
     let pair = |(base_made, made): (&DeviceImage, &DeviceImage)| {
         let colors = [base_made, made].map(|m| colors(&m.reflection));
         let display = colors.each_ref().map(|c| display(c));
@@ -231,7 +231,7 @@ pub fn compare(
 
 /// Counts the reflecting pixels whose hits differ between two devices, and how many of them differ by rounding alone.
 fn ties_of(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
-    let apart = |i: &usize| mask[*i] && HitVerdict::of(other[*i], base[*i]) != HitVerdict::Agrees;
+    let apart = |i: &usize| mask[*i] && HitVerdict::compare(other[*i], base[*i]) != HitVerdict::Agrees;
     let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();
     let hierarchy = Hierarchy::new(data);
     let tied = |i: &&usize| {

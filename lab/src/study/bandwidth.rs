@@ -100,7 +100,7 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
         times.extend(report.passes.iter().filter(|_| sample > 0).map(|p| p.ms));
     }
     let bytes = 2 * R32F_BYTES * u64::from(side) * u64::from(side);
-    Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::of(&times).median_ms, 0.0))
+    Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::from_samples(&times).median_ms, 0.0))
 }
 
 /// The rates of the passes in a record that build a pyramid of depth, followed by the rate of a copy.

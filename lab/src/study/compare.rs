@@ -158,7 +158,7 @@ impl<'a> Comparison<'a> {
     fn record(&self, subject: &Subject, sides: [Option<&Samples>; 2], paired: bool) -> TimeComparison {
         let [of_a, of_b] = sides;
         let [ms_a, ms_b] = sides.map(|s| s.map_or(&[][..], |s| &s.ms));
-        let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
+        let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::from_samples(ms).median_ms);
         let found = ratio(sides, paired);
         let ratio = found.map(|(ratio, _)| ratio);
         let floors = sides.into_iter().flatten().filter_map(|s| s.noise_floor);
@@ -210,7 +210,8 @@ impl<'a> Comparison<'a> {
 impl Judgement {
     /// The verdict on a ratio of `n` samples; if it is undecided, also about how many samples would decide.
     fn on(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
-        let verdict = if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::of(ratio, self.threshold, floor) };
+        let verdict =
+            if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::for_ratio(ratio, self.threshold, floor) };
         let is_open = verdict == Verdict::Undecided;
         (verdict, is_open.then(|| samples_to_decide(ratio, n, self.threshold, floor)).flatten())
     }
@@ -232,7 +233,7 @@ fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
 fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
     let is_work = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
     let both = a.iter().filter(is_work).filter_map(|s| Some([s, find(b, s)?]));
-    let medians = both.map(|pair| pair.map(|s| Stats::of(&s.ms).median_ms));
+    let medians = both.map(|pair| pair.map(|s| Stats::from_samples(&s.ms).median_ms));
     let [of_a, of_b] = medians.reduce(|sum, pair| [sum[0] + pair[0], sum[1] + pair[1]])?;
     Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
 }

@@ -171,7 +171,7 @@ impl<K: PartialEq, T> LastMade<K, T> {
     ///
     /// # Errors
     /// Errors of `make`.
-    pub fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
+    pub fn get_or_make(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
         let kept = self.0.take().filter(|(known, _)| *known == key);
         let (key, made) = match kept {
             Some(same) => same,

@@ -46,7 +46,7 @@ pub struct Variant {
 
 impl Variant {
     /// Makes a variant of each method, all with one setup.
-    pub fn of(methods: &[&'static MethodInfo], setup: &Setup) -> Vec<Self> {
+    pub fn for_methods(methods: &[&'static MethodInfo], setup: &Setup) -> Vec<Self> {
         methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
     }
 
@@ -59,7 +59,7 @@ impl Variant {
 
     /// Everything that the results of the variant depend on at a size in pixels.
     pub fn settings(&self, extent: [u32; 2]) -> Value {
-        json!([self.method.name, self.setup.at(extent).recorded(Some(self.method))])
+        json!([self.method.name, self.setup.with_extent(extent).recorded(Some(self.method))])
     }
 }
 
@@ -145,7 +145,7 @@ fn measure(
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
-        Shot::new(stage, method, &setup.at(spec.extent), wants, camera, materials.clone())
+        Shot::new(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
     };
     // Times shots that write no separate image of the reflection, as the time study does.
     let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
@@ -256,7 +256,7 @@ fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setu
         })
         .collect();
     let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
-    let method = ThesisMethod::cone_alone(gpu, &setup.at(spec.extent))?;
+    let method = ThesisMethod::cone_alone(gpu, &setup.with_extent(spec.extent))?;
     let mut data = truth.data.clone();
     let mut made = Vec::new();
     for bounce in 0..setup.effect().bounces {
@@ -301,7 +301,7 @@ fn totals(
     let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     let timed = |samples: Vec<f64>| VariantTime {
-        median_ms: Stats::of(&samples).median_ms,
+        median_ms: Stats::from_samples(&samples).median_ms,
         interval: interval_of_median(&samples, SEED),
     };
     Ok((0..shots.len()).map(|m| timed(all(m))).collect())

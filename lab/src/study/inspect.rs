@@ -145,7 +145,7 @@ impl Inspection {
         let extent = [gbuffer.width, gbuffer.height];
         let hi_z = || {
             let levels = crate::gpu::image::full_chain(extent);
-            let numbers: HiZParams = setup.of();
+            let numbers: HiZParams = setup.parameters();
             let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {
                 width: gbuffer.width,
@@ -321,7 +321,7 @@ impl Inspection {
         let setup = RaySetup::new(&self.gbuffer);
         let side = [self.gbuffer.width as f32, self.gbuffer.height as f32];
         let method = self.hits.as_ref().and_then(|hits| {
-            let texel = hits.at(x, y);
+            let texel = hits.texel(x, y);
             Some((PathCode::from_channel(texel[3])?, [texel[0] * side[0], texel[1] * side[1]]))
         });
         let in_world = self.in_world(&setup, pixel);
@@ -353,7 +353,7 @@ impl Inspection {
     /// The way of a pixel's ray through the world; `None` if the method looks into the screen alone and the ray missed.
     fn in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
         let g = &self.gbuffer;
-        let texel = self.hits.as_ref()?.at(x, y);
+        let texel = self.hits.as_ref()?.texel(x, y);
         let code = PathCode::from_channel(texel[3])?;
         if !code.is_hit() && !matches!(code, PathCode::Capture | PathCode::Triangle | PathCode::Sky | PathCode::Unknown)
         {

@@ -93,7 +93,8 @@ pub fn json_text(json: &str) -> String {
 }
 
 /// The shortest name that tells a device from the others in a table. The name is the device's own; if another device has the
-/// same name, the driver and its version follow. If that device has the same driver, too, the version of Vulkan follows.
+/// same name, the driver and its version follow. If that device has the same driver, too, the version of Vulkan and the
+/// kind of the device follow.
 pub fn name_among(device: &DeviceInfo, others: &[&DeviceInfo]) -> String {
     let (name, driver) = (&device.name, &device.driver);
     let mut namesakes = others.iter().filter(|other| **other != device && other.name == *name).peekable();

@@ -118,8 +118,8 @@ impl Row for PathRecord {
         let record = |head| {
             let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
             let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
-            let fps = Fps::of(&whole);
-            Self { head, frame: Stats::of(&whole), effect: Stats::of(&effect), fps, frames }
+            let fps = Fps::from_frame_times(&whole);
+            Self { head, frame: Stats::from_samples(&whole), effect: Stats::from_samples(&effect), fps, frames }
         };
         head.map(record).into_iter().collect()
     }
@@ -137,9 +137,9 @@ fn key(prefix: &str, frame: usize) -> String {
 
 impl Fps {
     /// Frame rates from the times of frames in milliseconds; all 0 for no frames.
-    fn of(frame_ms: &[f64]) -> Self {
+    fn from_frame_times(frame_ms: &[f64]) -> Self {
         let fps = |ms: f64| if ms > 0.0 { 1000.0 / ms } else { 0.0 };
-        let stats = Stats::of(frame_ms);
+        let stats = Stats::from_samples(frame_ms);
         let mut slowest = frame_ms.to_vec();
         slowest.sort_by(|a, b| b.total_cmp(a));
         slowest.truncate(frame_ms.len().div_ceil(100));
@@ -151,7 +151,7 @@ impl Fps {
 impl PathStudy {
     /// The view at a frame of the path.
     fn view(&self, frame: usize) -> View {
-        let (eye, look_at) = self.path.at(frame as f32 / (self.frames - 1).max(1) as f32);
+        let (eye, look_at) = self.path.eye_and_look_at(frame as f32 / (self.frames - 1).max(1) as f32);
         View { name: self.path.name.clone(), eye, look_at, ..View::default() }
     }
 
@@ -162,7 +162,8 @@ impl PathStudy {
     }
 
     fn planned(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
-        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.at(extent).recorded(Some(m)))).collect();
+        let methods: Vec<_> =
+            self.methods.iter().map(|m| (m.name, self.setup.with_extent(extent).recorded(Some(m)))).collect();
         let (scene, path) = (scene_digest(&self.scene), format!("{:?}", self.path));
         Planned {
             name: cell_name(&self.scene.name, &self.path.name, extent, self.globals.roughness),
@@ -190,7 +191,7 @@ impl Study for PathStudy {
     }
 
     fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
-        let (start, setup) = (self.view(0), self.setup.at(planned.cell));
+        let (start, setup) = (self.view(0), self.setup.with_extent(planned.cell));
         let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);
         let heads = self.methods.iter().map(|m| json!(head(m)));
         self.prefixes(gpu, planned.cell).into_iter().zip(heads).collect()
@@ -205,7 +206,7 @@ impl Study for PathStudy {
         let start = self.view(0);
         let materials = self.globals.materials(&self.scene, &start);
         let prefixes = self.prefixes(bench.gpu, *extent);
-        let (setup, first) = (self.setup.at(*extent), start.camera(&self.scene, *extent));
+        let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
         let made =
             self.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
         let mut shots = made.collect::<Result<Vec<_>>>()?;
@@ -235,10 +236,10 @@ mod tests {
         // 198 frames of 10 ms, one of 20 and one of 40: the slowest 1 % are the last two.
         let mut ms = vec![10.0; 198];
         ms.extend([40.0, 20.0]);
-        let fps = Fps::of(&ms);
+        let fps = Fps::from_frame_times(&ms);
         assert_eq!((fps.median, fps.p95), (100.0, 100.0));
         assert!((fps.low_1_percent - 2.0 / 0.060).abs() < 1e-9);
-        assert_eq!(Fps::of(&[50.0]).low_1_percent, 20.0);
-        assert_eq!(Fps::of(&[]), Fps { median: 0.0, p95: 0.0, low_1_percent: 0.0 });
+        assert_eq!(Fps::from_frame_times(&[50.0]).low_1_percent, 20.0);
+        assert_eq!(Fps::from_frame_times(&[]), Fps { median: 0.0, p95: 0.0, low_1_percent: 0.0 });
     }
 }

@@ -275,9 +275,9 @@ impl ColorReport {
         references: Option<(EstimatedColor, EstimatedColor)>,
     ) -> Self {
         let index = gbuffer.index(x, y);
-        let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.at(x, y)[c]);
+        let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.texel(x, y)[c]);
         let image = color(made.composite);
-        let fade = made.reflection.at(x, y)[3];
+        let fade = made.reflection.texel(x, y)[3];
         let shown = fade * Vec3::from(color(made.reflection));
         let reference = |found: EstimatedColor| ReferenceColor {
             difference: difference(shown, found.color),

@@ -32,7 +32,7 @@ columns! {
 
 impl Stats {
     /// The statistics of samples; all zero without samples.
-    pub fn of(samples: &[f64]) -> Self {
+    pub fn from_samples(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_by(f64::total_cmp);
         let n = sorted.len();
@@ -261,7 +261,7 @@ impl Columns for Head {
 /// A parameter's value in a few words, if it differs from the preset's; `text` is the value in a record. `None` also if the
 /// record is older than the parameter, and does not have it.
 pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
-    if text.is_empty() || text == cell(&json!(row.of(preset))) {
+    if text.is_empty() || text == cell(&json!(row.preset_value(preset))) {
         return None;
     }
     Some(match row.domain {
@@ -358,7 +358,7 @@ impl TimeRecord {
             return parts.iter().filter_map(|n| self.passes.get(*n)).map(|pass| pass.stats.median_ms).sum();
         }
         let sum = |frame: &Vec<f64>| parts.iter().filter_map(|n| frame.get(*n)).sum();
-        Stats::of(&self.samples.iter().map(sum).collect::<Vec<_>>()).median_ms
+        Stats::from_samples(&self.samples.iter().map(sum).collect::<Vec<_>>()).median_ms
     }
 }
 
@@ -391,7 +391,7 @@ pub(crate) mod tests {
                 let base = Setup::new([64, 48]).of_preset(preset);
                 for parameter in method.reads() {
                     let mut changed = base.clone();
-                    changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
+                    changed.values.set(&parameter, another(&parameter, base.values.value(&parameter)));
                     let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));
                     let differ: Vec<_> = before.iter().filter(|(k, v)| after.get(*k) != Some(v)).collect();
                     assert_eq!(differ.len(), 1, "{} of {}: {differ:?}", parameter.name, method.name);
@@ -403,10 +403,10 @@ pub(crate) mod tests {
 
     #[test]
     fn stats_are_those_of_a_hand_computation() {
-        let s = Stats::of(&[4.0, 1.0, 3.0, 2.0]);
+        let s = Stats::from_samples(&[4.0, 1.0, 3.0, 2.0]);
         assert_eq!((s.median_ms, s.min_ms, s.p95_ms, s.samples), (2.5, 1.0, 4.0, 4));
         let twenty: Vec<f64> = (1..=20).map(f64::from).collect();
-        assert_eq!(Stats::of(&twenty).p95_ms, 19.0);
-        assert_eq!(Stats::of(&[]).samples, 0);
+        assert_eq!(Stats::from_samples(&twenty).p95_ms, 19.0);
+        assert_eq!(Stats::from_samples(&[]).samples, 0);
     }
 }

@@ -214,7 +214,7 @@ impl Study for ShadersStudy {
     }
 
     fn measure(&mut self, &(n, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<ShaderRecord>> {
-        let stage = self.stage.of((), || Stage::new(bench.gpu, &self.scene))?;
+        let stage = self.stage.get_or_make((), || Stage::new(bench.gpu, &self.scene))?;
         compiled(stage, (&self.scene, &self.view), &self.variants[n], self.extent, &globals)
     }
 }
@@ -230,7 +230,7 @@ pub fn compiled(
     extent: [u32; 2],
     globals: &Globals,
 ) -> Result<Vec<ShaderRecord>> {
-    let (gpu, setup) = (stage.context.gpu().clone(), setup.at(extent));
+    let (gpu, setup) = (stage.context.gpu().clone(), setup.with_extent(extent));
     // Programs that were compiled before belong to other frames.
     gpu.take_programs()?;
     let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));

@@ -113,7 +113,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     };
     let lost: Vec<u32> = pixels.par_iter().filter_map(lost).collect();
 
-    let record = |images, steps: Vec<u32>| StepsRecord::of(gpu, [&scene.name, &view.name], data, images, steps);
+    let record = |images, steps: Vec<u32>| StepsRecord::from_steps(gpu, [&scene.name, &view.name], data, images, steps);
     Ok([
         record(StepsIn::Screen, on_screen),
         record(StepsIn::ScreenBeforeCaptures, before),
@@ -145,7 +145,7 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 }
 
 impl StepsRecord {
-    fn of(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
+    fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
         let groups = all.chunks(TOGETHER);
         let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));
         let mean_of_eight = most.sum::<f64>() / count.max(1) as f64;

@@ -176,7 +176,7 @@ impl<'a> Truth<'a> {
     /// hundreds of rays to find.
     fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
         let hits = hit_positions(made.hits.as_ref()?);
-        let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
+        let verdict = |n: usize| HitVerdict::compare(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let width = self.hierarchy.rays().gbuffer.width;
         let tie = |n: &&usize| {

@@ -44,7 +44,7 @@ pub const TABLE_5_8: [Published; 10] = [
 
 impl Published {
     /// The time of a method, if the table has it.
-    pub fn of(&self, method: &str) -> Option<f64> {
+    pub fn time_ms(&self, method: &str) -> Option<f64> {
         match method {
             "ssct" => Some(self.ssct),
             "hzct" => Some(self.hzct),
@@ -86,7 +86,7 @@ pub const fn factors(roughness: f32, reflectivity: f32) -> Globals {
 
 /// The methods that the table has times of.
 pub fn methods() -> Vec<&'static MethodInfo> {
-    METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect()
+    METHODS.iter().filter(|m| TABLE_5_8[0].time_ms(m.name).is_some()).collect()
 }
 
 /// A row with both times and both ratios. Ratios can be compared between machines; times cannot.
@@ -154,8 +154,8 @@ pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
         let columns: Vec<_> = here
             .iter()
             .filter_map(|r| {
-                TABLE_5_8[0].of(&r.head.method)?;
-                let published_ms = published.and_then(|row| row.of(&r.head.method));
+                TABLE_5_8[0].time_ms(&r.head.method)?;
+                let published_ms = published.and_then(|row| row.time_ms(&r.head.method));
                 let other = r.head.method != "ssct";
                 let measured = ssct.filter(|_| other).and_then(|ssct| time_ratio(r, ssct));
                 Some(Column {

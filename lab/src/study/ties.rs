@@ -18,6 +18,6 @@ pub fn is_tie(hierarchy: &Hierarchy, [x, y]: [u32; 2], hit: Option<[f64; 2]>) ->
         let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
         segment.start.z *= 1.0 + few * signs[n / 27 % 3];
         let ends = hierarchy.possible_ends(&segment, few);
-        ends.into_iter().any(|end| HitVerdict::of(hit, end) == HitVerdict::Agrees)
+        ends.into_iter().any(|end| HitVerdict::compare(hit, end) == HitVerdict::Agrees)
     })
 }

@@ -93,7 +93,14 @@ impl Group<'_> {
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
         let place = (self.spec.scene, self.spec.view);
-        Head::new("time", self.spec.gpu, place, RecordSubject::Method(method), &setup.at(self.extent), &self.globals)
+        Head::new(
+            "time",
+            self.spec.gpu,
+            place,
+            RecordSubject::Method(method),
+            &setup.with_extent(self.extent),
+            &self.globals,
+        )
     }
 
     /// Whether the journal has every sample of every variant.
@@ -162,7 +169,7 @@ impl Timer {
                 let variants = (0..series).flat_map(|_| &spec.variants);
                 // Only the image is timed, so that no separate image of the reflection is made.
                 let shot = |Variant { method, setup }: &Variant| {
-                    Shot::new(stage, method, &setup.at(group.extent), Wants::IMAGE, camera, materials.clone())
+                    Shot::new(stage, method, &setup.with_extent(group.extent), Wants::IMAGE, camera, materials.clone())
                 };
                 variants.map(shot).collect::<Result<_>>()?
             }
@@ -180,7 +187,7 @@ fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) 
 
 /// The names of the methods of some variants, and everything that is set for them at a size.
 fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
-    let entry = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+    let entry = |v: &Variant| (v.method.name, v.setup.with_extent(extent).recorded(Some(v.method)));
     json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
 
@@ -207,7 +214,7 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
     let pass = |(i, p): (usize, &PassTime)| PassRecord {
         name: p.name.clone(),
         counted: p.counted,
-        stats: Stats::of(&of_pass(&samples, i)),
+        stats: Stats::from_samples(&of_pass(&samples, i)),
         noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
         work: work.get(i).copied(),
     };
@@ -215,9 +222,9 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
     Some(TimeRecord {
         head,
         passes,
-        total: Stats::of(&totals(&reports)),
+        total: Stats::from_samples(&totals(&reports)),
         noise_floor: noise_floor(&totals(&reports), &totals(&reports_again), SEED),
-        frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
+        frame: Stats::from_samples(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
         drawn: first.drawn,
         recorded: first.report.recorded.clone(),
         skipped: first.report.skipped.clone(),
@@ -281,7 +288,7 @@ mod tests {
         let scene = library::scene("rooms").expect("built in");
         let key = |method: &'static MethodInfo, setup: &Setup| {
             let (sizes, globals) = (vec![[64, 48]], vec![Globals::default()]);
-            let (view, variants) = (&scene.views[0], Variant::of(&[method], setup));
+            let (view, variants) = (&scene.views[0], Variant::for_methods(&[method], setup));
             let spec = TimeSpec {
                 gpu: &gpu,
                 scene: &scene,
@@ -301,7 +308,7 @@ mod tests {
             let before = key(method, &base);
             for parameter in method.reads() {
                 let mut changed = base.clone();
-                changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
+                changed.values.set(&parameter, another(&parameter, base.values.value(&parameter)));
                 assert_ne!(before, key(method, &changed), "{} of {}", parameter.name, method.name);
             }
         }

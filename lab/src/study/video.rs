@@ -219,7 +219,7 @@ fn start_film(
     camera: Camera,
     materials: &[Material],
 ) -> Result<VariantFilm> {
-    let setup = variant.setup.at(spec.extent);
+    let setup = variant.setup.with_extent(spec.extent);
     let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
     // The timed shot makes no separate image of the reflection, as in the time study.
     let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
@@ -350,7 +350,7 @@ fn record(
     let mean =
         |value: fn(&VideoFrame) -> f64| filmed.frames.iter().map(value).sum::<f64>() / filmed.frames.len() as f64;
     let times: Vec<f64> = filmed.frames.iter().map(|f| f.effect_ms).collect();
-    let (setup, place) = (variant.setup.at(spec.extent), (&spec.study.scene, start));
+    let (setup, place) = (variant.setup.with_extent(spec.extent), (&spec.study.scene, start));
     Ok(VideoRecord {
         head: Head::new("video", spec.gpu, place, RecordSubject::Method(variant.method), &setup, &spec.globals),
         way: spec.study.way.name().to_owned(),
@@ -362,7 +362,7 @@ fn record(
         jitter: spec.study.jitter,
         frames_per_second: spec.study.frames_per_second,
         rays: spec.study.rays,
-        time_ms: Stats::of(&times).median_ms,
+        time_ms: Stats::from_samples(&times).median_ms,
         rmse: mean(|f| f.rmse),
         flip: mean(|f| f.flip),
         flicker: filmed.change.mean(filmed.change.flicker),

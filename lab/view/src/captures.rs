@@ -37,7 +37,7 @@ impl CaptureEditor {
             self.message = format!("a scene has at most {MAX_CAPTURES} captures");
             return;
         }
-        let like = list.first().copied().unwrap_or(Capture::at(place));
+        let like = list.first().copied().unwrap_or(Capture::placed_at(place));
         list.push(Capture { position: place, ..like });
         self.selected = list.len() - 1;
         self.message = format!("capture {} added", list.len());
@@ -113,7 +113,7 @@ mod tests {
         let old = "[[capture]] # old\nplace = [9, 9, 9]\n\n";
         std::fs::write(&path, format!("{rest}{old}[view.hall]\neye = [0, 1, 0]\nlook_at = [1, 1, 0]\n")).unwrap();
         let mut editor = CaptureEditor::new(std::slice::from_ref(&path), 0.5);
-        let shown = [Capture { resolution: 64, ..Capture::at(Vec3::ONE) }];
+        let shown = [Capture { resolution: 64, ..Capture::placed_at(Vec3::ONE) }];
         editor.add(&shown, Vec3::X);
         editor.add(&shown, Vec3::Y);
         editor.put(&shown, Vec3::Z);
@@ -148,12 +148,12 @@ mod tests {
             [("capture = [{ place = [0, 0, 0] }]\n", "other tables than [[capture]]"), ("no toml at all", "expected")]
         {
             std::fs::write(&path, text).unwrap();
-            editor.save(&[Capture::at(Vec3::ZERO)]);
+            editor.save(&[Capture::placed_at(Vec3::ZERO)]);
             assert!(editor.message.contains(said) && editor.message.contains("a.toml"), "{}", editor.message);
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
         std::fs::remove_file(&path).unwrap();
-        editor.save(&[Capture::at(Vec3::ZERO)]);
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), Capture::at(Vec3::ZERO).to_toml());
+        editor.save(&[Capture::placed_at(Vec3::ZERO)]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), Capture::placed_at(Vec3::ZERO).to_toml());
     }
 }

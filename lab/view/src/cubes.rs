@@ -92,16 +92,16 @@ impl CubeImage {
             let layer = first + face as u32;
             match self.part {
                 CubePart::Color => {
-                    let seen = read.at(x, layer * side + y);
+                    let seen = read.texel(x, layer * side + y);
                     let behind = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - seen[3]);
                     (Vec3::from_slice(seen) + behind).extend(1.0).to_array()
                 }
                 CubePart::Depth => {
                     // Fronts stand in strips of columns (`shaders-glsl/unified/pyramid.glsl`).
-                    let front = read.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
+                    let front = read.texel((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
                     [front.max(0.0), 0.0, 0.0, 1.0]
                 }
-                CubePart::Normal => Vec3::from_slice(read.at(x, layer * side + y)).extend(1.0).to_array(),
+                CubePart::Normal => Vec3::from_slice(read.texel(x, layer * side + y)).extend(1.0).to_array(),
             }
         };
         Ok((0..extent[0] * extent[1]).map(texel).collect())
@@ -132,7 +132,7 @@ impl Cross {
     }
 
     /// The face in which a direction in world axes is seen, and the point of the picture at which it is seen, in pixels.
-    pub fn at(&self, direction: Vec3) -> (usize, Vec2) {
+    pub fn face_and_point(&self, direction: Vec3) -> (usize, Vec2) {
         let a = direction.abs();
         let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
         let (face, greatest) = if a.x >= a.y && a.x >= a.z {
@@ -155,7 +155,7 @@ impl Cross {
     pub fn way(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
         let mut lines: Vec<(usize, Vec<Vec2>)> = Vec::new();
         for point in points.iter().filter(|p| **p != capture.position) {
-            let (face, position) = self.at(*point - capture.position);
+            let (face, position) = self.face_and_point(*point - capture.position);
             match lines.last_mut().filter(|(last, _)| *last == face) {
                 Some((_, line)) => line.push(position),
                 None => lines.push((face, vec![position])),
@@ -184,7 +184,7 @@ mod tests {
         let cross = Cross::new([403, 290]);
         for face in 0..6 {
             for uv in [Vec2::new(0.5, 0.5), Vec2::new(0.1, 0.8), Vec2::new(0.9, 0.3)] {
-                let (found, position) = cross.at(7.0 * sky::face_direction(face, uv.x, uv.y));
+                let (found, position) = cross.face_and_point(7.0 * sky::face_direction(face, uv.x, uv.y));
                 let (there, back) = cross.face_at(position).unwrap();
                 assert!(found == face && there == face && back.distance(uv) < 1e-4, "{face}: {found}, {there}, {back}");
             }

@@ -71,13 +71,13 @@ impl History {
     pub fn stages(&self) -> Vec<(String, bool, Stats)> {
         let Some((_, last)) = self.frames.back() else { return Vec::new() };
         let times = |i: usize| self.frames.iter().map(|(_, stages)| stages[i].ms).collect::<Vec<_>>();
-        last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::of(&times(i)))).collect()
+        last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::from_samples(&times(i)))).collect()
     }
 
     /// Statistics of the method's time, the sum of the stages that count.
     pub fn total(&self) -> Stats {
         let sum = |stages: &[StageTime]| stages.iter().filter(|s| s.counted).map(|s| s.ms).sum();
-        Stats::of(&self.frames().map(sum).collect::<Vec<f64>>())
+        Stats::from_samples(&self.frames().map(sum).collect::<Vec<f64>>())
     }
 }
 

@@ -84,7 +84,7 @@ impl PathEditor {
     pub fn advance(&mut self, seconds: f32) -> Option<(Vec3, Vec3)> {
         let (path, share) = self.playing.as_mut()?;
         *share += seconds / self.seconds.max(0.1);
-        let place = path.at(*share);
+        let place = path.eye_and_look_at(*share);
         if *share >= 1.0 {
             self.playing = None;
         }

@@ -258,7 +258,7 @@ impl Pictures {
     }
 
     fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
-        let setup = side.setup.at(wanted.extent);
+        let setup = side.setup.with_extent(wanted.extent);
         Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())
     }
 }

@@ -85,7 +85,7 @@ impl Script {
         let Some(frames) = self.plan.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
         viewer.invalidate();
         if let Some(path) = &self.plan.path {
-            let place = path.at(self.shown as f32 / (frames - 1).max(1) as f32);
+            let place = path.eye_and_look_at(self.shown as f32 / (frames - 1).max(1) as f32);
             viewer.state.steer(|camera| {
                 camera.put(place);
                 true

@@ -353,6 +353,7 @@ impl Viewer {
         (output, actions)
     }
 
+    /// Returns the frame to draw for the settings of the panel, at a size in pixels.
     pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
         FrameRequest { captures: self.captures.list.clone(), ..self.state.wanted(&self.scene, extent) }
     }

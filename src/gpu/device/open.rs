@@ -332,7 +332,7 @@ pub(super) fn open_device(
     let names_objects = debug.is_some() && !query.compiles_only;
     Ok(Shared {
         executables: query.compiles_only.then(|| Executables::new(&instance, &device)),
-        ray_queries: has_queries.map(|()| RayQueries::of(&instance, physical, &device)),
+        ray_queries: has_queries.map(|()| RayQueries::load(&instance, physical, &device)),
         debug_device: names_objects.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: Some(Mutex::new(queue)),
         entry,

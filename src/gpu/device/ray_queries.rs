@@ -17,7 +17,7 @@ pub struct RayQueries {
 
 impl RayQueries {
     /// Loads the functions and limits of a device that has ray queries on.
-    pub fn of(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Self {
+    pub fn load(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Self {
         let mut limits = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
         // SAFETY: the physical device belongs to the instance and has the extension.

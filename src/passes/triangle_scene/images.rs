@@ -56,7 +56,7 @@ struct Layout {
 
 impl Layout {
     /// Lays out images, each given by its size, its encoding, and the number of texels of each of its levels.
-    fn of(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
+    fn for_images(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
         let images: Vec<_> = images.collect();
         let mut words = WHITE_WORDS.to_vec();
         let mut maps = Vec::with_capacity(images.len());
@@ -85,7 +85,7 @@ impl TriangleImages {
             let texels = (0..levels(image)).map(|level| texels(image, level)).collect();
             (image.extent(), *encoding, texels)
         });
-        let Layout { words, maps, end } = Layout::of(laid);
+        let Layout { words, maps, end } = Layout::for_images(laid);
         let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(end))?;
         let bytes = bytemuck::cast_slice(&words);
         let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
@@ -113,13 +113,13 @@ impl TriangleImages {
             let texels = levels.iter().map(|level| level.len() as u32).collect();
             ([texture.width, texture.height], texture.encoding, texels)
         });
-        let Layout { mut words, maps, .. } = Layout::of(laid);
+        let Layout { mut words, maps, .. } = Layout::for_images(laid);
         words.extend(textures.iter().flat_map(|(_, levels)| levels.iter().flatten()));
         (words, maps)
     }
 
     /// Makes the images of a buffer that holds their words.
-    pub(in crate::passes) fn of(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
+    pub(in crate::passes) fn from_buffer(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
         Self { maps, buffer }
     }
 

@@ -14,7 +14,7 @@ const TIMED_BY: &str = "ssct";
 struct Run(Vec<Value>);
 
 impl Run {
-    fn of(folder: &Path, variant: &str, scene: &str) -> Result<Self> {
+    fn read(folder: &Path, variant: &str, scene: &str) -> Result<Self> {
         let mut records = json(&folder.join(variant), "error.json")?;
         records.retain(|record| record["scene"] == scene);
         Ok(Self(records))
@@ -63,7 +63,7 @@ pub fn layers(folder: &Path) -> Result<String> {
     for method in ["poster", "ssr", "dda"] {
         let mut rows = Vec::new();
         for scene in SCENES {
-            let runs = ["one", "empty", "two"].map(|variant| Run::of(folder, variant, scene));
+            let runs = ["one", "empty", "two"].map(|variant| Run::read(folder, variant, scene));
             let [one, empty, two] = runs;
             let (one, empty, two) = (one?, empty?, two?);
             let values = vec![
@@ -98,7 +98,7 @@ pub fn layers(folder: &Path) -> Result<String> {
 pub fn layers_gloss(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {
-        let (one, two) = (Run::of(folder, "1", scene)?, Run::of(folder, "2", scene)?);
+        let (one, two) = (Run::read(folder, "1", scene)?, Run::read(folder, "2", scene)?);
         rows.push((vec![scene.to_owned()], vec![one.error("poster", "0.3")?, two.error("poster", "0.3")?]));
     }
     table(&["scene", "error, 1 layer", "2 layers"], with_means(rows, &[error, error], &["*all six*"]))
@@ -114,7 +114,8 @@ pub fn camera_capture(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for (name, variant) in CAPTURES {
         let over = |value: &dyn Fn(&Run, &Run) -> Result<f64>| {
-            let scene_value = |scene: &&str| value(&Run::of(folder, variant, scene)?, &Run::of(folder, "none", scene)?);
+            let scene_value =
+                |scene: &&str| value(&Run::read(folder, variant, scene)?, &Run::read(folder, "none", scene)?);
             mean(&SCENES.iter().map(scene_value).collect::<Result<Vec<_>>>()?)
         };
         let time = |roughness: &'static str| {
@@ -137,7 +138,7 @@ pub fn camera_capture(folder: &Path) -> Result<String> {
 pub fn camera_by_scene(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {
-        let runs = CAPTURES.map(|(_, variant)| Run::of(folder, variant, scene));
+        let runs = CAPTURES.map(|(_, variant)| Run::read(folder, variant, scene));
         let runs = runs.into_iter().collect::<Result<Vec<_>>>()?;
         let mut values = runs.iter().map(|run| run.error("unified", "0")).collect::<Result<Vec<_>>>()?;
         values.extend(runs.iter().map(|run| run.places("unified")).collect::<Result<Vec<_>>>()?);
@@ -156,7 +157,7 @@ pub fn camera_by_scene(folder: &Path) -> Result<String> {
 pub fn camera_behind(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {
-        let runs = ["none", "behind-camera", "behind-auto"].map(|variant| Run::of(folder, variant, scene));
+        let runs = ["none", "behind-camera", "behind-auto"].map(|variant| Run::read(folder, variant, scene));
         let errors = runs.into_iter().map(|run| run?.error("ssct", "0")).collect::<Result<Vec<_>>>()?;
         rows.push((vec![scene.to_owned()], errors));
     }
@@ -169,7 +170,7 @@ pub fn face_sizes(folder: &Path) -> Result<String> {
     const SIDES: [&str; 3] = ["128", "256", "512"];
     let mut rows = Vec::new();
     for scene in SCENES {
-        let runs = SIDES.map(|side| Run::of(folder, side, scene)).into_iter().collect::<Result<Vec<_>>>()?;
+        let runs = SIDES.map(|side| Run::read(folder, side, scene)).into_iter().collect::<Result<Vec<_>>>()?;
         let mut values = runs.iter().map(|run| run.error("unified", "0")).collect::<Result<Vec<_>>>()?;
         values.extend(runs.iter().map(|run| run.places("unified")).collect::<Result<Vec<_>>>()?);
         values.extend(runs.iter().map(|run| run.time("unified", "0")).collect::<Result<Vec<_>>>()?);

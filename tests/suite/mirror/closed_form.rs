@@ -21,7 +21,7 @@ struct Compared {
 }
 
 impl Compared {
-    fn at(&self, share: f64) -> f64 {
+    fn error_at(&self, share: f64) -> f64 {
         self.errors[((self.errors.len() - 1) as f64 * share) as usize]
     }
 }
@@ -38,10 +38,10 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
         let wall = p + r * ((WALL_Z - p.z) / r.z);
         let Some(expected) = on_screen(shown, wall) else { continue };
         found.expected += 1;
-        let hit = hits.at(x, y);
+        let hit = hits.texel(x, y);
         if path(hit) != PathCode::HiZ {
             assert_eq!(path(hit), PathCode::Miss, "({x}, {y})");
-            assert_eq!(reflection.at(x, y), [0.0; 4], "a miss is black");
+            assert_eq!(reflection.texel(x, y), [0.0; 4], "a miss is black");
             found.missed += 1;
             continue;
         }
@@ -54,8 +54,12 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
         let above = (wall + EYE).dot(case.normal()) * pixels_a_metre;
         if inside.min(above) > margin {
             let right = cell_color(cell.x as u32, cell.y as u32);
-            assert!(is_near(bytes(reflection.at(x, y)), right), "({x}, {y}): {:?}, not {right:?}", reflection.at(x, y));
-            assert!(is_near(bytes(composite.at(x, y)), right), "({x}, {y}): composite {:?}", composite.at(x, y));
+            assert!(
+                is_near(bytes(reflection.texel(x, y)), right),
+                "({x}, {y}): {:?}, not {right:?}",
+                reflection.texel(x, y)
+            );
+            assert!(is_near(bytes(composite.texel(x, y)), right), "({x}, {y}): composite {:?}", composite.texel(x, y));
             found.colored += 1;
         }
     }
@@ -93,10 +97,10 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                     found.expected,
                     found.missed,
                     found.colored,
-                    found.at(0.5),
-                    found.at(0.9),
-                    found.at(0.99),
-                    found.at(1.0)
+                    found.error_at(0.5),
+                    found.error_at(0.9),
+                    found.error_at(0.99),
+                    found.error_at(1.0)
                 );
                 assert!(found.expected > extent[0] as usize * extent[1] as usize / 4, "{what}");
                 assert!(found.colored > found.expected / 4, "{what}");
@@ -104,9 +108,9 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 // 3e-2 at 20 m in the worst twentieth (docs/numerics.md, "Errata of the thesis"), thus by 3e-3 at 6 m,
                 // as its cancellation grows with the square of the distance; times 30 pixels that a ray
                 // typically drifts across before the depth plane stops it.
-                assert!(found.at(0.5) < 0.02 && found.at(0.9) < 0.1, "{what}");
-                assert!(found.at(0.97) < 1.5, "{what}");
-                assert!(found.at(1.0) < farthest, "{what}");
+                assert!(found.error_at(0.5) < 0.02 && found.error_at(0.9) < 0.1, "{what}");
+                assert!(found.error_at(0.97) < 1.5, "{what}");
+                assert!(found.error_at(1.0) < farthest, "{what}");
                 // A first step that ends outside the screen.
                 assert!(found.missed * 5_000 <= found.expected, "{what}");
             }
@@ -132,7 +136,7 @@ fn far_rays_fall_back_as_published() {
         let (mut near, mut far) = (0, 0);
         for (x, y, uv) in reflecting(&shown) {
             let (p, _) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
-            let by = path(shown.get("hits").at(x, y)).by_hi_z();
+            let by = path(shown.get("hits").texel(x, y)).by_hi_z();
             if p.z < 25.0 {
                 near += 1;
                 assert_eq!(by, Some(true), "{method}, {} m", p.z);

@@ -43,7 +43,7 @@ fn ended(case: &Case, shown: &Shown) -> Vec<Ended> {
         }
         let (from, to) = (project(p, &matrix), project(wall, &matrix));
         let direction = (to - from).normalize();
-        let hit = hits.at(x, y);
+        let hit = hits.texel(x, y);
         let is_hit = path(hit).is_hit();
         let offset = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2])) - from;
         let along = offset.dot(direction);

@@ -73,19 +73,19 @@ fn right_is_right_and_down_is_up() {
         let shown = show(&gpu, &scene, view, method, &setup, &globals);
         let (lit, reflection) = (shown.get("color"), shown.get("reflection"));
         // Directly: rows from the top, so the top quarters are seen in the top rows.
-        assert_eq!(bytes(lit.at(40, 10)), GREEN);
-        assert_eq!(bytes(lit.at(280, 10)), WHITE);
-        assert_eq!(bytes(lit.at(40, 130)), BLUE);
-        assert_eq!(bytes(lit.at(280, 130)), RED);
+        assert_eq!(bytes(lit.texel(40, 10)), GREEN);
+        assert_eq!(bytes(lit.texel(280, 10)), WHITE);
+        assert_eq!(bytes(lit.texel(40, 130)), BLUE);
+        assert_eq!(bytes(lit.texel(280, 130)), RED);
         // Mirrored in the floor: sides stay, up and down change places. SSLR's blur may mix in a hundredth
         // of the next quarter, which sRGB shows as 25.
         let slack = if roughness > 0.0 { 25 } else { 0 };
         for (x, y, color) in [(40, 160, BLUE), (280, 160, RED), (40, 235, GREEN), (280, 235, WHITE)] {
-            let found = bytes(reflection.at(x, y));
+            let found = bytes(reflection.texel(x, y));
             let near = found.iter().zip(color).all(|(f, c)| f.abs_diff(c) <= slack);
             assert!(near, "{method}, {setup:?}, ({x}, {y}): {found:?}, not {color:?}");
         }
-        assert_eq!(reflection.at(40, 10), [0.0; 4], "the wall does not reflect");
+        assert_eq!(reflection.texel(40, 10), [0.0; 4], "the wall does not reflect");
     }
 }
 
@@ -134,7 +134,7 @@ fn roughness_changes_the_reflection() {
         assert!(difference > 0.02, "{method}: {difference}");
         // Blurring keeps the mean colour, roughly, and takes contrast away.
         let spread = |shown: &Shown| {
-            let rows: Vec<f32> = (120..200).map(|x| shown.get("reflection").at(x, 220)[0]).collect();
+            let rows: Vec<f32> = (120..200).map(|x| shown.get("reflection").texel(x, 220)[0]).collect();
             let mean = rows.iter().sum::<f32>() / rows.len() as f32;
             (mean, (rows.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / rows.len() as f32).sqrt())
         };
@@ -186,15 +186,15 @@ fn sky_does_not_reflect_but_windows_are_hit() {
         let (depth, hits, lit) = (shown.get("depth"), shown.get("hits"), shown.get("color"));
         let (mut sky, mut glass, mut in_mirror) = (0, 0, 0);
         for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
-            let reflection = shown.get("reflection").at(x, y);
-            let is_mirror = shown.get("material").at(x, y)[0] > 0.5;
+            let reflection = shown.get("reflection").texel(x, y);
+            let is_mirror = shown.get("material").texel(x, y)[0] > 0.5;
             if !is_mirror {
-                assert_eq!(path(hits.at(x, y)), PathCode::None, "({x}, {y})");
+                assert_eq!(path(hits.texel(x, y)), PathCode::None, "({x}, {y})");
                 assert_eq!(reflection, [0.0; 4], "({x}, {y})");
-                assert_eq!(shown.get("composite").at(x, y)[..3], lit.at(x, y)[..3], "({x}, {y})");
-                assert!(lit.at(x, y)[2] > 0.05, "sky and windows show the environment");
-                sky += usize::from(depth.at(x, y)[0] == 0.0);
-                glass += usize::from(depth.at(x, y)[0] > 0.0);
+                assert_eq!(shown.get("composite").texel(x, y)[..3], lit.texel(x, y)[..3], "({x}, {y})");
+                assert!(lit.texel(x, y)[2] > 0.05, "sky and windows show the environment");
+                sky += usize::from(depth.texel(x, y)[0] == 0.0);
+                glass += usize::from(depth.texel(x, y)[0] > 0.0);
                 continue;
             }
             let uv = DVec2::new((f64::from(x) + 0.5) / 320.0, (f64::from(y) + 0.5) / 240.0);
@@ -202,7 +202,7 @@ fn sky_does_not_reflect_but_windows_are_hit() {
             let point = p + r * ((6.0 - p.z) / r.z);
             if point.x.abs() < 1.8 && (0.2..2.8).contains(&(point.y + EYE.y)) {
                 let expected = on_screen(&shown, point).expect("the window is on screen");
-                let hit = hits.at(x, y);
+                let hit = hits.texel(x, y);
                 assert_eq!(path(hit), PathCode::HiZ, "{method}, ({x}, {y})");
                 let error = (DVec2::new(f64::from(hit[0]), f64::from(hit[1])) - expected) * DVec2::new(320.0, 240.0);
                 assert!(error.abs().max_element() < 2.54, "{method}, ({x}, {y}): {error} pixels off");

@@ -50,8 +50,8 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     let (mut away, mut towards, mut on_ceiling, mut red) = (0, 0, 0, 0);
     for (x, y, uv) in reflecting(&ssct) {
         let (r, meets) = Ramp::ray(&ssct, uv);
-        let paths = [&ssct, &hzct].map(|s| path(s.get("hits").at(x, y)));
-        let colors = [&ssct, &hzct].map(|s| s.get("reflection").at(x, y));
+        let paths = [&ssct, &hzct].map(|s| path(s.get("hits").texel(x, y)));
+        let colors = [&ssct, &hzct].map(|s| s.get("reflection").texel(x, y));
         // The threshold is not at 0 but at a V_z of 1e-5, for a ray of one near-plane length.
         if r.z > 0.03 {
             away += 1;
@@ -61,7 +61,7 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
             assert_eq!(paths[0].by_hi_z(), Some(false), "({x}, {y}), {r}");
             assert_eq!(paths[1], PathCode::Untraced, "({x}, {y}), {r}");
             assert_eq!(colors[1], [0.0; 4], "hzct is black");
-            assert_eq!(hzct.get("composite").at(x, y)[..3], [0.0; 3], "hzct is black");
+            assert_eq!(hzct.get("composite").texel(x, y)[..3], [0.0; 3], "hzct is black");
             if meets {
                 on_ceiling += 1;
                 red += usize::from(paths[0] == PathCode::Linear && bytes(colors[0]) == [255, 0, 0]);
@@ -87,7 +87,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
         for (shown, is_ramp) in [(&wall, false), (&ramp, true)] {
             let (hits, reflection) = (shown.get("hits"), shown.get("reflection"));
             for (x, y, uv) in reflecting(shown) {
-                let hit = hits.at(x, y);
+                let hit = hits.texel(x, y);
                 if !path(hit).is_hit() {
                     continue;
                 }
@@ -102,13 +102,13 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
                     // The normal is stored in f16: 5e-4 at most, twice that in R, ten times in the fade.
                     tolerance = 0.012;
                 }
-                let found = f64::from(reflection.at(x, y)[3]);
+                let found = f64::from(reflection.texel(x, y)[3]);
                 assert!((found - fade).abs() <= tolerance, "{method}, ({x}, {y}): {found} against {fade}");
                 if !is_ramp {
                     none += usize::from(fade == 0.0);
                     part += usize::from(fade > 0.0 && fade < 1.0);
                     whole += usize::from(fade == 1.0);
-                    let (color, composite) = (reflection.at(x, y), shown.get("composite").at(x, y));
+                    let (color, composite) = (reflection.texel(x, y), shown.get("composite").texel(x, y));
                     for c in 0..3 {
                         assert!((composite[c] - color[c] * color[3]).abs() <= 1.0 / 1024.0, "({x}, {y})");
                     }

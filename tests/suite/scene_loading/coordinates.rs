@@ -58,7 +58,8 @@ fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
 #[test]
 fn a_motion_turns_as_its_coordinates_do() {
     // A quarter turn about +y brings x to -z in either hand's file, about a pivot at z = 1, and then all moves by 2 along z.
-    let corner = |scene: &Scene, z: f32| scene.motions[0].at(1.0).next().unwrap().1.place(Vec3::new(1.0, 0.0, z));
+    let corner =
+        |scene: &Scene, z: f32| scene.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(1.0, 0.0, z));
     let right = corner(&placed("", PLACES), -1.0);
     assert!(right.distance(Vec3::new(0.0, 0.0, -2.0)) < 1e-5, "z = 1 − 1 + 2 in the file: {right}");
     let left = corner(&placed("coordinates = 'left'\n", PLACES), 1.0);

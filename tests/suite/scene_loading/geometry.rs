@@ -298,7 +298,7 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     }
     // What lies between the key frames goes along as well.
     for share in [0.0, 0.3, 0.5, 0.9] {
-        let [was, is, large] = [&before, &moved, &scaled].map(|s| s.paths[0].at(share).0);
+        let [was, is, large] = [&before, &moved, &scaled].map(|s| s.paths[0].eye_and_look_at(share).0);
         assert!(is.distance(was + offset) < 1e-4 && large.distance(factor * was) < 1e-4, "{share}");
     }
 }
@@ -307,7 +307,7 @@ fn with_a_path(mut scene: Scene) -> Scene {
     let path = ssct_lab::scene::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);
     scene.lights.push(Light::Point { position: Vec3::ONE, energy: 1.0 });
-    scene.captures.push(ssct_lab::scene::Capture::at(Vec3::new(1.0, 2.0, 3.0)));
+    scene.captures.push(ssct_lab::scene::Capture::placed_at(Vec3::new(1.0, 2.0, 3.0)));
     scene
 }
 

@@ -30,7 +30,7 @@ fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
 
 /// Where the lower left corner of the square that moves is at a time; in the file it is at (1, 5, 0).
 fn corner(scene: &Scene, time_s: f32) -> Vec3 {
-    let moved: Vec<_> = scene.motions[0].at(time_s).collect();
+    let moved: Vec<_> = scene.motions[0].placements_at(time_s).collect();
     assert_eq!(moved.len(), 1, "one of the two squares moves");
     assert_eq!(moved[0].0, "square");
     moved[0].1.place(Vec3::new(1.0, 5.0, 0.0))
@@ -71,7 +71,7 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     // Everything is as much larger, and so is the way.
     let mut doubled = moved.clone();
     doubled.scale(2.0);
-    let position = doubled.motions[0].at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
+    let position = doubled.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
     assert!(position.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{position}");
 }
 
@@ -107,7 +107,7 @@ fn scene_files_name_motions() {
         of_file(&format!("[motion.fly]\nmesh = \"flag\"\npivot = [0, 0, 0]\naxis = [0, 0, 2]\n{keys}")).unwrap();
     let Motion { name, .. } = &scene.motions[0];
     assert_eq!(name, "fly");
-    let position = |time_s: f32| scene.motions[0].at(time_s).next().unwrap().1.place(Vec3::X);
+    let position = |time_s: f32| scene.motions[0].placements_at(time_s).next().unwrap().1.place(Vec3::X);
     assert!(position(0.5).distance(Vec3::X) < 1e-6, "{}", position(0.5));
     let half = Quat::from_rotation_z(45f32.to_radians()) * Vec3::X + Vec3::Y;
     assert!(position(1.5).distance(half) < 1e-5, "{}", position(1.5));

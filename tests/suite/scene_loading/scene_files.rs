@@ -218,7 +218,7 @@ fn captures_arrive_and_can_be_written_again() {
     let again = load(&folder(&format!("coordinates = 'left'\n[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
     assert_eq!(again.captures, scene.captures);
     let bare = load(&folder("[[mesh]]\nfile = 'a.obj'\n[[capture]]\nplace = [0, 1, 0]\n"), 2.0).unwrap();
-    let scaled = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::at(2.0 * Vec3::Y) };
+    let scaled = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::placed_at(2.0 * Vec3::Y) };
     assert_eq!(bare.captures, [scaled]);
 }
 
@@ -440,7 +440,11 @@ fn a_scene_file_may_have_paths_and_their_faults_have_a_line() {
     let scene = load(&folder(text), 2.0).unwrap();
     let [path] = &scene.paths[..] else { panic!("{:?}", scene.paths) };
     assert_eq!((path.name.as_str(), path.keys().len(), path.keys()[1].time_s), ("walk", 2, Some(3.0)));
-    assert_eq!(path.at(1.0), ([4.0, 2.0, 0.0].into(), [0.0, 2.0, -8.0].into()), "scaled and mirrored like views");
+    assert_eq!(
+        path.eye_and_look_at(1.0),
+        ([4.0, 2.0, 0.0].into(), [0.0, 2.0, -8.0].into()),
+        "scaled and mirrored like views"
+    );
     let wrong = load(&folder(&text.replace("time = 3", "time = 0")), 1.0).unwrap_err().to_string();
     assert!(wrong.ends_with("test.scene.toml:7: its time must be after 0, but is 0"), "{wrong}");
 }

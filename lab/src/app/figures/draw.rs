@@ -87,7 +87,7 @@ fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
 fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
     let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
     levels
-        .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::of).collect() })
+        .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::from_texel).collect() })
         .collect()
 }
 
@@ -130,13 +130,13 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fini
     let chain = hi_z(&all);
     let normals = find(&all, "normal")?;
     let extent = [normals.width, normals.height];
-    let published: HiZParams = Setup::new(extent).of();
+    let published: HiZParams = Setup::new(extent).parameters();
     let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
     let constants = hi_z_constants(&numbers);
     let size = Vec2::new(extent[0] as f32, extent[1] as f32);
     let traced = |n: usize| -> Option<HiZTrace> {
         let (x, y) = (n as u32 % extent[0], n as u32 / extent[0]);
-        let normal = Vec3::from_slice(normals.at(x, y)).try_normalize()?;
+        let normal = Vec3::from_slice(normals.texel(x, y)).try_normalize()?;
         let z = chain.first()?.at_clamped(x, y).min;
         let p_ss = ((Vec2::new(x as f32, y as f32) + 0.5) / size).extend(z);
         let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);

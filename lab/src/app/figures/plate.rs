@@ -54,7 +54,7 @@ impl PrintedScene {
     }
 
     /// The printed scene that a file holds.
-    pub fn of(scene: &Scene) -> Option<Self> {
+    pub fn from_scene(scene: &Scene) -> Option<Self> {
         let has = |name: &&str| scene.views.iter().any(|v| v.name == *name);
         [Self::Rooms, Self::Sponza].into_iter().find(|printed| printed.views().iter().all(&has))
     }

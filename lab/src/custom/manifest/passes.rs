@@ -199,7 +199,7 @@ impl KnownNames<'_> {
 
 impl PassInput {
     /// The place of the input in the manifest.
-    pub fn at(&self) -> &Range<usize> {
+    pub fn span(&self) -> &Range<usize> {
         &self.span
     }
 }

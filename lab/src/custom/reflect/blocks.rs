@@ -36,7 +36,7 @@ impl BlockLayout {
     ///
     /// # Errors
     /// A sentence on a block that is too large, or has something else than numbers.
-    pub(super) fn of(code: &SpirvCode, id: u32, variable: u32) -> Result<Self, String> {
+    pub(super) fn from_type(code: &SpirvCode, id: u32, variable: u32) -> Result<Self, String> {
         let mut block = Self { fields: Vec::new(), size: 0 };
         let reached = code.reached_members(variable);
         for member in 0..code.members(id).len() as u32 {

@@ -24,7 +24,7 @@ pub enum Fetches {
 
 impl Fetches {
     /// The texels of the level below from which a cell is made; texels beyond the edge are those at the edge.
-    fn of(self, [x, y]: [u32; 2], below: &Level<f32>) -> [[u32; 2]; 4] {
+    fn texels(self, [x, y]: [u32; 2], below: &Level<f32>) -> [[u32; 2]; 4] {
         let offset = |side| if self == Self::Offset { hi_z::offset(side) } else { 1 };
         let (dx, dy) = (offset(below.width), offset(below.height));
         [(0, 0), (dx, 0), (0, dy), (dx, dy)]
@@ -37,7 +37,7 @@ pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
     let reduce = |below: &Level<f32>| {
         let (width, height) = below.coarser()?;
         let least = |x, y| {
-            let read = Fetches::Neighbours.of([x, y], below).map(|[x, y]| below.at_clamped(x, y));
+            let read = Fetches::Neighbours.texels([x, y], below).map(|[x, y]| below.at_clamped(x, y));
             read.into_iter().fold(f32::INFINITY, f32::min)
         };
         Some(Level::from_fn(width, height, least))
@@ -134,7 +134,7 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
     let mut read = vec![false; level.texels.len()];
     for y in 0..above.height {
         for x in 0..above.width {
-            let mut texels = fetches.of([x, y], level).to_vec();
+            let mut texels = fetches.texels([x, y], level).to_vec();
             texels.dedup();
             for [i, j] in texels {
                 read[(j * level.width + i) as usize] = true;

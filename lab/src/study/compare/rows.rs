@@ -58,7 +58,7 @@ impl TimeComparison {
             return false;
         };
         let enough = self.samples_a.min(self.samples_b) >= MIN_SAMPLES;
-        enough && Verdict::of(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
+        enough && Verdict::for_ratio(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
     }
 
     /// The sort key of a row in a table. The total comes first, then passes that became faster or slower, by the difference of

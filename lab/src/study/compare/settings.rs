@@ -113,8 +113,8 @@ impl Selection {
         names.into_iter().map(shown).collect()
     }
 
-    /// The selected group among some groups of one place: the only group, or the only group in which all parameters that are
-    /// not named have their preset's values.
+    /// The selected group among some groups of one place: the one in which the fewest parameters that the selection does not name
+    /// differ from the preset.
     ///
     /// # Errors
     /// A sentence with two of the groups, if several fit.

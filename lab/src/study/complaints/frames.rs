@@ -129,7 +129,7 @@ impl Lineup {
     fn new(stage: &mut Stage, take: &Take, frame: &Frame, variants: &[Variant]) -> Result<Self> {
         let camera = frame.camera(&take.scene);
         let materials = &take.scene.materials;
-        let setup = |variant: &Variant| (take.set)(variant.setup.at(frame.extent)).seen_by(camera.kind());
+        let setup = |variant: &Variant| (take.set)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
         let mut effects = Vec::new();
         if take.spoil.is_some() {
             let (context, data) = stage.parts();

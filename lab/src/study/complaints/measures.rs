@@ -185,7 +185,8 @@ struct ChangeSums {
 }
 
 impl ChangeSums {
-    fn of(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
+    /// Sums what two frames that follow each other change, by a method and in truth.
+    fn over_frames(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
         let mut sums = Self::default();
         for pair in all.windows(2) {
             let frames = [&pair[0], &pair[1]];
@@ -212,14 +213,14 @@ impl ChangeSums {
 /// How far changes from frame to frame differ from the true changes: the mean absolute difference over changes and channels, in
 /// percent of the true changes.
 pub fn off_change(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
-    let sums = ChangeSums::of(all, variant, changes);
+    let sums = ChangeSums::over_frames(all, variant, changes);
     sums.percent_of(sums.own)
 }
 
 /// How far changes from frame to frame differ from the true changes, in percent of the true mean colour, for films whose true
 /// reflection hardly changes.
 pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
-    let sums = ChangeSums::of(all, variant, changes);
+    let sums = ChangeSums::over_frames(all, variant, changes);
     sums.percent_of(sums.bright[0])
 }
 

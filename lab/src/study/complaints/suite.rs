@@ -56,7 +56,7 @@ impl ComplaintStudy {
     ) -> ComplaintRow {
         let (name, method_variant) = &self.variants[variant];
         let first = &take.frames[0];
-        let setup = (take.set)(method_variant.setup.at(first.extent));
+        let setup = (take.set)(method_variant.setup.with_extent(first.extent));
         let lens = first.view.lens.unwrap_or(take.scene.lens);
         ComplaintRow {
             kind: "complaints".to_owned(),

@@ -23,7 +23,7 @@ struct JudgedImage<'a> {
 measured_columns! {
     /// What is wrong with an image. What has no meaning is null.
     #[derive(Copy, Default)]
-    pub struct ImageError by of(image: &JudgedImage) {
+    pub struct ImageError by from_image(image: &JudgedImage) {
         /// Root mean square error of the linear reflection colour over reflecting pixels.
         pub rmse: Option<f64> = figure("") => Some(masked_rmse(&image.reference.color, image.color, &image.truth.mask)),
         /// Mean square error over the reference's mean square.
@@ -78,7 +78,7 @@ impl Record {
         setup: &Setup,
         time: Option<&VariantTime>,
     ) -> Self {
-        let setup = setup.at(spec.extent);
+        let setup = setup.with_extent(spec.extent);
         let head = Head::new("error", gpu, (spec.scene, spec.view), subject, &setup, &spec.globals);
         Self {
             oracle: setup.effect().oracle,
@@ -107,7 +107,7 @@ impl Record {
     ) -> ErrorRecord {
         ErrorRecord {
             against,
-            image: ImageError::of(&JudgedImage { truth, reference, color }),
+            image: ImageError::from_image(&JudgedImage { truth, reference, color }),
             floor: (against == ErrorReference::World).then_some(truth.floor),
             ..self.record.clone()
         }

@@ -74,7 +74,7 @@ fn noise(of_cells: &[f64], cells: usize) -> f64 {
     if of_cells.len() < cells {
         return THRESHOLD / 2.0;
     }
-    Stats::of(of_cells).median_ms / (cells as f64).sqrt()
+    Stats::from_samples(of_cells).median_ms / (cells as f64).sqrt()
 }
 
 /// One point a variant against a reference, from some records, in order of time. A variant with an error that is not finite is
@@ -104,11 +104,12 @@ pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
         .into_iter()
         .map(|(name, [times, noises, errors, places, bytes, prepared_ms], more)| Point {
             name,
-            time_ms: Stats::of(&times).median_ms,
+            time_ms: Stats::from_samples(&times).median_ms,
             noise: noise(&noises, times.len()),
             error: mean(&errors).unwrap_or(f64::NAN),
             place_agreement: mean(&places),
-            prepared: (!bytes.is_empty()).then(|| (Stats::of(&bytes).median_ms, Stats::of(&prepared_ms).median_ms)),
+            prepared: (!bytes.is_empty())
+                .then(|| (Stats::from_samples(&bytes).median_ms, Stats::from_samples(&prepared_ms).median_ms)),
             more: more.iter().map(|values| mean(values)).collect(),
             on_front: false,
         })
@@ -140,6 +141,6 @@ pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
     let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
     pivot("what, against", &all, [&|v| v.0.clone(), &|v| v.1.clone()], |here| {
         let values: Vec<f64> = here.iter().map(|v| v.2).collect();
-        Some(format!("{:.4}", Stats::of(&values).median_ms))
+        Some(format!("{:.4}", Stats::from_samples(&values).median_ms))
     })
 }

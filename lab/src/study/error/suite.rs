@@ -98,7 +98,7 @@ impl Study for ErrorStudy {
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
         let mut stages = std::mem::take(&mut self.stage);
         let spec = self.spec(cell);
-        let stage = stages.of(cell.0, || Stage::new(bench.gpu, spec.scene))?;
+        let stage = stages.get_or_make(cell.0, || Stage::new(bench.gpu, spec.scene))?;
         let go_on = bench.go_on;
         let made = measure(bench.gpu, &spec, stage, bench.journal, &mut || go_on())?;
         self.stage = stages;

@@ -79,13 +79,13 @@ impl Walk {
     /// The path of the traversal of `unified`; `None` if the pixel has no ray.
     pub(super) fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
         let (ray, _) = traversal.mirror_ray(x, y)?;
-        let (mut cells, mut way) = (Vec::new(), vec![ray.at(0.0).xy()]);
+        let (mut cells, mut way) = (Vec::new(), vec![ray.point_at(0.0).xy()]);
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
             // A ray that meets a cell stands at its entry, since the next visited cell is inside; otherwise it stands at the
             // exit.
-            let stands = ray.at(visit.span[usize::from(!visit.meets)]);
+            let stands = ray.point_at(visit.span[usize::from(!visit.meets)]);
             way.push(stands.xy());
             cells.push(VisitedCell {
                 level: visit.level,

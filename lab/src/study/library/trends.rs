@@ -52,7 +52,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
             let base = methods.get(base).cloned();
             for (method, views) in methods {
                 let Some(views) = relative(quantity, &views, base.as_ref()) else { continue };
-                let median = Stats::of(&views.values().copied().collect::<Vec<_>>()).median_ms;
+                let median = Stats::from_samples(&views.values().copied().collect::<Vec<_>>()).median_ms;
                 let key = (device, setting.clone(), views.into_keys().collect(), quantity);
                 groups.entry(key).or_default().entry(method).or_default().insert(index, median);
             }

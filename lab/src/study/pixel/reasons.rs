@@ -111,7 +111,7 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
     let went_on = own.place_m.is_some() && !own.hits_screen;
     let place = own.pixel.map(|p| p.map(f64::from));
     let say = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
-    Some(match HitVerdict::of(place, oracle.pixel) {
+    Some(match HitVerdict::compare(place, oracle.pixel) {
         _ if went_on => return None,
         HitVerdict::Agrees => {
             let visible = world.filter(|end| end.shown).and_then(|end| end.pixel);
@@ -148,7 +148,7 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
 fn color(report: &PixelReport) -> Option<String> {
     let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
     let place = own.pixel.map(|p| p.map(f64::from));
-    let ends_right = HitVerdict::of(place, oracle.pixel) == HitVerdict::Agrees
+    let ends_right = HitVerdict::compare(place, oracle.pixel) == HitVerdict::Agrees
         && place.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
     (is_wrong && ends_right && fade(report).is_none()).then(|| {

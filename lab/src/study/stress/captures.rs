@@ -45,7 +45,7 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
     let materials = scene.materials_in(view);
     let ray = WorldRay { origin: eye.as_dvec3(), direction: ahead.as_dvec3(), t_min: 1e-3, t_max: f64::INFINITY };
     // If no surface is ahead, the far corner of the bounds replaces the wall.
-    let wall = World::new(scene, &materials).closest(&ray).map_or(bounds.max, |hit| ray.at(hit.t).as_vec3());
+    let wall = World::new(scene, &materials).closest(&ray).map_or(bounds.max, |hit| ray.point_at(hit.t).as_vec3());
     let case = |name: &str, resolution: u32, offset: f32, places: Vec<Vec<Vec3>>| CaptureCase {
         name: format!("{}: captures {name}", scene.name),
         offset,
@@ -85,7 +85,7 @@ impl CaptureCase {
 
     /// The scene of each frame, moved as a whole, with the captures at that frame's places.
     pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
-        let capture = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
+        let capture = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::placed_at(*place) };
         let frame_scene = |places: &Vec<Vec3>| {
             let mut scene = Scene { captures: places.iter().map(capture).collect(), ..scene.clone() };
             scene.translate(Vec3::splat(self.offset));

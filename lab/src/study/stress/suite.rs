@@ -147,7 +147,7 @@ impl Study for StressStudy {
         if let StressCell::Case(n) = *cell {
             let Self { cases, methods, screen, .. } = self;
             let extent = cases[n].extent();
-            let lineup = screen.of(extent, || ScreenLineup::new(gpu, extent, methods))?;
+            let lineup = screen.get_or_make(extent, || ScreenLineup::new(gpu, extent, methods))?;
             return Ok(of_cases(run(gpu, &cases[n], lineup)?));
         }
         // Methods for G-buffers are dropped, since those for scenes need their memory.
@@ -159,7 +159,7 @@ impl Study for StressStudy {
                 let scene = &self.scenes[*scene_index];
                 let make =
                     || SceneLineup::with_hits(gpu, moved(scene, place), &Setup::on_screen(SCENE_SIZE), &self.methods);
-                let lineup = scene_lineup.of(format!("place {scene_index} {}", place.offset), make)?;
+                let lineup = scene_lineup.get_or_make(format!("place {scene_index} {}", place.offset), make)?;
                 of_cases(run_place(gpu, place, lineup)?)
             }
             StressCell::Captures(n) => {
@@ -169,7 +169,7 @@ impl Study for StressStudy {
                 of_cases(captures::run(
                     gpu,
                     case,
-                    scene_lineup.of(format!("captures {scene_index} {:?}", case.key()), make)?,
+                    scene_lineup.get_or_make(format!("captures {scene_index} {:?}", case.key()), make)?,
                 )?)
             }
             StressCell::Tree(n) => {
@@ -179,7 +179,7 @@ impl Study for StressStudy {
             StressCell::Motion(n) => {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);
                 let make = || SceneLineup::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
-                let lineup = scene_lineup.of(format!("motion {:?}", spec.extent), make)?;
+                let lineup = scene_lineup.get_or_make(format!("motion {:?}", spec.extent), make)?;
                 let records = motion::run(gpu, &spec, self.motions[n].2, lineup)?;
                 records.into_iter().map(|record| StressRow::Motion(Box::new(record))).collect()
             }

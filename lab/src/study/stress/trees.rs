@@ -162,7 +162,7 @@ impl<'a> Truth<'a> {
         match (self.world.closest(ray), end) {
             (None, end) => *end == RayEnd::Sky,
             (Some(hit), RayEnd::Place(place)) => {
-                place.distance(ray.at(hit.t)) <= self.place_share * hit.t + 64.0 * self.rounding_m
+                place.distance(ray.point_at(hit.t)) <= self.place_share * hit.t + 64.0 * self.rounding_m
             }
             (Some(_), _) => false,
         }
@@ -212,7 +212,7 @@ fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, lo
         }
     }
     meshes.retain(|mesh| !mesh.indices.is_empty());
-    meshes.iter_mut().for_each(|mesh| mesh.bounds = Aabb::of(&mesh.vertices));
+    meshes.iter_mut().for_each(|mesh| mesh.bounds = Aabb::around(&mesh.vertices));
     let view = View { name: "stress".into(), eye, look_at, ..View::default() };
     Scene {
         name: format!("triangles {name}"),

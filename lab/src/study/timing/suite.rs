@@ -66,7 +66,7 @@ pub struct TimeSettings {
 }
 
 impl TimeSettings {
-    fn of(list: &CellList) -> Self {
+    fn from_list(list: &CellList) -> Self {
         let none = Self { beside: ThesisFigures::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
     }
@@ -273,7 +273,7 @@ impl Row for TimeRow {
     }
 
     fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
-        let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
+        let TimeSettings { samples, a_a, .. } = TimeSettings::from_list(list);
         if result.record_head.is_null() {
             kept::<Self>(journal, &result.key).is_some()
         } else {
@@ -285,7 +285,7 @@ impl Row for TimeRow {
         let Ok(head) = Head::deserialize(&result.record_head) else {
             return kept(journal, &result.key).unwrap_or_default();
         };
-        let record = record_of(head, &result.key, TimeSettings::of(list).samples, journal);
+        let record = record_of(head, &result.key, TimeSettings::from_list(list).samples, journal);
         record.map(|record| Self::Method(Box::new(record))).into_iter().collect()
     }
 }
@@ -403,7 +403,7 @@ pub struct TimedFrame {
 
 /// Every timed frame of a run in the journal, including the second series of each method.
 pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
-    let TimeSettings { samples, a_a, .. } = TimeSettings::of(list);
+    let TimeSettings { samples, a_a, .. } = TimeSettings::from_list(list);
     let mut frames = Vec::new();
     for result in list.cells.iter().flat_map(|cell| &cell.results) {
         let Ok(head) = Head::deserialize(&result.record_head) else { continue };

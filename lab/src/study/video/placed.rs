@@ -20,7 +20,7 @@ impl VideoStudy {
     /// The placements of meshes in a frame.
     pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
-        let played = self.play.iter().flat_map(|motion| motion.at(time_s));
+        let played = self.play.iter().flat_map(|motion| motion.placements_at(time_s));
         let steps = self.step_frames.map_or(frame, |last| frame.min(last));
         let moved = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
         let [first, now] = [0, frame].map(|n| self.unshifted(n, [1, 1]));

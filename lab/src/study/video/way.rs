@@ -42,7 +42,7 @@ impl CameraWay {
     pub fn start(&self) -> View {
         match self {
             Self::Path(path) => {
-                let (eye, look_at) = path.at(0.0);
+                let (eye, look_at) = path.eye_and_look_at(0.0);
                 View { name: path.name.clone(), eye, look_at, ..View::default() }
             }
             Self::Walk(view) | Self::Turn(view) | Self::Stop(view) | Self::Rest(view) => view.clone(),
@@ -55,7 +55,7 @@ impl CameraWay {
         let of_second = |n: u32| n as f32 / frames_per_second;
         match self {
             Self::Path(path) => {
-                let (eye, look_at) = path.at(frame as f32 / last);
+                let (eye, look_at) = path.eye_and_look_at(frame as f32 / last);
                 View { eye, look_at, ..self.start() }
             }
             Self::Walk(view) => {

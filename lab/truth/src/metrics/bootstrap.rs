@@ -49,7 +49,7 @@ impl Verdict {
 
     /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. A change within
     /// the greater of both is neither faster nor slower; the noise floor does not widen the range that counts as the same.
-    pub fn of(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
+    pub fn for_ratio(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
         let bound = threshold.max(floor);
         match (ratio.low, ratio.high) {
             (_, high) if high < 1.0 - bound => Self::Faster,
@@ -182,7 +182,7 @@ mod tests {
     }
 
     fn verdict(a: &[f64], b: &[f64]) -> Verdict {
-        Verdict::of(&ratio_of_medians(a, b, 1).expect("samples"), 0.05, 0.0)
+        Verdict::for_ratio(&ratio_of_medians(a, b, 1).expect("samples"), 0.05, 0.0)
     }
 
     #[test]
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(ratio(3.0), Ratio { ratio: 1.0, low: 1.0, high: 1.0 });
         assert_eq!(ratio(6.0), Ratio { ratio: 2.0, low: 2.0, high: 2.0 });
         assert_eq!(ratio(1.5), Ratio { ratio: 0.5, low: 0.5, high: 0.5 });
-        let verdicts = [3.0, 6.0, 1.5].map(|b| Verdict::of(&ratio(b), 0.05, 0.0));
+        let verdicts = [3.0, 6.0, 1.5].map(|b| Verdict::for_ratio(&ratio(b), 0.05, 0.0));
         assert_eq!(verdicts, [Verdict::Same, Verdict::Slower, Verdict::Faster]);
     }
 
@@ -238,7 +238,7 @@ mod tests {
     fn zero_medians_and_empty_sides_are_defined() {
         assert_eq!(ratio_of_medians(&[0.0; 5], &[0.0; 5], 1), Some(Ratio { ratio: 1.0, low: 1.0, high: 1.0 }));
         let r = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
-        assert_eq!((r.low, Verdict::of(&r, 0.05, 0.0)), (f64::INFINITY, Verdict::Slower));
+        assert_eq!((r.low, Verdict::for_ratio(&r, 0.05, 0.0)), (f64::INFINITY, Verdict::Slower));
         assert_eq!((ratio_of_medians(&[], &[1.0], 1), ratio_of_medians(&[1.0], &[], 1)), (None, None));
     }
 
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn verdicts_turn_at_the_threshold() {
-        let verdict = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25, 0.0);
+        let verdict = |low, high| Verdict::for_ratio(&Ratio { ratio: 1.0, low, high }, 0.25, 0.0);
         assert_eq!(verdict(0.75, 1.25), Verdict::Same);
         assert_eq!([verdict(0.7, 0.75), verdict(0.7, 0.74)], [Verdict::Undecided, Verdict::Faster]);
         assert_eq!([verdict(1.25, 1.3), verdict(1.26, 1.3)], [Verdict::Undecided, Verdict::Slower]);
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_noise_floor_makes_nothing_the_same() {
-        let verdict = |low, high, floor| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.05, floor);
+        let verdict = |low, high, floor| Verdict::for_ratio(&Ratio { ratio: 1.0, low, high }, 0.05, floor);
         assert_eq!(verdict(0.702, 1.082, 0.34), Verdict::Undecided);
         assert_eq!([verdict(0.96, 1.04, 0.34), verdict(0.96, 1.04, 0.0)], [Verdict::Same; 2]);
         assert_eq!([verdict(1.2, 1.3, 0.34), verdict(1.2, 1.3, 0.1)], [Verdict::Undecided, Verdict::Slower]);
@@ -298,9 +298,9 @@ mod tests {
         // The predicted number of samples decides, if the noise stays the same.
         let ratio = |n| ratio_of_medians(&noise(10.0, 8.0, n, 1), &noise(13.0, 8.0, n, 2), 1).expect("samples");
         let few = ratio(10);
-        assert_eq!(Verdict::of(&few, 0.05, 0.0), Verdict::Undecided);
+        assert_eq!(Verdict::for_ratio(&few, 0.05, 0.0), Verdict::Undecided);
         let n = samples_to_decide(&few, 10, 0.05, 0.0).expect("not too many");
-        assert_eq!(Verdict::of(&ratio(2 * n), 0.05, 0.0), Verdict::Slower, "{few:?}: {n}");
+        assert_eq!(Verdict::for_ratio(&ratio(2 * n), 0.05, 0.0), Verdict::Slower, "{few:?}: {n}");
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub enum HitVerdict {
 
 impl HitVerdict {
     /// Compares a method's hit with the oracle's, in pixels; `None` is a miss.
-    pub fn of(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
+    pub fn compare(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
         match (method, oracle) {
             (None, None) => Self::Agrees,
             (Some(_), None) => Self::False,
@@ -63,7 +63,7 @@ impl HitAgreement {
         let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
         let pixels = pairs().count();
         let share = |verdict| {
-            let n = pairs().filter(|(m, o)| HitVerdict::of(**m, **o) == verdict).count();
+            let n = pairs().filter(|(m, o)| HitVerdict::compare(**m, **o) == verdict).count();
             (pixels > 0).then(|| n as f64 / pixels as f64)
         };
         let mut errors: Vec<f64> =
@@ -119,8 +119,8 @@ mod tests {
 
     #[test]
     fn a_hit_at_nan_never_agrees() {
-        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), HitVerdict::Displaced);
-        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), MISS), HitVerdict::False);
+        assert_eq!(HitVerdict::compare(hit(f64::NAN, 1.0), hit(1.0, 1.0)), HitVerdict::Displaced);
+        assert_eq!(HitVerdict::compare(hit(f64::NAN, 1.0), MISS), HitVerdict::False);
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub struct CaptureData {
 impl CaptureData {
     /// Makes a capture from a function of direction. `texel` gives the view depth in metres, infinite for sky, the normal in
     /// world axes and the lit colour. The direction is in world axes, and its greatest component is 1.
-    pub fn of(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
+    pub fn from_texels(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
         let side = capture.resolution;
         let count = (side * side) as usize;
         let faces = (0..6).map(|face| {

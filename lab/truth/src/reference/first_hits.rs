@@ -47,7 +47,7 @@ pub struct Receiver {
 
 impl Receiver {
     /// The point that a camera ray hits; `None` if it does not reflect.
-    pub fn of(ray: &WorldRay, point: &SurfacePoint) -> Option<Self> {
+    pub fn hit_by(ray: &WorldRay, point: &SurfacePoint) -> Option<Self> {
         (point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE)).then_some(Self {
             position: point.position,
             incoming: ray.direction,
@@ -150,7 +150,7 @@ impl FirstHits {
 
     fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
-        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::of(ray, &point))
+        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::hit_by(ray, &point))
     }
 
     /// Takes the pixels of a G-buffer: positions from its depth, with its normals and materials.

@@ -14,7 +14,7 @@ pub struct MinMax {
 
 impl MinMax {
     /// A texel of a device's chain; `max` is NaN if the chain keeps no maxima.
-    pub fn of(texel: &[f32]) -> Self {
+    pub fn from_texel(texel: &[f32]) -> Self {
         Self { min: texel[0], max: texel.get(1).copied().unwrap_or(f32::NAN) }
     }
 }

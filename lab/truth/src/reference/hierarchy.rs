@@ -159,7 +159,7 @@ fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2]
     } else {
         entry
     };
-    Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.at(s) }
+    Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.point_at(s) }
 }
 
 /// The walk along one axis; `pixel` is the column (or row) in which the ray is.
@@ -211,7 +211,7 @@ impl<'s> Lane<'s> {
         if self.direction == 0 {
             return self.first;
         }
-        let mut pixel = self.segment.at(s)[self.axis].floor() as i32;
+        let mut pixel = self.segment.point_at(s)[self.axis].floor() as i32;
         // Offsets from a pixel to the boundary at which the ray leaves it, and to the boundary at which the ray entered.
         let (ahead, behind) = if self.direction > 0 { (1, 0) } else { (0, 1) };
         while crossed(self.crossing(pixel + ahead)) {

@@ -177,13 +177,13 @@ impl<'a> ImageOracle<'a> {
                 break;
             }
             if let Some((s, _)) = met {
-                return ScreenRayEnd::Ends(EndInImages::Screen(segment.at(s)));
+                return ScreenRayEnd::Ends(EndInImages::Screen(segment.point_at(s)));
             }
         }
         if lost_at.is_none() && segment.end == MissReason::Far {
             return ScreenRayEnd::Ends(EndInImages::Sky);
         }
-        let start = self.view_to_world * rays.unproject(segment.at(lost_at.unwrap_or(1.0)));
+        let start = self.view_to_world * rays.unproject(segment.point_at(lost_at.unwrap_or(1.0)));
         ScreenRayEnd::Loses(ExactLostRay { start, direction: self.view_to_world * segment.direction })
     }
 
@@ -279,7 +279,7 @@ impl Face<'_> {
         if segment.start.z >= 1.0 {
             return (FollowEnd::Lost, point);
         }
-        let place = |s: f64| self.view_to_world * rays.unproject(segment.at(s));
+        let place = |s: f64| self.view_to_world * rays.unproject(segment.point_at(s));
         let mut thickness = 0.0;
         for PassedPixel { pixel, last, entry, exit } in image.pixels(&segment) {
             let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
@@ -314,7 +314,7 @@ impl Face<'_> {
 
     /// The direction, in world axes, of the side through which a segment leaves the face.
     fn side_at(&self, segment: &Segment) -> DVec3 {
-        let (end, side) = (segment.at(1.0), f64::from(self.image.rays.gbuffer.width));
+        let (end, side) = (segment.point_at(1.0), f64::from(self.image.rays.gbuffer.width));
         let sides = [
             (end.x, DVec3::NEG_X, segment.delta.x < 0.0),
             (side - end.x, DVec3::X, segment.delta.x > 0.0),

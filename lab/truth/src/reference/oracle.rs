@@ -137,7 +137,7 @@ impl<'a> Oracle<'a> {
                 } else {
                     Approach::InFront
                 };
-                let (pixel, position, steps) = (pixel.map(|p| p as u32), segment.at(s), steps as u32);
+                let (pixel, position, steps) = (pixel.map(|p| p as u32), segment.point_at(s), steps as u32);
                 meet(Meeting { pixel, position, crosses_front, approach, steps })?;
             }
         }

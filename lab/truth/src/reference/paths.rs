@@ -50,7 +50,7 @@ impl<'a> Paths<'a> {
     /// Paths for the scene's rectangular area lights; `None` if it has none. Light that surfaces pass on up to `bounces` times
     /// is included. Another seed gives an independent result.
     pub fn new(world: &'a World<'a>, bounces: u32, seed: u64) -> Option<Self> {
-        let panels: Vec<_> = world.scene.area_lights.iter().filter_map(Panel::of).collect();
+        let panels: Vec<_> = world.scene.area_lights.iter().filter_map(Panel::from_light).collect();
         (!panels.is_empty()).then_some(Self { world, panels, bounces, seed })
     }
 
@@ -117,7 +117,7 @@ impl<'a> Paths<'a> {
 }
 
 impl Panel {
-    fn of(light: &AreaLight) -> Option<Self> {
+    fn from_light(light: &AreaLight) -> Option<Self> {
         let AreaShape::Rectangle { centre, half_u, half_v } = light.shape else { return None };
         let [centre, half_u, half_v, radiance] = [centre, half_u, half_v, light.radiance].map(|v| v.as_dvec3());
         Some(Self { centre, half_u, half_v, area: 4.0 * half_u.cross(half_v).length(), radiance })

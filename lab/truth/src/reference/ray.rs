@@ -82,7 +82,7 @@ pub struct Segment {
 
 impl Segment {
     /// The point at s.
-    pub fn at(&self, s: f64) -> DVec3 {
+    pub fn point_at(&self, s: f64) -> DVec3 {
         self.start + s * self.delta
     }
 
@@ -220,7 +220,7 @@ mod tests {
             let segment = setup.segment(x, y, direction).expect("a ray");
             let size = DVec3::new(16.0, 9.0, 1.0);
             // The end must be on the named side of the frustum and not outside the other sides.
-            let end = segment.at(1.0) / size;
+            let end = segment.point_at(1.0) / size;
             prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
             let off = |v: f64| v.abs().min((v - 1.0).abs());
             let named = match segment.end {
@@ -257,7 +257,7 @@ mod tests {
         let g = gbuffer(1, 1, |_, _| 1.0, |_, _| Vec3::NEG_Z);
         let setup = RaySetup::new(&g);
         let into = setup.segment(0, 0, DVec3::Z).expect("a ray");
-        assert!((into.at(1.0).z).abs() < 1e-12 && into.end == MissReason::Far);
+        assert!((into.point_at(1.0).z).abs() < 1e-12 && into.end == MissReason::Far);
         let out = setup.segment(0, 0, DVec3::NEG_Z).expect("a ray");
         assert!(out.delta.length() < 1e-6 && out.end == MissReason::Near);
     }

@@ -151,7 +151,7 @@ impl Pixels<'_> {
         let (pixel, position) = match self.hierarchy.trace_direction(x, y, direction).outcome {
             Outcome::Hit { pixel, position } => (pixel, position),
             Outcome::Miss { reason: MissReason::Far, .. } => {
-                let end = rays.segment(x, y, direction)?.at(1.0);
+                let end = rays.segment(x, y, direction)?.point_at(1.0);
                 let last = [(end.x, rays.gbuffer.width), (end.y, rays.gbuffer.height)]
                     .map(|(v, side)| (v.max(0.0) as u32).min(side - 1));
                 let is_sky = rays.gbuffer.depth[rays.gbuffer.index(last[0], last[1])] <= 0.0;

@@ -159,7 +159,7 @@ pub(super) mod tests {
             tangent: u.normalize().extend(1.0).to_array(),
         };
         let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
-        let bounds = Aabb::of(&vertices);
+        let bounds = Aabb::around(&vertices);
         Mesh { name: "rectangle".into(), vertices, indices: vec![0, 1, 2, 0, 2, 3], material, bounds }
     }
 
@@ -217,7 +217,7 @@ pub(super) mod tests {
             let point = world.point(&ray, &hit);
             assert_eq!(point.normal, DVec3::new(0.0, 0.0, -towards));
             assert_eq!(point.geometric_normal, point.normal);
-            assert!((point.position - ray.at(hit.t)).length() < 1e-12);
+            assert!((point.position - ray.point_at(hit.t)).length() < 1e-12);
         }
     }
 

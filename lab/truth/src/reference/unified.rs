@@ -183,7 +183,7 @@ pub struct Visit {
 
 impl Ray {
     /// Continuous pixel coordinates and reversed depth at s.
-    pub fn at(&self, s: f32) -> Vec3 {
+    pub fn point_at(&self, s: f32) -> Vec3 {
         self.start.extend(self.depth) + s * self.rate
     }
 

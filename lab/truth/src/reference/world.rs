@@ -237,7 +237,7 @@ impl<'a> WorldReference<'a> {
         };
         let (mut bounced, mut share, mut last) = (DVec3::ZERO, 1.0, first);
         for bounce in 1..u64::from(self.bounces) {
-            let Some(receiver) = last.point.and_then(|point| Receiver::of(&last.ray, &point)) else { break };
+            let Some(receiver) = last.point.and_then(|point| Receiver::hit_by(&last.ray, &point)) else { break };
             // Further bounces use numbers far from those of first bounces, of which there are fewer than 2³².
             let place = (bounce << 40) + 2 * number;
             share *= receiver.reflectivity;
@@ -263,7 +263,7 @@ impl<'a> WorldReference<'a> {
             None if self.escape == EscapeRadiance::Environment => sky_color(direction),
             None => DVec3::ZERO,
         };
-        Some((TracedRay { ray, end: hit.map(|hit| ray.at(hit.t)), point }, light))
+        Some((TracedRay { ray, end: hit.map(|hit| ray.point_at(hit.t)), point }, light))
     }
 }
 

@@ -77,7 +77,7 @@ impl<'a> ShownPlaces<'a> {
         let direction = receiver.mirror();
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         let Some(hit) = world.closest(&ray) else { return (WorldHit::Escaped, None) };
-        let position = ray.at(hit.t);
+        let position = ray.point_at(hit.t);
         let (pixel, view_z_m, visible) = self.judge(position);
         (WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }, Some(hit))
     }

@@ -109,6 +109,6 @@ fn weld(name: String, material: usize, triangles: &[Triangle]) -> Mesh {
         });
         indices.push(index);
     }
-    let bounds = Aabb::of(&vertices);
+    let bounds = Aabb::around(&vertices);
     Mesh { name, vertices, indices, material, bounds }
 }

@@ -27,7 +27,7 @@ pub struct WorldRay {
 
 impl WorldRay {
     /// The point at distance `t`.
-    pub fn at(&self, t: f64) -> DVec3 {
+    pub fn point_at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 }

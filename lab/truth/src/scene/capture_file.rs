@@ -265,7 +265,7 @@ mod tests {
     /// A folder with two captures and a sky.
     fn written() -> (tempfile::TempDir, Vec<Capture>) {
         let folder = tempfile::tempdir().unwrap();
-        let capture_at = |x: f32| Capture { resolution: 2, ..Capture::at(Vec3::new(x, 1.5, -0.1)) };
+        let capture_at = |x: f32| Capture { resolution: 2, ..Capture::placed_at(Vec3::new(x, 1.5, -0.1)) };
         let captures = vec![capture_at(0.1), capture_at(-7.25)];
         std::fs::write(folder.path().join(LIST), encode_list(&captures, BOUNDS)).unwrap();
         for (k, capture) in captures.iter().enumerate() {

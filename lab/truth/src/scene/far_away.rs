@@ -8,7 +8,8 @@ const MOST_SIZES: f64 = 1024.0;
 
 /// A scene that must be moved to its own centre.
 pub(super) struct FarScene {
-    /// Offset that is subtracted from every place, in metres: whole metres, so that places can still be named.
+    /// Offset that is subtracted from every place, in metres. Whole metres, unless the scene measures less than one, so
+    /// that places can still be named.
     pub(super) centre: DVec3,
     size: f64,
 }

@@ -86,25 +86,25 @@ enum SurfaceLook {
 }
 
 impl Finish {
-    const fn of(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
+    const fn with_look(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
         Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
     }
 
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
-        Self::of(name, SurfaceLook::Pattern(pattern), reflectivity)
+        Self::with_look(name, SurfaceLook::Pattern(pattern), reflectivity)
     }
 
     const fn picture(name: &'static str, picture: Picture) -> Self {
-        Self::of(name, SurfaceLook::Picture(picture), 0.0)
+        Self::with_look(name, SurfaceLook::Picture(picture), 0.0)
     }
 
     /// A uniform colour, as linear albedo.
     const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
-        Self::of(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
+        Self::with_look(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
     }
 
     const fn window(name: &'static str) -> Self {
-        Self::of(name, SurfaceLook::Window, 0.0)
+        Self::with_look(name, SurfaceLook::Window, 0.0)
     }
 
     const fn tinted(self, red: f32, green: f32, blue: f32) -> Self {

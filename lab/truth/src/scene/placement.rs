@@ -95,7 +95,7 @@ pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     }
     found.placement.own = own;
     if own < most {
-        let base = scene.captures.first().copied().unwrap_or(Capture::at(Vec3::ZERO));
+        let base = scene.captures.first().copied().unwrap_or(Capture::placed_at(Vec3::ZERO));
         found.search(base, &space::candidates(&stands), most, least_gain);
     }
     found.placement

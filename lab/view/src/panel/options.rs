@@ -74,8 +74,8 @@ fn preset(ui: &mut Ui, side: &mut Side) {
 fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
     let name = row.typed_name();
     ui.label(name.replace('-', " ")).on_hover_text(about(row));
-    let before = side.setup.values.of(row);
-    let base = row.of(side.setup.values.preset);
+    let before = side.setup.values.value(row);
+    let base = row.preset_value(side.setup.values.preset);
     let mut now = before;
     match (&row.domain, &mut now) {
         (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),

@@ -155,13 +155,13 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
         }
     }
     painter.circle_stroke(
-        screen_point(cross.at(ray.begin - capture.position).1),
+        screen_point(cross.face_and_point(ray.begin - capture.position).1),
         5.0,
         Stroke::new(2.0, Color32::WHITE),
     );
     // The mark shows the direction of the ray's end, even if this capture does not see the end.
     if ray.code != PathCode::Unknown {
-        cross_mark(painter, screen_point(cross.at(ray.end - capture.position).1), METHOD);
+        cross_mark(painter, screen_point(cross.face_and_point(ray.end - capture.position).1), METHOD);
     }
 }
 
@@ -171,7 +171,7 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     let screen_point = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;
     let start = screen_point(ray.pixel[0] as f32 + 0.5, ray.pixel[1] as f32 + 0.5);
     if let Some(s) = &ray.segment {
-        let end = s.at(1.0);
+        let end = s.point_at(1.0);
         painter.line_segment(
             [start, screen_point(end.x as f32, end.y as f32)],
             Stroke::new(1.0, Color32::from_white_alpha(120)),

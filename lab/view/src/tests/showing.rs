@@ -14,7 +14,7 @@ use std::collections::HashSet;
 
 /// The number of different colours in a range of columns, with 16 levels per channel.
 fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
-    let color = |(x, y)| pixels.at(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
+    let color = |(x, y)| pixels.texel(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
     let texels = (0..pixels.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
     texels.map(color).collect::<HashSet<_>>().len()
 }
@@ -76,7 +76,7 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
     bench.viewer.state.inside = Some(InnerImage { name: "hi-z".into(), level: 3 });
     bench.settle();
     let picture = bench.viewer.read_picture().unwrap().unwrap();
-    let block = |x: u32, y: u32| (0..8).all(|i| picture.at(8 * x + i, 8 * y) == picture.at(8 * x, 8 * y + i));
+    let block = |x: u32, y: u32| (0..8).all(|i| picture.texel(8 * x + i, 8 * y) == picture.texel(8 * x, 8 * y + i));
     assert!((0..20).all(|i| block(i, i)), "texels of a level must be as large as its cells");
     bench.viewer.state.inside = Some(InnerImage { name: STEPS.into(), level: 0 });
     bench.settle();
@@ -104,7 +104,7 @@ fn captures_are_shown_as_crosses_at_every_level() {
             let picture = bench.viewer.read_picture().unwrap().unwrap();
             // The picture is 200 pixels wide and high: faces have 50 pixels a side, and the cross begins at row 25.
             assert_eq!([picture.width, picture.height], [200, 200]);
-            let pixel = |x, y| &picture.at(x, y)[..3];
+            let pixel = |x, y| &picture.texel(x, y)[..3];
             assert!([(0, 30), (0, 0), (199, 199), (120, 40)].iter().all(|(x, y)| pixel(*x, *y) == [0.0; 3]), "{name}");
             assert!(
                 [(75, 100), (175, 100), (75, 50), (75, 150)].iter().all(|(x, y)| pixel(*x, *y) != [0.0; 3]),
@@ -158,7 +158,7 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
     let after = bench.screen();
     // The panel shows other numbers, so only the pictures are compared.
     let picture = |p: &Pixels| {
-        (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.at(x, y).to_vec()).collect::<Vec<_>>()
+        (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.texel(x, y).to_vec()).collect::<Vec<_>>()
     };
     assert!(picture(&before) == picture(&after));
     bench.is_valid("the last");

@@ -269,7 +269,7 @@ fn the_drawn_walk_is_the_shaders() {
         let (mut rays, mut same, mut steps) = (0, 0, 0);
         for y in (0..hits.height).step_by(7) {
             for x in (0..hits.width).step_by(7) {
-                let hit = hits.at(x, y);
+                let hit = hits.texel(x, y);
                 let Some(code) = PathCode::from_channel(hit[3]) else { continue };
                 let walk = inspection.pick([x, y]).unwrap().walk;
                 let agrees = match (code, walk.as_ref().map(|w| (w.end, w.last()))) {
@@ -440,8 +440,8 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     let mut right = 0;
     for (_, beyond) in &hits {
         let from = beyond.end - place.position;
-        let (_, position) = cross.at(from);
-        let shown = picture.at(position.x as u32, position.y as u32)[0];
+        let (_, position) = cross.face_and_point(from);
+        let shown = picture.texel(position.x as u32, position.y as u32)[0];
         let z = from.abs().max_element();
         let expected = clip.project_point3(glam::Vec3::new(0.0, 0.0, z)).z;
         right += usize::from((shown / expected - 1.0).abs() < 0.1);

@@ -54,7 +54,7 @@ impl Room {
     }
 
     fn capture(&self, capture: &Capture) -> CaptureData {
-        CaptureData::of(capture, |d| match self.hit(capture.position.as_dvec3(), d.as_dvec3()) {
+        CaptureData::from_texels(capture, |d| match self.hit(capture.position.as_dvec3(), d.as_dvec3()) {
             Some((z, normal)) => (z, normal.as_vec3(), Vec3::ONE),
             None => (f64::INFINITY, Vec3::ZERO, Vec3::ZERO),
         })
@@ -191,7 +191,7 @@ const IN_BORDERS: std::ops::Range<u32> = 5..KINDS;
 /// The random images of the hard cases: depths and normals of any kind in every texel.
 fn noise(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
     let (near, far) = (scale * 0.05, scale * 6.0);
-    CaptureData::of(capture, |_| {
+    CaptureData::from_texels(capture, |_| {
         let z = near * (far / near).powf(random.unit());
         let z = if random.unit() < 0.2 { f64::INFINITY } else { z };
         (z, random.direction().as_vec3(), Vec3::ONE)
@@ -297,7 +297,7 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
     // each pixel and passes it.
     for side in [16, 64, 128] {
         let cube = capture(Vec3::ZERO, side, 1.0);
-        let wall = CaptureData::of(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
+        let wall = CaptureData::from_texels(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
         let (screen, captures) = (screen(), [wall]);
         let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         let start = Vec3::new(-1.99, -1.98, 2.004);
@@ -316,7 +316,7 @@ fn captures_that_see_nothing_leave_every_end_unknown() {
     // Every texel shows a surface nearer than anything else, as inside a wall, or a surface on the near plane.
     let random = Random::new(5, 0);
     for z in [0.051, 0.05] {
-        let blind = CaptureData::of(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));
+        let blind = CaptureData::from_texels(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));
         let (screen, captures) = (screen(), [blind]);
         let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         for _ in 0..200 {

@@ -15,7 +15,7 @@ fn scene(triangles: &[Corners]) -> Scene {
     let vertex = |p: &Vec3| Vertex { position: p.to_array(), ..Vertex::zeroed() };
     let vertices: Vec<Vertex> = triangles.iter().flatten().map(vertex).collect();
     let indices = (0..vertices.len() as u32).collect();
-    let bounds = Aabb::of(&vertices);
+    let bounds = Aabb::around(&vertices);
     let mesh = Mesh { name: "triangles".into(), vertices, indices, material: 0, bounds };
     Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() }
 }

@@ -16,7 +16,7 @@ const ULPS: f64 = 8.0;
 
 fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
     let position = (found.code == HitCode::Surface).then(|| found.position.as_dvec2().to_array());
-    HitVerdict::of(position, truth.position_px())
+    HitVerdict::compare(position, truth.position_px())
 }
 
 /// Whether the twin's end is right for its own ray in f64, up to the rounding of its steps. The ray must not go on beyond a

@@ -167,7 +167,7 @@ impl MapDepth {
         let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
         let pixel = |i: usize| -> Result<f32> {
             let raw = planes.raw(0, i);
-            let value = planes.at(0, i);
+            let value = planes.value(0, i);
             if self.is_sky(raw) {
                 return Ok(0.0);
             }

@@ -81,7 +81,7 @@ impl MapNormals {
             if normal.is_finite() {
                 return Ok(normal);
             }
-            let values = || (0..self.source.count()).map(|k| planes.at(k, i));
+            let values = || (0..self.source.count()).map(|k| planes.value(k, i));
             let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
             Err(planes.error(i, bad, "be finite"))
         };
@@ -89,14 +89,14 @@ impl MapNormals {
     }
 
     fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
-        let [x, y] = [0, 1].map(|k| planes.at(k, pixel));
+        let [x, y] = [0, 1].map(|k| planes.value(k, pixel));
         match self.encoding {
-            MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.at(2, pixel)),
-            MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.at(2, pixel)) * 2.0 - 1.0),
+            MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.value(2, pixel)),
+            MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.value(2, pixel)) * 2.0 - 1.0),
             MapEncoding::Of(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
             MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             MapEncoding::Octahedral888 => {
-                let bytes = [x, y, planes.at(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
+                let bytes = [x, y, planes.value(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
                 // The third byte has the upper four bits of both numbers: x has its lower half, y its upper half.
                 let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
                 let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);

@@ -57,7 +57,7 @@ enum MapPlane {
 }
 
 impl MapPlane {
-    fn at(&self, pixel: usize) -> f64 {
+    fn value(&self, pixel: usize) -> f64 {
         match self {
             Self::Pixels(values) => f64::from(values[pixel]),
             Self::Constant(value) => *value,
@@ -155,11 +155,11 @@ impl MapPlanes<'_> {
     /// A value of a pixel as stored in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
         // A single value is used for all three.
-        self.planes[plane.min(self.planes.len() - 1)].at(pixel)
+        self.planes[plane.min(self.planes.len() - 1)].value(pixel)
     }
 
     /// A value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
-    pub fn at(&self, plane: usize, pixel: usize) -> f64 {
+    pub fn value(&self, plane: usize, pixel: usize) -> f64 {
         let raw = self.raw(plane, pixel);
         let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };
         decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
@@ -167,10 +167,10 @@ impl MapPlanes<'_> {
 
     /// Three values of a pixel; a single value is used for all three.
     pub fn three(&self, pixel: usize) -> [f64; 3] {
-        [0, 1, 2].map(|plane| self.at(plane, pixel))
+        [0, 1, 2].map(|plane| self.value(plane, pixel))
     }
 
-    /// An error about a pixel with a wrong value, as [`Self::at`] returns it. `must` says what the value must do, as in "be
+    /// An error about a pixel with a wrong value, as [`Self::value`] returns it. `must` says what the value must do, as in "be
     /// finite".
     pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
         let location = match self.source.from {

@@ -35,7 +35,7 @@ fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>>
 
 /// A value of a pixel, which must lie in 0 to 1.
 fn unit(planes: &MapPlanes, plane: usize, i: usize) -> Result<f64> {
-    let value = planes.at(plane, i);
+    let value = planes.value(plane, i);
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
         return Ok(value.clamp(0.0, 1.0));
     }
@@ -76,7 +76,7 @@ impl MapRoughness {
                 RoughnessKind::Perceptual => roughness_of_perceptual(unit(&planes, 0, i)? as f32),
                 RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit(&planes, 0, i)?) as f32),
                 // An exponent of 0 is the widest lobe; an infinite one is a mirror.
-                RoughnessKind::PhongExponent => match planes.at(0, i) {
+                RoughnessKind::PhongExponent => match planes.value(0, i) {
                     0.0 => 1.0,
                     exponent if exponent > 0.0 => roughness_of_exponent(exponent as f32),
                     other => return Err(planes.error(i, other, "be a number from 0 on")),
@@ -199,7 +199,7 @@ impl MapSky {
     /// The errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
         let planes = self.0.read(files)?;
-        let shows = |i| if planes.at(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };
+        let shows = |i| if planes.value(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };
         Ok((0..files.pixels()).map(shows).collect())
     }
 }

@@ -56,7 +56,7 @@ struct TextureUse<'a> {
 }
 
 impl<'a> TextureUse<'a> {
-    fn of(info: &Info<'a>) -> Self {
+    fn of_info(info: &Info<'a>) -> Self {
         let (set, offset, rotation, scale) = match info.texture_transform() {
             Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
             None => (info.tex_coord(), [0.0; 2], 0.0, [1.0; 2]),
@@ -102,7 +102,7 @@ impl<'a> TextureUse<'a> {
 pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
     let pbr = material.pbr_metallic_roughness();
     let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
-    let [base, metallic, emissive] = images.map(|info| info.map(|i| TextureUse::of(&i).coordinates));
+    let [base, metallic, emissive] = images.map(|info| info.map(|i| TextureUse::of_info(&i).coordinates));
     let normals = material.normal_texture().map(|n| TextureUse::of_normals(&n).coordinates);
     let mut all = [base, metallic, normals, emissive].into_iter().flatten();
     let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
@@ -286,7 +286,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     let pbr = material.pbr_metallic_roughness();
     let factors = factors(material);
     let specular = specular_images(data, material);
-    let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of(&info).image(data, notes));
+    let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of_info(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let rough = image(pbr.metallic_roughness_texture());
     let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);

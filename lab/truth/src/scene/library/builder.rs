@@ -55,7 +55,7 @@ impl MeshBuilder {
 
     /// Finishes the mesh.
     pub fn build(self) -> Mesh {
-        let bounds = Aabb::of(&self.vertices);
+        let bounds = Aabb::around(&self.vertices);
         Mesh { name: self.name, vertices: self.vertices, indices: self.indices, material: self.material, bounds }
     }
 

@@ -346,7 +346,7 @@ fn rose_rect() -> Rect {
 fn impostors() -> Vec<(String, super::portrait::ImpostorFrame)> {
     let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
-        let middle = window.wall.at(window.rect.min.x, 0.0, 0.0).z;
+        let middle = window.wall.point_at(window.rect.min.x, 0.0, 0.0).z;
         let kind = if window.name.starts_with("east") {
             "east window"
         } else if window.name.starts_with("clerestory") && middle > NAVE_END - 2.0 * BAY_M {

@@ -194,7 +194,7 @@ fn doors() -> Vec<MeshBuilder> {
             for (y, height) in [(0.55, 0.7), (1.5, 0.9)] {
                 wall.border(&mut leaves, centred_rect(a, y, 0.56, height), 0.04, [-0.1, -0.085]);
             }
-            handles.sphere(wall.at(a + 0.4, 1.03, -0.05), 0.035, [16, 8]);
+            handles.sphere(wall.point_at(a + 0.4, 1.03, -0.05), 0.035, [16, 8]);
             if number < 4 {
                 let mut plate = mesh("number", NUMBER + number);
                 wall.picture(&mut plate, centred_rect(a, 1.72, 0.16, 0.16), -0.08);
@@ -259,7 +259,7 @@ fn things() -> Vec<MeshBuilder> {
     behind.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
     let mut rods = mesh("exit-rods", METAL);
     for a in [-0.28, 0.28] {
-        let top = exit_face().at(0.72 + a, HEIGHT, -0.005);
+        let top = exit_face().point_at(0.72 + a, HEIGHT, -0.005);
         rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.01));
     }
     let mut bench = mesh("bench", DOOR);

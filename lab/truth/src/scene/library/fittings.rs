@@ -24,7 +24,7 @@ impl Face {
         Vec3::Y.cross(self.right)
     }
 
-    pub fn at(&self, a: f32, y: f32, out: f32) -> Vec3 {
+    pub fn point_at(&self, a: f32, y: f32, out: f32) -> Vec3 {
         self.origin + a * self.right + y * Vec3::Y + out * self.outward()
     }
 
@@ -35,7 +35,7 @@ impl Face {
 
     /// A box on or in the face, between two distances out of the face.
     pub fn block(&self, mesh: &mut MeshBuilder, rect: Rect, [from, to]: [f32; 2]) {
-        let (p, q) = (self.at(rect.min.x, rect.min.y, from), self.at(rect.max.x, rect.max.y, to));
+        let (p, q) = (self.point_at(rect.min.x, rect.min.y, from), self.point_at(rect.max.x, rect.max.y, to));
         mesh.cuboid(p.min(q), p.max(q));
     }
 
@@ -61,8 +61,13 @@ impl Face {
         let middle = 0.5 * (low + high);
         for k in 0..4 {
             let ((a, b), (c, d)) = (corners[k], corners[(k + 1) % 4]);
-            let facing = self.at(middle.x, middle.y, 0.0) - self.at(0.5 * (a + c), 0.5 * (b + d), 0.0);
-            let sides = [self.at(a, b, 0.0), self.at(c, d, 0.0), self.at(c, d, -depth), self.at(a, b, -depth)];
+            let facing = self.point_at(middle.x, middle.y, 0.0) - self.point_at(0.5 * (a + c), 0.5 * (b + d), 0.0);
+            let sides = [
+                self.point_at(a, b, 0.0),
+                self.point_at(c, d, 0.0),
+                self.point_at(c, d, -depth),
+                self.point_at(a, b, -depth),
+            ];
             mesh.polygon(&sides, facing);
         }
     }
@@ -70,7 +75,7 @@ impl Face {
     /// A rectangle that shows one whole image.
     pub fn picture(&self, mesh: &mut MeshBuilder, rect: Rect, out: f32) {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
-        mesh.picture(self.at(middle.x, middle.y, out), half.x * self.right, half.y * Vec3::Y);
+        mesh.picture(self.point_at(middle.x, middle.y, out), half.x * self.right, half.y * Vec3::Y);
     }
 
     /// The rectangle of an impostor in front of the face.
@@ -78,7 +83,7 @@ impl Face {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
         ImpostorFrame {
             name,
-            centre: self.at(middle.x, middle.y, out),
+            centre: self.point_at(middle.x, middle.y, out),
             half_right: half.x * self.right,
             half_up: half.y * Vec3::Y,
             width,

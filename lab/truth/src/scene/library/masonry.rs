@@ -37,7 +37,7 @@ impl Wall {
     }
 
     /// A point of the wall; `side` is −1…1 across its thickness.
-    fn at(&self, a: f32, height: f32, side: f32) -> Vec3 {
+    fn point_at(&self, a: f32, height: f32, side: f32) -> Vec3 {
         self.origin + a * self.along + height * Vec3::Y + 0.5 * side * self.thickness_m * self.across()
     }
 
@@ -66,7 +66,7 @@ pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom,
         let facing = side * wall.across();
         let mut pier = |from: f32, to: f32, spring: f32| {
             for [low, high] in [[bottom, spring], [spring, top]] {
-                let corner = |a: f32, height: f32| wall.at(a, height, side);
+                let corner = |a: f32, height: f32| wall.point_at(a, height, side);
                 mesh.polygon(&[corner(from, low), corner(to, low), corner(to, high), corner(from, high)], facing);
             }
         };
@@ -78,8 +78,8 @@ pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom,
         pier(from, span[1], arches.last().map_or(bottom, |a| a.spring_m));
         for arch in arches {
             let curve = arch_points(arch);
-            let lower: Vec<Vec3> = curve.iter().map(|p| wall.at(p.x, p.y, side)).collect();
-            let upper: Vec<Vec3> = curve.iter().map(|p| wall.at(p.x, top, side)).collect();
+            let lower: Vec<Vec3> = curve.iter().map(|p| wall.point_at(p.x, p.y, side)).collect();
+            let upper: Vec<Vec3> = curve.iter().map(|p| wall.point_at(p.x, top, side)).collect();
             mesh.band(&lower, &upper, facing);
         }
     }
@@ -92,7 +92,7 @@ pub fn soffit(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, bottom: f32) {
         [(arch.centre_m - arch.half_width_m, wall.along), (arch.centre_m + arch.half_width_m, -wall.along)]
     {
         let corners = [(bottom, -1.0), (bottom, 1.0), (arch.spring_m, 1.0), (arch.spring_m, -1.0)];
-        mesh.polygon(&corners.map(|(height, side)| wall.at(a, height, side)), facing);
+        mesh.polygon(&corners.map(|(height, side)| wall.point_at(a, height, side)), facing);
     }
 }
 
@@ -103,7 +103,7 @@ pub fn archivolt(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, width_m: f32,
     let outer = arch.widened(width_m);
     let (inside, outside) = (arch_points(arch), arch_points(&outer));
     for side in [-1.0, 1.0] {
-        let line = |points: &[Vec2]| points.iter().map(|p| wall.at(p.x, p.y, side)).collect::<Vec<_>>();
+        let line = |points: &[Vec2]| points.iter().map(|p| wall.point_at(p.x, p.y, side)).collect::<Vec<_>>();
         mesh.band(&line(&inside), &line(&outside), side * wall.across());
     }
     arch_shell(mesh, &wall, arch, true);
@@ -121,7 +121,7 @@ fn arch_shell(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, inwards: bool) {
     mesh.surface(Vec3::ZERO, [ARCH_STEPS, 1], |s, t| {
         let p = arch.curve(s);
         let side = across * (2.0 * t - 1.0);
-        (wall.at(p.x, p.y, side), Vec2::new(s * length, t * wall.thickness_m))
+        (wall.point_at(p.x, p.y, side), Vec2::new(s * length, t * wall.thickness_m))
     });
 }
 

@@ -37,7 +37,7 @@ fn indices_materials_and_textures_exist() {
             assert!(!mesh.indices.is_empty() && mesh.indices.len() % 3 == 0, "{}", mesh.name);
             assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()), "{}", mesh.name);
             assert!(mesh.material < scene.materials.len(), "{}", mesh.name);
-            assert_eq!(mesh.bounds, crate::scene::Aabb::of(&mesh.vertices));
+            assert_eq!(mesh.bounds, crate::scene::Aabb::around(&mesh.vertices));
         }
         for material in &scene.materials {
             let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];

@@ -65,9 +65,9 @@ fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd>
         return None;
     }
     let mirrored = direction.reflect(front(triangles.corners(&first))).normalize();
-    let ray = WorldRay { origin: ray.at(first.t), direction: mirrored, t_min: 1e-4, t_max: f64::INFINITY };
+    let ray = WorldRay { origin: ray.point_at(first.t), direction: mirrored, t_min: 1e-4, t_max: f64::INFINITY };
     let last = triangles.closest(&ray)?;
-    let position = ray.at(last.t);
+    let position = ray.point_at(last.t);
     let beside = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
     let hidden = beside || !sees(triangles, eye, position);
     hidden.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })

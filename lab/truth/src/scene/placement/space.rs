@@ -153,7 +153,7 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
     let mut above = f64::INFINITY;
     for _ in 0..STOREYS {
         let Some(hit) = triangles.closest(&ray) else { break };
-        let floor = ray.at(hit.t);
+        let floor = ray.point_at(hit.t);
         let height_m = above - floor.y;
         if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
             stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });

@@ -25,7 +25,7 @@ fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
         let order = if turned { [0, 2, 1, 0, 3, 2] } else { [0, 1, 2, 0, 2, 3] };
         mesh.indices.extend(order.map(|k| first + k));
     }
-    mesh.bounds = Aabb::of(&mesh.vertices);
+    mesh.bounds = Aabb::around(&mesh.vertices);
     mesh
 }
 
@@ -100,7 +100,7 @@ fn auto_stops_where_another_capture_gains_little() {
 #[test]
 fn the_captures_of_a_file_come_first() {
     let mut scene = two_rooms();
-    let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::at(Vec3::new(x, 1.0, 3.0)) });
+    let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::placed_at(Vec3::new(x, 1.0, 3.0)) });
     scene.captures = own.to_vec();
     let auto = place(&scene, WantedCaptures::Auto);
     assert_eq!((auto.captures.as_slice(), auto.own), (&own[..], 2));

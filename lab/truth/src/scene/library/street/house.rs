@@ -165,13 +165,13 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
 /// The parts of the side walls that rise above lower neighbours.
 fn gables(wall: &mut MeshBuilder, front: &HouseFront) {
     for (a, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
-        let point = |y: f32, out: f32| front.face.at(a, y, out);
+        let point = |y: f32, out: f32| front.face.point_at(a, y, out);
         wall.polygon(
             &[point(0.0, 0.0), point(front.height, 0.0), point(front.height, -DEPTH_M), point(0.0, -DEPTH_M)],
             facing,
         );
     }
-    let roof = |a: f32, out: f32| front.face.at(a, front.height, out);
+    let roof = |a: f32, out: f32| front.face.point_at(a, front.height, out);
     let [from, to] = front.span;
     wall.polygon(&[roof(from, 0.0), roof(to, 0.0), roof(to, -DEPTH_M), roof(from, -DEPTH_M)], Vec3::Y);
 }

@@ -1,0 +1,28 @@
+//! The texts of the repository that people write.
+
+use super::repository;
+use std::path::{Path, PathBuf};
+
+/// Shaders.
+pub const GLSL: [&str; 4] = ["glsl", "vert", "frag", "comp"];
+
+/// Folders with what nobody wrote.
+const SKIPPED: [&str; 4] = ["target", "corpus", "runs", "golden"];
+
+/// The texts at some places of the repository, files or folders, that have one of some extensions, with their paths from its root.
+pub fn texts(places: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
+    let is_wanted = |path: &Path| path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted));
+    let is_skipped = |path: &Path| path.file_name().is_some_and(|name| SKIPPED.iter().any(|skipped| name == *skipped));
+    let mut left: Vec<PathBuf> = places.iter().map(|place| repository().join(place)).collect();
+    let mut found = Vec::new();
+    while let Some(path) = left.pop() {
+        if path.is_dir() {
+            let entries = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
+            left.extend(entries.filter(|entry| !is_skipped(entry)));
+        } else if is_wanted(&path) {
+            let name = path.strip_prefix(repository()).unwrap().to_string_lossy().replace('\\', "/");
+            found.push((name, std::fs::read_to_string(&path).unwrap()));
+        }
+    }
+    found
+}

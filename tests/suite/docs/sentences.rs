@@ -1,0 +1,80 @@
+//! Sentences of the pages have few words.
+
+use super::{outside_code, pages, root};
+use std::fs;
+
+/// Words that a sentence has at most.
+const MOST_WORDS: usize = 35;
+
+/// A text without what stands between two marks.
+fn without(text: &str, [open, close]: [&str; 2]) -> String {
+    let (mut kept, mut rest) = (String::new(), text);
+    while let Some((before, marked)) = rest.split_once(open) {
+        kept.push_str(before);
+        rest = marked.split_once(close).map_or("", |(_, after)| after);
+    }
+    kept + rest
+}
+
+/// The paragraphs and the items of lists of a page. Code, tables, headings and addresses are no prose.
+fn paragraphs(page: &str) -> Vec<String> {
+    let page = without(&outside_code(page).join("\n"), ["<!--", "-->"]);
+    let mut all: Vec<String> = Vec::new();
+    let mut is_open = false;
+    for line in page.lines().map(str::trim) {
+        let is_number = line.split_once(". ").is_some_and(|(number, _)| number.parse::<u32>().is_ok());
+        if line.is_empty() || line.starts_with(['|', '#']) || line.starts_with('[') && line.contains("]: ") {
+            is_open = false;
+        } else if is_open && !line.starts_with("- ") && !line.starts_with("* ") && !is_number {
+            let paragraph = all.last_mut().unwrap();
+            paragraph.push(' ');
+            paragraph.push_str(line);
+        } else {
+            all.push(line.to_owned());
+            is_open = true;
+        }
+    }
+    all
+}
+
+/// The sentences of a paragraph that have too many words. A colon ends one if what follows it begins as a sentence does.
+fn wordy(paragraph: &str) -> Vec<String> {
+    let text = without(paragraph, ["](", ")"]);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let begins = |word: &&str| word.starts_with(|c: char| c.is_uppercase() || "`*[(".contains(c));
+    let is_end = |n: usize| words[n].ends_with(['.', '!', '?', ':']) && words.get(n + 1).is_none_or(begins);
+    let (mut all, mut from) = (Vec::new(), 0);
+    for n in 0..words.len() {
+        if is_end(n) || n + 1 == words.len() {
+            let sentence = &words[from..=n];
+            let count = sentence.iter().filter(|word| word.contains(char::is_alphanumeric)).count();
+            all.extend((count > MOST_WORDS).then(|| sentence.join(" ")));
+            from = n + 1;
+        }
+    }
+    all
+}
+
+#[test]
+fn sentences_have_few_words() {
+    let map = fs::read_to_string(root().join("src/ARCHITECTURE.md")).unwrap();
+    let (mut sentences, mut wrong) = (0, Vec::new());
+    for (name, text) in pages().into_iter().chain([("src/ARCHITECTURE.md".to_owned(), map)]) {
+        for paragraph in paragraphs(&text) {
+            sentences += 1;
+            wrong.extend(wordy(&paragraph).iter().map(|sentence| format!("{name}: {sentence}")));
+        }
+    }
+    assert!(wrong.is_empty(), "sentences of more than {MOST_WORDS} words:\n{}", wrong.join("\n"));
+    assert!(sentences > 1000, "only {sentences} paragraphs");
+}
+
+#[test]
+fn words_are_counted_as_readers_count_them() {
+    let thirty = "word ".repeat(30);
+    let found = |page: &str| paragraphs(page).iter().flat_map(|paragraph| wordy(paragraph)).count();
+    assert_eq!(found(&format!("# Heading\n\n{thirty}one two three four [five](a/b.md)\n")), 0);
+    assert_eq!(found(&format!("First.\n\n{thirty}\none two three four five six\n")), 1);
+    assert_eq!(found(&format!("{thirty}. A sentence {thirty}.\n- An item: {thirty}")), 0);
+    assert_eq!(found(&format!("```\n{thirty}{thirty}\n```\n| {thirty}{thirty} |\n<!-- {thirty}{thirty} -->\n")), 0);
+}
